@@ -1,0 +1,65 @@
+"""Where the YAML files that ship with the package lie, and how one is read."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from functools import lru_cache
+from pathlib import Path
+from typing import Any
+
+import yaml
+
+from al_questioner.domain import InputError
+
+
+@lru_cache(maxsize=1)
+def config_dir() -> Path:
+    """The folder that holds `tasks/`, `weights/` and `params/`.
+
+    A source checkout keeps it beside the package; pip, colcon and Debian install it as `share/al_questioner/config`
+    somewhere above the package.
+
+    Raises:
+        InputError: neither place exists.
+    """
+    package = Path(__file__).resolve().parent
+    installed = (parent / 'share' / 'al_questioner' / 'config' for parent in package.parents)
+    for candidate in (package.parent / 'config', *installed):
+        if (candidate / 'tasks').is_dir():
+            return candidate
+    raise InputError(f'the configuration of al_questioner is not installed: no config/tasks found above {package}')
+
+
+def named_file(folder: str, name_or_path: str, what: str) -> Path:
+    """The YAML file of a name that ships in `config/FOLDER`, or of a path that the user gives.
+
+    Raises:
+        InputError: neither exists; the text lists the known names.
+    """
+    shipped = config_dir() / folder / f'{name_or_path}.yaml'
+    if shipped.is_file():
+        return shipped
+    path = Path(name_or_path).expanduser()
+    if path.suffix in ('.yaml', '.yml'):
+        if path.is_file():
+            return path
+        raise InputError(f'{what} file {name_or_path} does not exist')
+    known = ', '.join(sorted(p.stem for p in (config_dir() / folder).glob('*.yaml')))
+    raise InputError(f'unknown {what} {name_or_path!r}; known: {known}, or the path of a YAML file')
+
+
+def read_yaml(path: Path) -> Mapping[str, Any]:
+    """The mapping that a YAML file holds.
+
+    Raises:
+        InputError: the file cannot be read, is no YAML, or holds something else than a mapping.
+    """
+    try:
+        content = yaml.safe_load(path.read_text(encoding='utf-8'))
+    except (OSError, UnicodeDecodeError) as error:
+        raise InputError(f'{path}: cannot be read ({error})') from error
+    except yaml.YAMLError as error:
+        raise InputError(f'{path}: not valid YAML ({" ".join(str(error).split())})') from error
+    if not isinstance(content, Mapping):
+        raise InputError(f'{path}: expected a mapping of settings, found {type(content).__name__}')
+    return content
