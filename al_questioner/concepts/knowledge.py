@@ -1,0 +1,251 @@
+"""Everything the learner has been told, and the models that follow from it."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from al_questioner.concepts.gaussian_process import Array
+from al_questioner.concepts.models import ConceptModels
+from al_questioner.concepts.selection import select_features
+from al_questioner.concepts.standardiser import Standardiser
+from al_questioner.domain import NO_SYMBOL, FloatArray, InputError, QueryRecord, Scene, SceneError, group_of
+
+VIEW_TOLERANCE = 1e-3
+"""Root mean square change, in standard deviations, up to which an object is still the same view: none but rounding."""
+
+
+@dataclass(frozen=True, eq=False)
+class LabelledView:
+    """One thing the teacher named: what it looked like, what it is, and when it was said."""
+
+    object_id: int
+    features: NDArray[np.float32]
+    label: str
+    turn: int
+
+
+class Knowledge:
+    """What was seen and what was told, as concept models: a deterministic function of the events, in their order.
+
+    The features are standardised with what was seen, restricted to what the teacher called relevant, and, if so
+    wished, to what a computational selector picks from the labels so far. Models are fitted when they are next used.
+
+    Args:
+        symbols: the concepts to ground.
+        amplitude: variance of the Gaussian processes' kernel.
+        length_scale: of the kernel in standard deviations; None for the square root of the number of features in use.
+        computational_selection: select features computationally after every label.
+        view_tolerance: an object whose features moved by less is still the same view; root mean square over the
+            features, in standard deviations. The default means 'not at all'; a live camera's noise needs more.
+    """
+
+    def __init__(
+        self,
+        symbols: Sequence[str],
+        amplitude: float = 4.0,
+        length_scale: float | None = None,
+        computational_selection: bool = False,
+        view_tolerance: float = VIEW_TOLERANCE,
+    ) -> None:
+        if not (np.isfinite(view_tolerance) and view_tolerance >= 0):
+            raise InputError(f'view_tolerance must be a number of 0 or more, not {view_tolerance}')
+        self.symbols = tuple(symbols)
+        self.feature_names: tuple[str, ...] = ()
+        self.labelled_views: list[LabelledView] = []
+        self._models = ConceptModels(self.symbols, amplitude, length_scale)
+        self._computational_selection = computational_selection
+        self._view_tolerance = view_tolerance
+        self._standardiser = Standardiser(0)
+        self._told_relevant: NDArray[np.bool_] | None = None
+        self._last_views: dict[int, bytes] = {}
+        self._version = 0
+        self._fitted_version = -1
+        self._active: NDArray[np.bool_] = np.ones(0, dtype=bool)
+
+    @property
+    def groups(self) -> tuple[str, ...]:
+        """The feature groups, in the order of the features."""
+        return tuple(dict.fromkeys(group_of(name) for name in self.feature_names))
+
+    @property
+    def positives(self) -> dict[str, int]:
+        """Number of positive examples of each symbol, in the order of the symbols."""
+        labels = [view.label for view in self.labelled_views]
+        return {symbol: labels.count(symbol) for symbol in self.symbols}
+
+    @property
+    def model_version(self) -> int:
+        """How often an event has called for new models.
+
+        It counts events and not fits, so that looking at the models in between changes nothing.
+        """
+        return self._version
+
+    @property
+    def subset_was_told(self) -> bool:
+        """Whether the teacher has said which features are relevant."""
+        return self._told_relevant is not None
+
+    @property
+    def active_features(self) -> NDArray[np.bool_]:
+        """(m,) the features that the models use."""
+        self._refresh()
+        return self._active.copy()
+
+    def observe(self, scene: Scene) -> None:
+        """Take in what the scene says about the features' spread; a view that is already known says nothing new.
+
+        Raises:
+            SceneError: the features are not those of the scenes before.
+        """
+        if not self.feature_names:
+            self.feature_names = scene.feature_names
+            self._standardiser = Standardiser(len(scene.feature_names))
+        elif scene.feature_names != self.feature_names:
+            raise SceneError(_layout_difference(self.feature_names, scene.feature_names))
+        views = [row.tobytes() for row in scene.features.astype(np.float32)]
+        new = [self._last_views.get(i) != view for i, view in zip(scene.object_ids, views, strict=True)]
+        if any(new):
+            self._standardiser.update(scene.features[new])
+            self._last_views.update(zip(scene.object_ids, views, strict=True))
+            self._version += 1
+
+    def label(self, object_id: int, features: FloatArray, symbol: str, turn: int) -> None:
+        """Learn that an object is an example of a symbol, or of none.
+
+        Args:
+            object_id: the object's id in its scene.
+            features: (m,) raw features of the view that was named.
+            symbol: a symbol, or `NO_SYMBOL`.
+            turn: when it was said.
+
+        Raises:
+            InputError: an unknown symbol, or features that do not fit those observed.
+        """
+        if symbol not in self.symbols and symbol != NO_SYMBOL:
+            raise InputError(f'unknown label {symbol!r}; known: {", ".join((*self.symbols, NO_SYMBOL))}')
+        vector = np.array(features, dtype=np.float32)
+        if vector.shape != (len(self.feature_names),):
+            raise InputError(f'features have shape {vector.shape}, expected {(len(self.feature_names),)}')
+        if not np.isfinite(vector).all():
+            raise InputError(f'the features of object {object_id} are not all finite')
+        self.labelled_views.append(LabelledView(object_id, vector, symbol, turn))
+        self._version += 1
+
+    def learn(self, record: QueryRecord, scene: Scene) -> None:
+        """Learn what came of a query about a scene; an answer that names nothing teaches nothing.
+
+        Raises:
+            InputError: the object is not in the scene, or a symbol or feature group is unknown.
+        """
+        if record.groups:
+            self.restrict_to_groups(record.groups)
+        elif record.object_id is not None and record.symbol is not None:
+            if record.object_id not in scene.object_ids:
+                raise InputError(f'object {record.object_id} is not in the scene')
+            self.label(record.object_id, scene.features[scene.index_of(record.object_id)], record.symbol, record.turn)
+
+    def restrict_to_groups(self, groups: Iterable[str]) -> None:
+        """Use the features of these groups only, as the answer to a feature subset query.
+
+        Raises:
+            InputError: no group, or an unknown one.
+        """
+        chosen = tuple(groups)
+        if not chosen:
+            raise InputError('no feature group was named')
+        for group in chosen:
+            if group not in self.groups:
+                raise InputError(f'unknown feature group {group!r}; known: {", ".join(self.groups)}')
+        self._told_relevant = np.array([group_of(name) in chosen for name in self.feature_names])
+        self._version += 1
+
+    def predict_proba(self, features: FloatArray) -> Array:
+        """(k, |Y|) q_y(x) of (k, m) raw features."""
+        self._refresh()
+        return self._models.predict_proba(self._standardiser.transform(features)[:, self._active])
+
+    def look_ahead(self, scene: Scene) -> Array:
+        """(|X|, |Y|, |X|, |Y|): [i, j] is the prediction for the scene had its i-th object been labelled symbol j."""
+        self._refresh()
+        return self._models.look_ahead(self._standardiser.transform(scene.features)[:, self._active])
+
+    def predict_after_selection(self, scene: Scene) -> Array:
+        """(|X|, |Y|) prediction for the scene had the teacher named the features a computational selector would pick.
+
+        Stands in for the answer to a feature subset query, which the learner cannot know (DESIGN section 4).
+        """
+        self._refresh()
+        table = self._standardiser.transform(self._labelled_features())
+        chosen = select_features(table, self._labels())
+        models = ConceptModels(self.symbols, self._models.amplitude, self._models.length_scale)
+        models.fit(table[:, chosen], self._labels())
+        return models.predict_proba(self._standardiser.transform(scene.features)[:, chosen])
+
+    def is_labelled(self, scene: Scene) -> NDArray[np.bool_]:
+        """(n,) whether this view of each object has been labelled already, as a symbol or as none."""
+        return self.times_labelled(scene) > 0
+
+    def times_labelled(self, scene: Scene) -> NDArray[np.intp]:
+        """(n,) how often this view of each object has been labelled."""
+        times = np.zeros(len(scene), dtype=np.intp)
+        for row, object_id in enumerate(scene.object_ids):
+            known = [view.features for view in self.labelled_views if view.object_id == object_id]
+            times[row] = sum(self._same_view(features, scene.features[row]) for features in known)
+        return times
+
+    def is_unchanged(self, before: Scene, after: Scene) -> bool:
+        """Whether two scenes show the same views of the same objects."""
+        if set(before.object_ids) != set(after.object_ids):
+            return False
+        return all(
+            self._same_view(before.features[before.index_of(object_id)], after.features[row])
+            for row, object_id in enumerate(after.object_ids)
+        )
+
+    def distance_to_labelled(self, scene: Scene) -> Array:
+        """(n,) distance of each object to the nearest labelled view in the features in use; 0 without labels.
+
+        In standard deviations, as root mean square over the features.
+        """
+        self._refresh()
+        if not self.labelled_views:
+            return np.zeros(len(scene))
+        points = self._standardiser.transform(scene.features)[:, self._active]
+        labelled = self._standardiser.transform(self._labelled_features())[:, self._active]
+        squared: Array = np.mean((points[:, None] - labelled[None]) ** 2, axis=2)
+        return np.asarray(np.sqrt(np.min(squared, axis=1)))
+
+    def _refresh(self) -> None:
+        """Fit the models if an event has called for it since they were fitted."""
+        if self._fitted_version == self._version:
+            return
+        table, labels = self._standardiser.transform(self._labelled_features()), self._labels()
+        told = self._told_relevant
+        self._active = np.ones(len(self.feature_names), dtype=bool) if told is None else told.copy()
+        if self._computational_selection:
+            self._active[self._active] = select_features(table[:, self._active], labels)
+        self._models.fit(table[:, self._active], labels)
+        self._fitted_version = self._version
+
+    def _labels(self) -> list[str]:
+        return [view.label for view in self.labelled_views]
+
+    def _labelled_features(self) -> Array:
+        rows = [view.features for view in self.labelled_views]
+        return np.array(rows, dtype=np.float64).reshape(len(rows), len(self.feature_names))
+
+    def _same_view(self, first: FloatArray, second: FloatArray) -> bool:
+        difference = (first.astype(np.float64) - second) / self._standardiser.scale
+        return bool(np.sqrt(np.mean(difference**2)) <= self._view_tolerance)
+
+
+def _layout_difference(expected: tuple[str, ...], actual: tuple[str, ...]) -> str:
+    if len(expected) != len(actual):
+        return f'the scene has {len(actual)} features, those before had {len(expected)}'
+    position = next(i for i, (e, a) in enumerate(zip(expected, actual, strict=True)) if e != a)
+    return f'feature {position} of the scene is {actual[position]!r}, it was {expected[position]!r} before'

@@ -1,0 +1,70 @@
+"""Computational feature selection: which features tell the labels apart, judged from the labels alone."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.special import fdtrc
+
+from al_questioner.concepts.gaussian_process import Array
+from al_questioner.domain import FloatArray, InputError
+
+
+def select_features(
+    features: FloatArray, labels: Sequence[str], significance: float = 0.05, least: int = 5
+) -> NDArray[np.bool_]:
+    """A standard filter: keep the features whose means differ between the labels by a one-way analysis of variance.
+
+    Few labels give the test no power, so the `least` features of smallest p-value stay in any case. `NO_SYMBOL` is a
+    label like any other: telling things from clutter is part of the task.
+
+    Args:
+        features: (n, m) features of the labelled things; their unit does not matter.
+        labels: n names.
+        significance: probability with which a feature that says nothing is kept.
+        least: number of features that stay whatever their significance.
+
+    Returns:
+        (m,) true for a feature to use; all of them if the labels allow no test (fewer than two different ones, or
+        none that occurs twice).
+
+    Raises:
+        InputError: shapes that do not fit.
+    """
+    table = np.asarray(features, dtype=np.float64)
+    if table.ndim != 2 or len(table) != len(labels):
+        raise InputError(f'features of shape {table.shape} do not fit {len(labels)} labels')
+    n_classes = len(set(labels))
+    if not 2 <= n_classes < len(labels):
+        return np.ones(table.shape[1], dtype=bool)
+    p_values = anova_p_values(table, labels)
+    selected = p_values <= significance
+    selected[np.argsort(p_values, kind='stable')[:least]] = True
+    return selected
+
+
+def anova_p_values(features: Array, labels: Sequence[str]) -> Array:
+    """p-value of the one-way analysis of variance of each feature, 1 for a constant feature.
+
+    Args:
+        features: (n, m).
+        labels: n names, k of them different, 2 <= k < n.
+
+    Returns:
+        (m,) probability of an F statistic at least this large, had the feature the same mean in all classes.
+    """
+    classes, code = np.unique(np.asarray(labels), return_inverse=True)
+    n, k = len(features), len(classes)
+    membership = code[:, None] == np.arange(k)
+    centred = features - features.mean(axis=0)
+    means = (membership.T @ centred) / membership.sum(axis=0)[:, None]
+    within = ((centred - means[code]) ** 2).sum(axis=0)
+    between = (membership.sum(axis=0)[:, None] * means**2).sum(axis=0)
+    # Rounding leaves a constant feature a spread in the last digits, of which F would make a finding.
+    resolution = n * (np.finfo(np.float64).eps * np.abs(features).max(axis=0)) ** 2
+    constant = between + within <= resolution
+    with np.errstate(divide='ignore', invalid='ignore'):
+        statistic = (between / (k - 1)) / (within / (n - k))
+    return np.where(constant, 1.0, fdtrc(k - 1, n - k, np.where(constant, 0.0, statistic)))

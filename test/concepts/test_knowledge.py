@@ -1,0 +1,163 @@
+"""What was told, and what follows from it."""
+
+import numpy as np
+import pytest
+
+from al_questioner.concepts import ConceptModels, Knowledge
+from al_questioner.domain import NO_SYMBOL, InputError, Outcome, QueryKind, QueryRecord, Scene, SceneError
+
+SYMBOLS = ('snack', 'fruit')
+NAMES = ('colour_red', 'colour_green', 'size_height', 'noise_max')
+
+
+def scene_of(features, object_ids=None, names=NAMES):
+    table = np.asarray(features, dtype=np.float32)
+    ids = tuple(range(len(table))) if object_ids is None else tuple(object_ids)
+    return Scene(ids, np.zeros((len(table), 3), dtype=np.float32), table, names)
+
+
+@pytest.fixture
+def scene():
+    return scene_of(np.random.default_rng(0).normal(loc=5, scale=3, size=(6, 4)))
+
+
+@pytest.fixture
+def taught(scene):
+    knowledge = Knowledge(SYMBOLS)
+    knowledge.observe(scene)
+    knowledge.label(0, scene.features[0], 'snack', turn=1)
+    knowledge.label(1, scene.features[1], 'fruit', turn=2)
+    knowledge.label(2, scene.features[2], NO_SYMBOL, turn=3)
+    return knowledge
+
+
+def test_beliefs_are_those_of_models_on_standardised_features(taught, scene):
+    """The whole path: raw features, statistics of the observations, labels, models."""
+    table = scene.features.astype(np.float64)
+    standardised = (table - table.mean(axis=0)) / table.std(axis=0)
+    expected = ConceptModels(SYMBOLS).fit(standardised[:3], ['snack', 'fruit', NO_SYMBOL])
+    np.testing.assert_allclose(taught.predict_proba(scene.features), expected.predict_proba(standardised), atol=1e-10)
+    np.testing.assert_allclose(taught.look_ahead(scene), expected.look_ahead(standardised), atol=1e-10)
+
+
+def test_told_groups_are_the_only_features_in_use(taught, scene):
+    """After the answer to a feature subset query the other features must not count, nor widen the kernel."""
+    taught.restrict_to_groups(('size', 'colour'))
+    assert taught.active_features.tolist() == [True, True, True, False]
+    other = scene.features.copy()
+    other[:, 3] = 1000
+    np.testing.assert_array_equal(taught.predict_proba(other), taught.predict_proba(scene.features))
+
+
+def test_same_view_counts_once_in_the_statistics(scene):
+    """A scene that stays for ten turns is one observation of each object, not ten."""
+    once, often = Knowledge(SYMBOLS), Knowledge(SYMBOLS)
+    once.observe(scene)
+    for _ in range(10):
+        often.observe(scene)
+    moved = scene_of(np.vstack([scene.features[:5], scene.features[5:] + 1]))
+    once.observe(moved)
+    often.observe(moved)
+    for knowledge in (once, often):
+        knowledge.label(0, scene.features[0], 'snack', 1)
+    np.testing.assert_array_equal(once.predict_proba(scene.features), often.predict_proba(scene.features))
+    assert once.model_version == often.model_version == 3
+
+
+def test_looking_at_the_models_leaves_no_trace(scene):
+    """A learner that is watched must stay equal to one that is not, the version of its models included."""
+    plain, watched = Knowledge(SYMBOLS), Knowledge(SYMBOLS)
+    for turn in range(3):
+        for knowledge in (plain, watched):
+            knowledge.observe(scene)
+            knowledge.label(turn, scene.features[turn], 'snack', turn)
+        watched.predict_proba(scene.features)
+        watched.look_ahead(scene)
+    assert plain.model_version == watched.model_version
+    np.testing.assert_array_equal(plain.predict_proba(scene.features), watched.predict_proba(scene.features))
+
+
+def test_positives_do_not_count_what_belongs_to_nothing(taught):
+    assert taught.positives == {'snack': 1, 'fruit': 1}
+
+
+def test_labelled_views_are_recognised(taught, scene):
+    """None counts as a label; a changed object, or another one that looks the same, is unlabelled."""
+    assert taught.is_labelled(scene).tolist() == [True, True, True, False, False, False]
+    changed = scene_of(scene.features + np.array([[0], [2], [0], [0], [0], [0]]), object_ids=(0, 1, 9, 3, 4, 5))
+    assert taught.is_labelled(changed).tolist() == [True, False, False, False, False, False]
+    taught.label(0, scene.features[0], 'snack', turn=4)
+    assert taught.times_labelled(scene).tolist() == [2, 1, 1, 0, 0, 0]
+
+
+def test_view_tolerance_forgives_the_noise_of_a_camera(scene):
+    """Tolerances are in standard deviations of the features."""
+    noisy = scene_of(scene.features + 0.05 * scene.features.std(axis=0))
+    for tolerance, same in ((0.0, False), (0.2, True)):
+        knowledge = Knowledge(SYMBOLS, view_tolerance=tolerance)
+        knowledge.observe(scene)
+        knowledge.label(0, scene.features[0], 'snack', 1)
+        assert knowledge.is_labelled(noisy)[0] == same
+        assert knowledge.is_unchanged(scene, noisy) == same
+
+
+def test_order_of_objects_is_no_change(taught, scene):
+    backwards = scene_of(scene.features[::-1], object_ids=scene.object_ids[::-1])
+    assert taught.is_unchanged(scene, backwards)
+    assert not taught.is_unchanged(scene, scene_of(scene.features[:5]))
+
+
+def test_computational_selection_follows_the_labels(scene):
+    """All features until the labels allow a test, then those that tell the labels apart."""
+    rng = np.random.default_rng(4)
+    names = tuple(f'noise_{i}' for i in range(30))
+    table = rng.normal(size=(8, 30))
+    table[:, 7] = [0, 0, 0, 0, 9, 9, 9, 9]
+    many = scene_of(table, names=names)
+    knowledge = Knowledge(SYMBOLS, computational_selection=True)
+    knowledge.observe(many)
+    for i, symbol in [(0, 'snack'), (4, 'fruit')]:
+        knowledge.label(i, many.features[i], symbol, 1)
+    assert knowledge.active_features.all()
+    knowledge.label(1, many.features[1], 'snack', 2)
+    assert knowledge.active_features[7]
+    assert knowledge.active_features.sum() < 15
+
+
+def test_distance_to_the_nearest_labelled_view(taught, scene):
+    """Root mean square in standard deviations, over the features in use."""
+    taught.restrict_to_groups(('size',))
+    height = scene.features[:, 2].astype(np.float64)
+    expected = np.abs(height[:, None] - height[None, :3]).min(axis=1) / height.std()
+    np.testing.assert_allclose(taught.distance_to_labelled(scene), expected, atol=1e-12)
+    empty = Knowledge(SYMBOLS)
+    empty.observe(scene)
+    assert (empty.distance_to_labelled(scene) == 0).all()
+
+
+def test_another_feature_layout_is_refused_and_changes_nothing(taught, scene):
+    before, version = taught.predict_proba(scene.features), taught.model_version
+    with pytest.raises(SceneError, match="feature 1 of the scene is 'colour_blue', it was 'colour_green'"):
+        taught.observe(scene_of(scene.features, names=('colour_red', 'colour_blue', 'size_height', 'noise_max')))
+    with pytest.raises(SceneError, match='has 1 features, those before had 4'):
+        taught.observe(scene_of([[1.0]], names=('size_height',)))
+    assert taught.model_version == version
+    np.testing.assert_array_equal(taught.predict_proba(scene.features), before)
+
+
+def test_what_cannot_be_told(taught, scene):
+    with pytest.raises(InputError, match="unknown label 'pizza'"):
+        taught.label(0, scene.features[0], 'pizza', 1)
+    with pytest.raises(InputError, match='expected'):
+        taught.label(0, scene.features[0, :2], 'snack', 1)
+    with pytest.raises(InputError, match='not all finite'):
+        taught.label(0, np.full(4, np.nan), 'snack', 1)
+    with pytest.raises(InputError, match="unknown feature group 'taste'; known: colour, size, noise"):
+        taught.restrict_to_groups(('size', 'taste'))
+    gone = QueryRecord(1, QueryKind.LABEL, 99, 'snack', 1.0, Outcome.ANSWERED)
+    with pytest.raises(InputError, match='object 99 is not in the scene'):
+        taught.learn(gone, scene)
+    with pytest.raises(InputError, match='no feature group'):
+        taught.restrict_to_groups(())
+    with pytest.raises(InputError, match='view_tolerance'):
+        Knowledge(SYMBOLS, view_tolerance=-1)

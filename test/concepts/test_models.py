@@ -1,0 +1,232 @@
+"""The concept models against independent implementations of the same mathematics."""
+
+import numpy as np
+import pytest
+from scipy.optimize import minimize
+from scipy.special import erf, expit
+from sklearn.gaussian_process import GaussianProcessClassifier
+from sklearn.gaussian_process._gpc import COEFS, LAMBDAS
+from sklearn.gaussian_process.kernels import RBF, ConstantKernel
+
+from al_questioner.concepts import ConceptModels, models
+from al_questioner.domain import NO_SYMBOL, InputError
+
+SYMBOLS = ('main_dish', 'snack', 'fruit', 'beverage')
+
+
+def random_task(seed, duplicates=False, one_class=False):
+    """Labelled features, test features, an amplitude and a length scale."""
+    rng = np.random.default_rng(seed)
+    n, m = int(rng.integers(1, 25)), int(rng.integers(1, 8))
+    features = rng.normal(size=(n, m))
+    if duplicates:
+        features = features[rng.integers(0, max(1, n // 3), size=n)]
+    labels = ['snack'] * n if one_class else list(rng.choice([*SYMBOLS, NO_SYMBOL], size=n))
+    return features, labels, rng.normal(size=(7, m)), float(rng.uniform(1, 100)), float(rng.uniform(0.3, 4))
+
+
+def sklearn_probability(features, targets, test, amplitude, length_scale):
+    """scikit-learn's answer, fitted again from its last mode until it stands still; None if it never does."""
+    kernel = ConstantKernel(amplitude, 'fixed') * RBF(length_scale, 'fixed')
+    classifier = GaussianProcessClassifier(kernel, optimizer=None).fit(features, targets)
+    binary = classifier.base_estimator_
+    binary.warm_start = True
+    before = classifier.predict_proba(test)[:, 1]
+    for _ in range(20):
+        binary.fit(features, targets)
+        after = classifier.predict_proba(test)[:, 1]
+        if np.abs(after - before).max() < 1e-10:
+            return after
+        before = after
+    return None
+
+
+def optimised_probability(features, targets, test, amplitude, length_scale):
+    """R&W chapter 3 by the textbook formulas and a general optimiser; any targets, one class included."""
+
+    def covariance(a, b):
+        return amplitude * np.exp(-0.5 * ((a[:, None] - b[None]) ** 2).sum(axis=2) / length_scale**2)
+
+    values, vectors = np.linalg.eigh(covariance(features, features))
+    factor = vectors * np.sqrt(np.maximum(values, 0))  # f = factor z with z standard normal
+    sign = 2 * targets - 1
+    result = minimize(
+        lambda z: 0.5 * z @ z + np.logaddexp(0, -sign * (factor @ z)).sum(),
+        np.zeros(len(values)),
+        jac=lambda z: z - factor.T @ (sign * expit(-sign * (factor @ z))),
+        hess=lambda z: np.eye(len(z)) + (factor.T * (expit(factor @ z) * expit(-factor @ z))) @ factor,
+        method='trust-exact',
+        options={'gtol': 1e-11},
+    )
+    p = expit(factor @ result.x)
+    cross = covariance(features, test)
+    mean = cross.T @ (targets - p)
+    root = np.sqrt(p * (1 - p))
+    inverse = np.linalg.inv(np.eye(len(p)) + root[:, None] * covariance(features, features) * root)
+    variance = amplitude - np.einsum('nk,nm,mk->k', cross, root[:, None] * inverse * root, cross)
+    return (0.5 * COEFS * (1 + erf(LAMBDAS * mean / np.sqrt(1 + 2 * LAMBDAS**2 * variance)))).sum(axis=0)
+
+
+@pytest.mark.parametrize('duplicates', [False, True])
+def test_probabilities_equal_scikit_learn(duplicates):
+    """The contract: 1e-6 wherever scikit-learn can answer, for amplitudes from 1 to 100, with duplicated points too."""
+    compared = 0
+    for seed in range(40):
+        features, labels, test, amplitude, length_scale = random_task(seed, duplicates)
+        q = ConceptModels(SYMBOLS, amplitude, length_scale).fit(features, labels).predict_proba(test)
+        for column, symbol in enumerate(SYMBOLS):
+            targets = np.array([label == symbol for label in labels], dtype=int)
+            if 0 < targets.sum() < len(targets):
+                expected = sklearn_probability(features, targets, test, amplitude, length_scale)
+                if expected is not None:
+                    compared += 1
+                    np.testing.assert_allclose(q[:, column], expected, rtol=0, atol=1e-6)
+    assert compared > 80
+
+
+@pytest.mark.parametrize('one_class', [False, True])
+@pytest.mark.parametrize('duplicates', [False, True])
+def test_probabilities_equal_textbook_formulas_and_a_general_optimiser(duplicates, one_class):
+    """Also where scikit-learn refuses (one class) or its plain Newton iteration fails to settle."""
+    for seed in range(8):
+        features, labels, test, amplitude, length_scale = random_task(1000 + seed, duplicates, one_class)
+        q = ConceptModels(SYMBOLS, amplitude, length_scale).fit(features, labels).predict_proba(test)
+        for column, symbol in enumerate(SYMBOLS):
+            targets = np.array([float(label == symbol) for label in labels])
+            expected = optimised_probability(features, targets, test, amplitude, length_scale)
+            np.testing.assert_allclose(q[:, column], expected, rtol=0, atol=1e-6)
+
+
+def test_one_example_by_hand():
+    """One positive example: the mode solves f = amplitude (1 - logistic(f)), checked by substituting it back."""
+    amplitude = 4.0
+    classifier = ConceptModels(['a', 'b'], amplitude, 1.0).fit([[0.0]], ['a'])
+    positive, negative = classifier._modes[:, 0]
+    assert positive == pytest.approx(amplitude * (1 - expit(positive)), abs=1e-10)
+    assert negative == pytest.approx(-positive, abs=1e-10)
+    q = classifier.predict_proba([[0.0], [100.0]])
+    assert q[0, 0] + q[0, 1] == pytest.approx(1, abs=1e-7), 'a positive and a negative example mirror each other'
+    np.testing.assert_allclose(q[1], 0.5, atol=1e-7, err_msg='far from all examples the prior holds')
+
+
+def test_contradicting_duplicates_settle_in_the_middle():
+    """The same thing called a and b equally often: 1/2, also where the plain Newton iteration could oscillate."""
+    q = ConceptModels(['a', 'b'], 100.0, 1.0).fit(np.zeros((20, 3)), ['a', 'b'] * 10).predict_proba(np.zeros((1, 3)))
+    np.testing.assert_allclose(q, 0.5, atol=1e-8)
+
+
+@pytest.mark.parametrize('amplitude', [1.0, 4.0, 100.0])
+@pytest.mark.parametrize('n', [0, 1, 12])
+def test_look_ahead_is_what_fitting_again_gives(n, amplitude):
+    """[i, j] must be the prediction of models fitted with the one label more, for every i and j."""
+    rng = np.random.default_rng(n)
+    features, scene = rng.normal(size=(n, 3)), rng.normal(size=(5, 3))
+    scene[4] = features[0] if n else scene[3]  # a view that is known already
+    labels = list(rng.choice([*SYMBOLS, NO_SYMBOL], size=n))
+    ahead = ConceptModels(SYMBOLS, amplitude).fit(features, labels).look_ahead(scene)
+    assert ahead.shape == (5, 4, 5, 4)
+    for i in range(5):
+        for j, symbol in enumerate(SYMBOLS):
+            again = ConceptModels(SYMBOLS, amplitude).fit(np.vstack([features, scene[i]]), [*labels, symbol])
+            np.testing.assert_allclose(ahead[i, j], again.predict_proba(scene), rtol=0, atol=1e-9)
+
+
+def test_look_ahead_does_not_depend_on_the_size_of_its_chunks(monkeypatch):
+    """Bounded memory must not change a number beyond rounding."""
+    rng = np.random.default_rng(5)
+    fitted = ConceptModels(SYMBOLS).fit(rng.normal(size=(9, 4)), list(rng.choice(SYMBOLS, size=9)))
+    scene = rng.normal(size=(7, 4))
+    whole = fitted.look_ahead(scene)
+    monkeypatch.setattr(models, 'MAX_BATCH_NUMBERS', 1)
+    np.testing.assert_allclose(fitted.look_ahead(scene), whole, rtol=0, atol=1e-10)
+
+
+def test_without_examples_everything_is_one_half():
+    """Before any label q = 1/2, whether or not `fit` was called."""
+    for classifier in (ConceptModels(SYMBOLS), ConceptModels(SYMBOLS).fit(np.empty((0, 3)), [])):
+        assert (classifier.predict_proba(np.zeros((2, 3))) == 0.5).all()
+    assert (ConceptModels(SYMBOLS).fit([], []).predict_proba([[1.0]]) == 0.5).all()
+
+
+def test_nothing_to_predict_gives_empty_arrays_of_the_right_shape():
+    for classifier in (ConceptModels(SYMBOLS), ConceptModels(SYMBOLS).fit([[0.0, 1.0]], ['snack'])):
+        assert classifier.predict_proba(np.empty((0, 2))).shape == (0, 4)
+        assert classifier.look_ahead(np.empty((0, 2))).shape == (0, 4, 0, 4)
+
+
+def test_none_is_negative_for_every_symbol():
+    """Clutter lowers all the degrees of belonging."""
+    q = ConceptModels(SYMBOLS).fit([[0.0, 0.0]], [NO_SYMBOL]).predict_proba([[0.0, 0.0]])
+    assert (q < 0.5).all()
+    assert np.ptp(q) == 0
+
+
+def test_length_scale_none_is_the_root_of_the_number_of_columns():
+    """With None the kernel must widen with the number of features in use."""
+    rng = np.random.default_rng(3)
+    features, labels, test = rng.normal(size=(6, 9)), list(rng.choice(SYMBOLS, size=6)), rng.normal(size=(4, 9))
+    automatic = ConceptModels(SYMBOLS, length_scale=None).fit(features, labels).predict_proba(test)
+    np.testing.assert_array_equal(
+        automatic, ConceptModels(SYMBOLS, length_scale=3.0).fit(features, labels).predict_proba(test)
+    )
+
+
+def test_probabilities_stay_inside_the_unit_interval():
+    """The five-term sum itself leaves it by rounding; entropies and normalisations need the inside."""
+    features = np.zeros((400, 1))
+    q = ConceptModels(['a', 'b'], 100.0, 1.0).fit(features, ['a'] * 400).predict_proba([[0.0]])
+    assert ((q > 0) & (q < 1)).all()
+
+
+def test_order_of_symbols_and_objects_only_permutes_the_result():
+    """Nothing may depend on the order in which symbols, examples or objects come."""
+    rng = np.random.default_rng(8)
+    features, labels, scene = rng.normal(size=(10, 3)), list(rng.choice(SYMBOLS, size=10)), rng.normal(size=(5, 3))
+    symbols, objects, examples = rng.permutation(4), rng.permutation(5), rng.permutation(10)
+    plain = ConceptModels(SYMBOLS).fit(features, labels).look_ahead(scene)
+    shuffled = ConceptModels([SYMBOLS[i] for i in symbols]).fit(features[examples], [labels[i] for i in examples])
+    expected = plain[np.ix_(objects, symbols, objects, symbols)]
+    np.testing.assert_allclose(shuffled.look_ahead(scene[objects]), expected, rtol=0, atol=1e-9)
+
+
+@pytest.mark.parametrize(
+    ('features', 'labels', 'reason'),
+    [
+        ([[0.0], [np.nan]], ['snack', 'fruit'], r'features\[1, 0\] is not finite'),
+        ([[np.inf]], ['snack'], 'not finite'),
+        ([[0.0]], ['pizza'], "unknown label 'pizza'"),
+        ([[0.0]], ['snack', 'fruit'], '2 labels for 1 feature vectors'),
+        ([0.0, 1.0], ['snack', 'fruit'], 'a row per thing'),
+        ([['red']], ['snack'], 'not a table of numbers'),
+        (np.empty((2, 0)), ['snack', 'fruit'], 'nothing to tell things apart'),
+    ],
+)
+def test_examples_that_cannot_be_learnt_from(features, labels, reason):
+    """Each kind of bad example has its own clear error."""
+    with pytest.raises(InputError, match=reason):
+        ConceptModels(SYMBOLS).fit(features, labels)
+
+
+def test_scenes_that_do_not_fit_the_examples():
+    """Another number of columns, or a value that is not finite, must not pass silently."""
+    fitted = ConceptModels(SYMBOLS).fit([[0.0, 1.0]], ['snack'])
+    with pytest.raises(InputError, match='3 columns, the models were fitted on 2'):
+        fitted.predict_proba(np.zeros((1, 3)))
+    with pytest.raises(InputError, match='not finite'):
+        fitted.look_ahead([[0.0, np.nan]])
+
+
+@pytest.mark.parametrize(
+    ('arguments', 'reason'),
+    [
+        ({'symbols': []}, 'symbols must be'),
+        ({'symbols': ['a', 'a']}, 'symbols must be'),
+        ({'symbols': ['a', NO_SYMBOL]}, 'symbols must be'),
+        ({'symbols': ['a', 'b'], 'amplitude': 0.0}, 'amplitude must be'),
+        ({'symbols': ['a', 'b'], 'amplitude': np.nan}, 'amplitude must be'),
+        ({'symbols': ['a', 'b'], 'length_scale': -1.0}, 'length_scale must be'),
+    ],
+)
+def test_impossible_models(arguments, reason):
+    with pytest.raises(InputError, match=reason):
+        ConceptModels(**arguments)
