@@ -1,0 +1,19 @@
+"""What to ask next: candidate queries, their expected utility, strategies, and the ask/tell episode."""
+
+from al_questioner.questioning.choice import Choice, Strategy
+from al_questioner.questioning.episode import Episode, new_knowledge
+from al_questioner.questioning.situation import Situation
+from al_questioner.questioning.strategies import STRATEGIES, make_strategy
+from al_questioner.questioning.weights import Weights, read_weights
+
+__all__ = [
+    'STRATEGIES',
+    'Choice',
+    'Episode',
+    'Situation',
+    'Strategy',
+    'Weights',
+    'make_strategy',
+    'new_knowledge',
+    'read_weights',
+]

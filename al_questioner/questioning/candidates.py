@@ -1,0 +1,65 @@
+"""The communicative actions of a turn, and how each is put to the teacher."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+from al_questioner.domain import Action, Costs, QueryKind, Scene
+
+BUDGET_ROUNDING = 1e-9
+"""Costs that add up to the budget but for rounding (three times 0.1 for 0.3) are affordable."""
+
+
+def candidates(scene: Scene, symbols: Sequence[str], costs: Costs, budget_left: float) -> tuple[Action, ...]:
+    """The |Y| + |X| + 2 actions of section 2.1 of the paper, without those that the budget cannot pay.
+
+    Returns:
+        DQ(y) in the order of the symbols, LQ(x) in the order of the scene, FSQ, NQ.
+    """
+    actions = (
+        *(Action(QueryKind.DEMONSTRATION, symbol=symbol) for symbol in symbols),
+        *(Action(QueryKind.LABEL, object_id=object_id) for object_id in scene.object_ids),
+        Action(QueryKind.FEATURE_SUBSET),
+        Action(QueryKind.NO_QUERY),
+    )
+    return tuple(action for action in actions if is_affordable(costs.of(action.kind), budget_left))
+
+
+def is_affordable(cost: float, budget_left: float) -> bool:
+    """Whether the budget can pay for it; what costs nothing always is."""
+    return cost <= budget_left + BUDGET_ROUNDING
+
+
+def question_text(action: Action, symbols: Sequence[str]) -> str:
+    """The question in plain English.
+
+    Raises:
+        ValueError: the action asks nothing.
+    """
+    if action.kind is QueryKind.LABEL:
+        return f'What is object {action.object_id}?'
+    if action.kind is QueryKind.DEMONSTRATION:
+        symbol = str(action.symbol)
+        article = 'an' if symbol[0].lower() in 'aeiou' else 'a'
+        return f'Can you show me {article} {symbol}?'
+    if action.kind is QueryKind.FEATURE_SUBSET:
+        names = f'{", ".join(symbols[:-1])} and {symbols[-1]}'
+        return f'Which properties matter for telling {names} apart?'
+    raise ValueError('NQ asks nothing')
+
+
+def choices(action: Action, scene: Scene, symbols: Sequence[str], groups: Sequence[str]) -> tuple[str, ...]:
+    """The answers that count: symbols, object ids as text, or feature groups.
+
+    That nothing fits (`NO_SYMBOL`) can be said of every label and demonstration query and is not listed.
+
+    Raises:
+        ValueError: the action asks nothing.
+    """
+    if action.kind is QueryKind.LABEL:
+        return tuple(symbols)
+    if action.kind is QueryKind.DEMONSTRATION:
+        return tuple(str(object_id) for object_id in scene.object_ids)
+    if action.kind is QueryKind.FEATURE_SUBSET:
+        return tuple(groups)
+    raise ValueError('NQ has no answers')

@@ -1,0 +1,98 @@
+"""What a strategy is, and how it picks the best of its candidates."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Protocol
+
+import numpy as np
+from numpy.typing import NDArray
+
+from al_questioner.domain import Action, Outcome, QueryKind
+from al_questioner.questioning.situation import Situation
+
+TIE = 1e-9
+"""Candidates within this relative distance of the best are equal: the rest is rounding."""
+
+
+@dataclass(frozen=True, eq=False)
+class Choice:
+    """A strategy's choice among the candidates of a situation.
+
+    Attributes:
+        index: of the chosen candidate.
+        utilities: (C,) value of each candidate; NaN for one that the strategy does not consider.
+        features: (C, 7) expected decision features, if the strategy computed them.
+    """
+
+    index: int
+    utilities: NDArray[np.float64]
+    features: NDArray[np.float64] | None = None
+
+
+class Strategy(Protocol):
+    """Decides what to ask. It keeps no state of its own: all it knows is in the situation.
+
+    Attributes:
+        computational_selection: whether the learner selects features computationally, for want of a teacher who does.
+    """
+
+    computational_selection: bool
+
+    def choose(self, situation: Situation, rng: np.random.Generator) -> Choice:
+        """Choose one of `situation.candidates`; ties are broken with `rng`."""
+
+
+def nothing_considered(situation: Situation) -> NDArray[np.float64]:
+    """(C,) NaN."""
+    return np.full(len(situation.candidates), np.nan)
+
+
+def choose_best(
+    situation: Situation,
+    utilities: NDArray[np.float64],
+    rng: np.random.Generator,
+    features: NDArray[np.float64] | None = None,
+) -> Choice:
+    """The candidate of largest utility, ties broken at random; asking nothing if none is considered.
+
+    Whatever the strategy, what is settled is not considered. Expected utility knows nothing of that: an answer that
+    teaches nothing leaves the beliefs as they were, so the same question would be the best again, and it does not tell
+    asking something from asking something useful, so pointless questions would keep the non-query time low.
+
+    Args:
+        situation: whose candidates they are.
+        utilities: (C,) NaN for candidates that are not considered.
+        rng: breaks the ties.
+        features: (C, 7) handed on to the choice.
+    """
+    settled = settled_actions(situation)
+    considered = np.where([action in settled for action in situation.candidates], np.nan, utilities)
+    if np.isnan(considered).all():
+        # NQ costs nothing, so it is always there, as the last candidate.
+        considered[-1] = 0.0
+    best = np.nanmax(considered)
+    ties = np.flatnonzero(considered >= best - TIE * abs(best))
+    return Choice(int(rng.choice(ties)), considered, features)
+
+
+def settled_actions(situation: Situation) -> set[Action]:
+    """The questions that it is pointless to put again.
+
+    That is the feature subset query once it has been asked, and, until the scene changes, what the teacher did not
+    answer and the symbols that the teacher said nothing here belongs to.
+    """
+    settled = set()
+    for record in situation.history:
+        not_here = record.kind is QueryKind.DEMONSTRATION and record.object_id is None
+        unanswered = record.outcome is not Outcome.ANSWERED
+        if record.kind is QueryKind.FEATURE_SUBSET:
+            settled.add(Action(record.kind))
+        elif record.turn >= situation.scene_turn and (not_here or unanswered):
+            settled.add(Action(record.kind, record.object_id, record.symbol))
+    return settled
+
+
+def has_asked(situation: Situation, kind: QueryKind) -> bool:
+    """Whether a query of this kind was put to the teacher in this episode, whatever came of it."""
+    return any(record.kind is kind for record in situation.history)

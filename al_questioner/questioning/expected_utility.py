@@ -1,0 +1,83 @@
+"""Expected decision features of every candidate action, one step ahead.
+
+Utility is linear in the decision features (equation 2 of the paper), so the expected utility of equation 1 is
+EU(a) = w . E[phi | a]: the expectation is taken once, whatever the weights.
+"""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from al_questioner.domain import DECISION_FEATURES, Action, QueryKind
+from al_questioner.questioning import decision_features as phi
+from al_questioner.questioning.decision_features import Array
+
+if TYPE_CHECKING:
+    from al_questioner.questioning.situation import Situation
+
+INSTANCE_QUERIES = (QueryKind.LABEL, QueryKind.DEMONSTRATION)
+
+
+def expected_features(situation: Situation) -> Array:
+    """E[phi | a] of each candidate a, (C, 7) in the order of `DECISION_FEATURES`.
+
+    The outcomes of LQ(x) are the symbols y with p(y|x), those of DQ(y) the objects x with p(x|y); either way the
+    learner would have one more example (x, y). NQ teaches nothing. The answer to FSQ is taken to be the features that a
+    computational selector picks from the labels so far; without labels, or once the teacher has answered an FSQ, the
+    beliefs stay as they are.
+    """
+    scene, actions = situation.scene, situation.candidates
+    q = situation.probabilities
+    positives = np.array(list(situation.knowledge.positives.values()))
+    expected = np.empty((len(actions), len(DECISION_FEATURES)))
+    expected[:, :4] = task_features(q, positives)
+    expected[:, 4:] = [environment_features(situation, action) for action in actions]
+
+    if any(action.kind in INSTANCE_QUERIES for action in actions):
+        after = task_features(situation.knowledge.look_ahead(scene), positives + np.eye(len(positives), dtype=int))
+        by_object = np.einsum('xy,xyf->xf', phi.symbol_given_object(q), after)
+        by_symbol = np.einsum('xy,xyf->yf', phi.object_given_symbol(q), after)
+        for row, action in enumerate(actions):
+            if action.kind is QueryKind.LABEL and action.object_id is not None:
+                expected[row, :4] = by_object[scene.index_of(action.object_id)]
+            elif action.kind is QueryKind.DEMONSTRATION and action.symbol is not None:
+                expected[row, :4] = by_symbol[situation.symbols.index(action.symbol)]
+
+    if situation.knowledge.labelled_views and not situation.knowledge.subset_was_told:
+        for row, action in enumerate(actions):
+            if action.kind is QueryKind.FEATURE_SUBSET:
+                expected[row, :4] = task_features(situation.knowledge.predict_after_selection(scene), positives)
+    return expected
+
+
+def task_features(q: Array, positives: Array) -> Array:
+    """The four learning-centric decision features of states.
+
+    Args:
+        q: (..., |X|, |Y|) beliefs.
+        positives: (..., |Y|) numbers of positive examples; leading axes broadcast against those of `q`.
+
+    Returns:
+        (..., 4) in the order of `DECISION_FEATURES`.
+    """
+    parts = (
+        phi.discriminability(q),
+        phi.class_uniformity(positives),
+        phi.instance_variation(q),
+        phi.prediction_margin(q),
+    )
+    return np.stack(np.broadcast_arrays(*parts), axis=-1)
+
+
+def environment_features(situation: Situation, action: Action) -> Array:
+    """(3,) budget consumption, remaining time and non-query time after the action."""
+    idle = situation.non_query_turns + 1 if action.kind is QueryKind.NO_QUERY else 0
+    return np.array(
+        [
+            phi.budget_consumption(situation.spent + situation.costs.of(action.kind), situation.budget),
+            phi.remaining_time(situation.turns_left, situation.turns),
+            phi.non_query_time(idle, situation.change_interval),
+        ]
+    )

@@ -1,0 +1,87 @@
+"""What a questioning strategy sees of a turn."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+from numpy.typing import NDArray
+
+from al_questioner.concepts import Knowledge
+from al_questioner.domain import Action, Costs, QueryRecord, Scene
+from al_questioner.questioning.candidates import candidates
+from al_questioner.questioning.expected_utility import expected_features
+
+
+@dataclass(frozen=True, eq=False)
+class Situation:
+    """The learning state of section 2.1 of the paper, before the action of the turn.
+
+    It refers to the episode's knowledge and is valid until that changes. What costs time is computed on first use.
+
+    Attributes:
+        turn: 1-based.
+        turns: number of turns of the episode.
+        scene: the objects seen this turn.
+        knowledge: what the learner has been told.
+        budget: of the episode.
+        spent: of the budget so far.
+        costs: price of each kind of query.
+        change_interval: turns between scene changes as the robot expects them: the window of the non-query time.
+        non_query_turns: consecutive turns before this one in which nothing was asked.
+        scene_turn: turn in which the present scene was first seen.
+        history: the queries so far.
+    """
+
+    turn: int
+    turns: int
+    scene: Scene
+    knowledge: Knowledge
+    budget: float
+    spent: float
+    costs: Costs
+    change_interval: int
+    non_query_turns: int
+    scene_turn: int
+    history: tuple[QueryRecord, ...]
+
+    @property
+    def symbols(self) -> tuple[str, ...]:
+        """The concepts to ground."""
+        return self.knowledge.symbols
+
+    @property
+    def turns_left(self) -> int:
+        """Turns after this one."""
+        return self.turns - self.turn
+
+    @property
+    def budget_left(self) -> float:
+        """Budget before the action."""
+        return max(0.0, self.budget - self.spent)
+
+    @property
+    def turns_since_change(self) -> int:
+        """Turns since the scene was seen to change; 0 in the turn of the change and in the first turn."""
+        return self.turn - self.scene_turn
+
+    @cached_property
+    def candidates(self) -> tuple[Action, ...]:
+        """The affordable actions: DQ by symbol, LQ by object, FSQ, NQ."""
+        return candidates(self.scene, self.symbols, self.costs, self.budget_left)
+
+    @cached_property
+    def probabilities(self) -> NDArray[np.float64]:
+        """(|X|, |Y|) q_y(x) of the scene."""
+        return self.knowledge.predict_proba(self.scene.features)
+
+    @cached_property
+    def labelled(self) -> NDArray[np.bool_]:
+        """(|X|,) whether this view of each object has been labelled already."""
+        return self.knowledge.is_labelled(self.scene)
+
+    @cached_property
+    def expected_features(self) -> NDArray[np.float64]:
+        """(C, 7) expected decision features of each candidate."""
+        return expected_features(self)

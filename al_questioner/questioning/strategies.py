@@ -1,0 +1,97 @@
+"""The questioning strategies of the paper, and the table of all strategies."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from functools import partial
+
+import numpy as np
+from numpy.typing import NDArray
+
+from al_questioner.domain import DECISION_FEATURES, QueryKind, SettingsError
+from al_questioner.questioning.choice import Choice, Strategy, choose_best, nothing_considered
+from al_questioner.questioning.controls import Farthest, RandomLabel, RarestDemonstration, UncertainUnlabelled
+from al_questioner.questioning.decision_features import prediction_entropy
+from al_questioner.questioning.situation import Situation
+
+IROS_FEATURES = DECISION_FEATURES[:2]
+TASK_FEATURES = DECISION_FEATURES[:4]
+
+
+class UncertaintySampling:
+    """U-sampling: label the object of largest prediction entropy, every turn until the budget is gone.
+
+    As in the paper it has no feature subset query, so features are selected computationally, and it may ask again.
+    """
+
+    computational_selection = True
+
+    def choose(self, situation: Situation, rng: np.random.Generator) -> Choice:
+        """The affordable label query of largest entropy; nothing if there is none."""
+        utilities = nothing_considered(situation)
+        entropy = prediction_entropy(situation.probabilities)
+        for row, action in enumerate(situation.candidates):
+            if action.kind is QueryKind.LABEL and action.object_id is not None:
+                utilities[row] = entropy[situation.scene.index_of(action.object_id)]
+        return choose_best(situation, utilities, rng)
+
+
+class DecisionTheoretic:
+    """The candidate of largest expected utility w . E[phi | a] (equations 1 and 2 of the paper)."""
+
+    computational_selection = False
+
+    def __init__(self, weights: NDArray[np.float64]) -> None:
+        self.weights = weights
+
+    def choose(self, situation: Situation, rng: np.random.Generator) -> Choice:
+        """The best of all candidates; the choice carries their expected features."""
+        features = situation.expected_features
+        return choose_best(situation, features @ self.weights, rng, features)
+
+
+def decision_theoretic(name: str, used: tuple[str, ...], weights: Mapping[str, float]) -> DecisionTheoretic:
+    """A decision-theoretic strategy from weights by decision feature; a feature without a weight has weight 0.
+
+    Raises:
+        SettingsError: no weights, or a weight for a feature that this strategy does not use.
+    """
+    if not weights:
+        raise SettingsError(f'strategy {name} needs weights for some of {", ".join(used)}')
+    for feature, weight in weights.items():
+        if feature not in used and weight != 0:
+            raise SettingsError(f'strategy {name} does not use {feature!r}; it uses {", ".join(used)}')
+    return DecisionTheoretic(np.array([float(weights.get(feature, 0.0)) for feature in DECISION_FEATURES]))
+
+
+def _unweighted(strategy: Callable[[], Strategy]) -> Callable[[Mapping[str, float]], Strategy]:
+    """A factory that leaves the weights aside: they are for the strategies that use them."""
+    return lambda weights: strategy()
+
+
+STRATEGIES: Mapping[str, Callable[[Mapping[str, float]], Strategy]] = {
+    'u_sampling': _unweighted(UncertaintySampling),
+    'dt_iros': partial(decision_theoretic, 'dt_iros', IROS_FEATURES),
+    'dt_task': partial(decision_theoretic, 'dt_task', TASK_FEATURES),
+    'dt_task_env': partial(decision_theoretic, 'dt_task_env', DECISION_FEATURES),
+    'u_sampling_fsq': _unweighted(UncertainUnlabelled),
+    'random_fsq': _unweighted(RandomLabel),
+    'farthest_fsq': _unweighted(Farthest),
+    'rarest_demo': _unweighted(RarestDemonstration),
+}
+"""Makes each strategy, by name, from weights by decision feature."""
+
+
+def make_strategy(name: str, weights: Mapping[str, float]) -> Strategy:
+    """The strategy of this name.
+
+    Args:
+        name: a key of `STRATEGIES`.
+        weights: weight by decision feature; only the decision-theoretic strategies use them.
+
+    Raises:
+        SettingsError: an unknown name, or weights that do not fit the strategy.
+    """
+    if name not in STRATEGIES:
+        raise SettingsError(f'unknown strategy {name!r}; known: {", ".join(STRATEGIES)}')
+    return STRATEGIES[name](weights)

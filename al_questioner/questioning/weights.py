@@ -1,0 +1,42 @@
+"""Reading the weights of the decision features from a YAML file."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping
+from dataclasses import dataclass
+from pathlib import Path
+
+from al_questioner.configuration import read_yaml
+from al_questioner.domain import DECISION_FEATURES, SettingsError
+
+
+@dataclass(frozen=True)
+class Weights:
+    """Weights of the decision features.
+
+    Attributes:
+        values: weight by decision feature.
+        provenance: where they come from, in words.
+    """
+
+    values: Mapping[str, float]
+    provenance: str
+
+
+def read_weights(path: Path) -> Weights:
+    """Read a file with a mapping `weights` of decision features to numbers, and a text `provenance`.
+
+    Raises:
+        InputError: the file cannot be read, an unknown decision feature, or a weight that is not a finite number.
+    """
+    content = read_yaml(path)
+    values = content.get('weights')
+    if not isinstance(values, dict) or not values:
+        raise SettingsError(f'{path} has no mapping "weights" of decision features to numbers')
+    for name, value in values.items():
+        if name not in DECISION_FEATURES:
+            raise SettingsError(f'{path}: unknown decision feature {name!r}; known: {", ".join(DECISION_FEATURES)}')
+        if isinstance(value, bool) or not isinstance(value, (int, float)) or not math.isfinite(value):
+            raise SettingsError(f'{path}: the weight of {name} must be a finite number, not {value!r}')
+    return Weights({name: float(value) for name, value in values.items()}, str(content.get('provenance', '')).strip())

@@ -1,0 +1,94 @@
+"""Scenes, settings and a teacher that the tests of this folder share."""
+
+import numpy as np
+import pytest
+
+from al_questioner.domain import NO_SYMBOL, Answer, EpisodeSettings, Outcome, QueryKind, Scene, generator
+
+SYMBOLS = ('main_dish', 'snack', 'fruit')
+NAMES = ('colour_red', 'colour_green', 'size_height', 'noise_max', 'noise_min')
+WEIGHTS = {
+    'dt_iros': {'discriminability': 0.74, 'class_uniformity': 0.26},
+    'dt_task': {
+        'discriminability': 0.45,
+        'class_uniformity': 0.17,
+        'instance_variation': 0.33,
+        'prediction_margin': 0.05,
+    },
+    'dt_task_env': {
+        'discriminability': 0.08,
+        'class_uniformity': 0.21,
+        'instance_variation': 0.02,
+        'prediction_margin': 0.01,
+        'budget_consumption': -0.26,
+        'non_query_time': -0.42,
+    },
+}
+
+
+class ToyWorld:
+    """Random scenes of things of a symbol or of none, which change now and then, and a teacher who knows them."""
+
+    def __init__(self, seed, n_objects=6, change_interval=4, unknown_rate=0.0):
+        self.rng = generator(seed, 'toy')
+        self.n_objects, self.change_interval, self.unknown_rate = n_objects, change_interval, unknown_rate
+        self.scenes = 0
+        self.truth = {}
+
+    def scene(self, turn):
+        if (turn - 1) % self.change_interval == 0:
+            self.scenes += 1
+            kinds = self.rng.integers(0, len(SYMBOLS) + 1, size=self.n_objects)
+            features = self.rng.normal(size=(self.n_objects, len(NAMES)))
+            features[:, :3] += 2 * np.eye(4)[kinds][:, :3]
+            ids = tuple(100 * self.scenes + i for i in range(self.n_objects))
+            self.truth = {i: (*SYMBOLS, NO_SYMBOL)[kind] for i, kind in zip(ids, kinds, strict=True)}
+            self.current = make_scene(features, ids)
+        return self.current
+
+    def answer(self, query):
+        if self.rng.random() < self.unknown_rate:
+            return reply(query, None, Outcome.UNKNOWN)
+        if query.action.kind is QueryKind.LABEL:
+            return reply(query, self.truth[query.action.object_id])
+        if query.action.kind is QueryKind.FEATURE_SUBSET:
+            return reply(query, ('colour', 'size'))
+        shown = [object_id for object_id, symbol in self.truth.items() if symbol == query.action.symbol]
+        return reply(query, shown[0] if shown else NO_SYMBOL)
+
+
+def make_scene(features, object_ids=None, names=NAMES):
+    table = np.asarray(features, dtype=np.float32)
+    ids = tuple(range(len(table))) if object_ids is None else tuple(object_ids)
+    return Scene(ids, np.zeros((len(table), 3), dtype=np.float32), table, names)
+
+
+def reply(query, content, outcome=Outcome.ANSWERED, query_id=None):
+    return Answer(query.query_id if query_id is None else query_id, 'a1', 'toy', outcome, content)
+
+
+def make_settings(strategy, budget=12.0, turns=20, **others):
+    return EpisodeSettings(
+        symbols=SYMBOLS,
+        budget=budget,
+        turns=turns,
+        strategy=strategy,
+        weights=WEIGHTS.get(strategy, {}),
+        **{'change_interval': 4, **others},
+    )
+
+
+@pytest.fixture
+def toy():
+    """The helpers above; test modules cannot import from each other in pytest's importlib mode."""
+
+    class Toy:
+        symbols, names, weights = SYMBOLS, NAMES, WEIGHTS
+        world, scene, reply, settings = (
+            ToyWorld,
+            staticmethod(make_scene),
+            staticmethod(reply),
+            staticmethod(make_settings),
+        )
+
+    return Toy

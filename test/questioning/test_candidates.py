@@ -1,0 +1,53 @@
+"""The actions of a turn and their wording."""
+
+import numpy as np
+import pytest
+
+from al_questioner.domain import Action, Costs, QueryKind
+from al_questioner.questioning.candidates import candidates, choices, question_text
+
+SYMBOLS = ('main_dish', 'snack', 'fruit')
+
+
+@pytest.fixture
+def scene(toy):
+    return toy.scene(np.random.default_rng(0).normal(size=(2, 5)), object_ids=(7, 3))
+
+
+def test_canonical_order(scene):
+    """Weights, decisions and recordings rely on DQ by symbol, LQ by object, FSQ, NQ."""
+    assert candidates(scene, SYMBOLS, Costs(), 10.0) == (
+        Action(QueryKind.DEMONSTRATION, symbol='main_dish'),
+        Action(QueryKind.DEMONSTRATION, symbol='snack'),
+        Action(QueryKind.DEMONSTRATION, symbol='fruit'),
+        Action(QueryKind.LABEL, object_id=7),
+        Action(QueryKind.LABEL, object_id=3),
+        Action(QueryKind.FEATURE_SUBSET),
+        Action(QueryKind.NO_QUERY),
+    )
+
+
+def test_rounding_of_costs_does_not_lose_the_last_query(scene):
+    """Three times 0.1 are 0.3, though not in floating point."""
+    left = 0.3 - (0.1 + 0.1)
+    assert left < 0.1
+    assert len(candidates(scene, SYMBOLS, Costs(label=0.1), left)) == 3
+
+
+def test_questions_in_plain_english():
+    assert question_text(Action(QueryKind.LABEL, object_id=7), SYMBOLS) == 'What is object 7?'
+    assert question_text(Action(QueryKind.DEMONSTRATION, symbol='snack'), SYMBOLS) == 'Can you show me a snack?'
+    assert question_text(Action(QueryKind.DEMONSTRATION, symbol='apple'), SYMBOLS) == 'Can you show me an apple?'
+    expected = 'Which properties matter for telling main_dish, snack and fruit apart?'
+    assert question_text(Action(QueryKind.FEATURE_SUBSET), SYMBOLS) == expected
+    with pytest.raises(ValueError, match='asks nothing'):
+        question_text(Action(QueryKind.NO_QUERY), SYMBOLS)
+
+
+def test_choices(scene):
+    groups = ('colour', 'size')
+    assert choices(Action(QueryKind.LABEL, object_id=7), scene, SYMBOLS, groups) == SYMBOLS
+    assert choices(Action(QueryKind.DEMONSTRATION, symbol='snack'), scene, SYMBOLS, groups) == ('7', '3')
+    assert choices(Action(QueryKind.FEATURE_SUBSET), scene, SYMBOLS, groups) == groups
+    with pytest.raises(ValueError, match='no answers'):
+        choices(Action(QueryKind.NO_QUERY), scene, SYMBOLS, groups)

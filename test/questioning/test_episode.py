@@ -1,0 +1,332 @@
+"""The ask/tell episode: whole episodes, rules of budget and time, and everything that is refused."""
+
+import subprocess
+import sys
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from al_questioner.domain import (
+    NO_SYMBOL,
+    Action,
+    AnswerError,
+    Costs,
+    EpisodeSettings,
+    Outcome,
+    QueryKind,
+    SceneError,
+    SettingsError,
+    generator,
+)
+from al_questioner.questioning import STRATEGIES, Episode, new_knowledge
+from al_questioner.questioning import episode as episode_module
+from al_questioner.questioning.choice import Choice
+
+
+def play(toy, strategy, seed=0, world=None, watch=None, **settings):
+    """A whole episode in a toy world: the episode and its decisions."""
+    world = world or toy.world(seed)
+    episode = Episode(toy.settings(strategy, **settings), generator(seed, 'strategy'))
+    decisions = []
+    while not episode.done:
+        scene = world.scene(episode.turn + 1)
+        decision = episode.ask(scene)
+        decisions.append(decision)
+        if watch:
+            watch(episode, scene, decision)
+        if decision.query:
+            episode.tell(world.answer(decision.query))
+    return episode, decisions
+
+
+@pytest.fixture
+def scripted(toy, monkeypatch):
+    """An episode that asks what the test wants."""
+
+    class Scripted:
+        computational_selection = False
+
+        def choose(self, situation, rng):
+            rows = [row for row, action in enumerate(situation.candidates) if action == self.wanted]
+            return Choice(rows[0], np.zeros(len(situation.candidates)))
+
+    strategy = Scripted()
+    monkeypatch.setattr(episode_module, 'make_strategy', lambda name, weights: strategy)
+    episode = Episode(toy.settings('u_sampling'), generator(0, 'strategy'))
+    scene = toy.scene(np.random.default_rng(0).normal(size=(4, 5)), object_ids=(10, 11, 12, 13))
+
+    def ask(action, seen=scene):
+        strategy.wanted = action
+        return episode.ask(seen).query
+
+    return episode, scene, ask
+
+
+LABEL = Action(QueryKind.LABEL, object_id=11)
+DEMONSTRATION = Action(QueryKind.DEMONSTRATION, symbol='snack')
+SUBSET = Action(QueryKind.FEATURE_SUBSET)
+NOTHING = Action(QueryKind.NO_QUERY)
+
+
+@pytest.mark.parametrize('unknown_rate', [0.0, 0.3])
+@pytest.mark.parametrize('strategy', STRATEGIES)
+def test_whole_episode(toy, strategy, unknown_rate):
+    """Every strategy ends in time, within its budget, with a record per query and numbers that agree."""
+    episode, decisions = play(toy, strategy, world=toy.world(1, unknown_rate=unknown_rate))
+    assert episode.turn == len(decisions) == 20
+    assert [d.turn for d in decisions] == list(range(1, 21))
+    queries = [d.query for d in decisions if d.query]
+    assert [q.query_id for q in queries] == [f'q{i + 1}' for i in range(len(queries))]
+    assert len(episode.records) == len(queries) > 0
+    assert episode.spent == sum(record.cost for record in episode.records) <= 12
+    assert [q.budget_left for q in queries] == list(12 - np.cumsum([r.cost for r in episode.records]))
+    assert sum(episode.positives.values()) <= len(episode.records)
+    for decision in decisions:
+        assert decision.features.shape == (len(decision.candidates), 7)
+        assert decision.utilities.shape == (len(decision.candidates),)
+        best = np.nanmax(decision.utilities)
+        assert decision.utilities[decision.chosen] >= best - 1e-9 * abs(best)
+
+
+@pytest.mark.parametrize('strategy', ['dt_iros', 'dt_task', 'dt_task_env'])
+def test_published_utilities_are_weights_times_features(toy, strategy):
+    """A recorded decision must explain itself: utility = w . features for each candidate."""
+    _, decisions = play(toy, strategy)
+    weights = toy.settings(strategy).weights
+    order = ('discriminability', 'class_uniformity', 'instance_variation', 'prediction_margin',
+             'budget_consumption', 'remaining_time', 'non_query_time')  # fmt: skip
+    vector = np.array([weights.get(name, 0.0) for name in order])
+    for decision in decisions:
+        considered = ~np.isnan(decision.utilities)
+        np.testing.assert_allclose(decision.utilities[considered], (decision.features @ vector)[considered], atol=1e-14)
+        # All but the feature subset query that was asked, and the symbols of which there is nothing here.
+        assert {decision.candidates[row].kind for row in np.flatnonzero(~considered)} <= {
+            QueryKind.FEATURE_SUBSET,
+            QueryKind.DEMONSTRATION,
+        }
+
+
+@pytest.mark.parametrize('strategy', ['u_sampling_fsq', 'random_fsq', 'farthest_fsq', 'rarest_demo'])
+@pytest.mark.parametrize('seed', range(3))
+def test_controls_never_repeat_themselves(toy, strategy, seed):
+    """No label query about a labelled view, at most one FSQ, no DQ for what the scene was said not to hold."""
+    refused = set()
+    scenes = {}
+
+    def watch(episode, scene, decision):
+        scenes[decision.turn] = scene.object_ids
+        action = decision.candidates[decision.chosen]
+        if action.kind is QueryKind.LABEL:
+            assert not episode.knowledge.is_labelled(scene)[scene.index_of(action.object_id)]
+        if action.kind is QueryKind.DEMONSTRATION:
+            assert (scene.object_ids, action.symbol) not in refused
+        refused.update((scenes[r.turn], r.symbol) for r in episode.records if r.object_id is None)
+
+    episode, _ = play(toy, strategy, seed, watch=watch, budget=100.0, turns=24)
+    assert [r.kind for r in episode.records].count(QueryKind.FEATURE_SUBSET) == 1
+
+
+def test_same_seed_same_queries_in_another_process(toy):
+    """Hash randomisation and iteration order must not reach a decision."""
+    program = (
+        'import sys; sys.path.insert(0, sys.argv[1]); import conftest as toy\n'
+        'from al_questioner.domain import generator; from al_questioner.questioning import STRATEGIES, Episode\n'
+        'for name in STRATEGIES:\n'
+        '    world = toy.ToyWorld(3); episode = Episode(toy.make_settings(name), generator(3, "strategy"))\n'
+        '    while not episode.done:\n'
+        '        query = episode.ask(world.scene(episode.turn + 1)).query\n'
+        '        if query: episode.tell(world.answer(query))\n'
+        '    print(name, episode.records)\n'
+    )
+    here = Path(__file__).resolve()
+    child = subprocess.run(
+        [sys.executable, '-c', program, str(here.parent)],
+        cwd=here.parents[2],
+        capture_output=True,
+        text=True,
+        check=True,
+    )
+    expected = [f'{name} {play(toy, name, seed=3)[0].records}' for name in STRATEGIES]
+    assert child.stdout.splitlines() == expected
+
+
+@pytest.mark.parametrize('strategy', STRATEGIES)
+def test_no_budget_means_no_queries(toy, strategy):
+    episode, decisions = play(toy, strategy, budget=0.0, turns=5)
+    assert episode.records == ()
+    assert all(d.candidates == (NOTHING,) and d.query is None for d in decisions)
+
+
+def test_single_object_scene(toy):
+    """One object is a scene; no strategy may stumble over it."""
+    for strategy in STRATEGIES:
+        play(toy, strategy, world=toy.world(0, n_objects=1), turns=6)
+
+
+def test_free_queries_need_no_budget(toy):
+    episode, _ = play(toy, 'u_sampling', budget=0.0, turns=3, costs=Costs(label=0.0))
+    assert len(episode.records) == 3
+
+
+def test_label_is_learnt(scripted, toy):
+    episode, scene, ask = scripted
+    query = ask(LABEL)
+    assert (query.text, query.choices, query.cost) == ('What is object 11?', toy.symbols, 1.0)
+    assert (query.budget_left, query.turns_left, query.turn) == (11.0, 19, 1)
+    record = episode.tell(toy.reply(query, 'snack'))
+    assert (record.kind, record.object_id, record.symbol, record.outcome) == (
+        QueryKind.LABEL, 11, 'snack', Outcome.ANSWERED,
+    )  # fmt: skip
+    assert episode.positives == {'main_dish': 0, 'snack': 1, 'fruit': 0}
+    assert episode.knowledge.predict_proba(scene.features)[1].argmax() == 1
+
+
+def test_label_none_is_learnt_as_clutter(scripted, toy):
+    episode, scene, ask = scripted
+    assert episode.tell(toy.reply(ask(LABEL), NO_SYMBOL)).symbol == NO_SYMBOL
+    assert episode.knowledge.is_labelled(scene).tolist() == [False, True, False, False]
+    assert sum(episode.positives.values()) == 0
+    assert (episode.knowledge.predict_proba(scene.features)[1] < 0.5).all()
+
+
+def test_demonstration_is_learnt(scripted, toy):
+    episode, scene, ask = scripted
+    query = ask(DEMONSTRATION)
+    assert query.choices == ('10', '11', '12', '13')
+    record = episode.tell(toy.reply(query, 13))
+    assert (record.object_id, record.symbol, record.cost) == (13, 'snack', 2.0)
+    assert episode.knowledge.is_labelled(scene).tolist() == [False, False, False, True]
+
+
+def test_demonstration_of_nothing_teaches_nothing_but_costs(scripted, toy):
+    episode, scene, ask = scripted
+    record = episode.tell(toy.reply(ask(DEMONSTRATION), NO_SYMBOL))
+    assert (record.object_id, record.symbol, record.outcome) == (None, 'snack', Outcome.ANSWERED)
+    assert episode.spent == 2.0
+    assert not episode.knowledge.is_labelled(scene).any()
+
+
+def test_subset_restricts_the_features(scripted, toy):
+    episode, _, ask = scripted
+    query = ask(SUBSET)
+    assert query.choices == ('colour', 'size', 'noise')
+    record = episode.tell(toy.reply(query, ('size', 'colour', 'size')))
+    assert record.groups == ('size', 'colour')
+    assert episode.knowledge.active_features.tolist() == [True, True, True, False, False]
+
+
+@pytest.mark.parametrize('outcome', [Outcome.UNKNOWN, Outcome.SKIP])
+@pytest.mark.parametrize('action', [LABEL, DEMONSTRATION, SUBSET])
+def test_unanswered_query_costs_and_teaches_nothing(scripted, toy, action, outcome):
+    episode, scene, ask = scripted
+    query = ask(action)
+    before = episode.knowledge.predict_proba(scene.features)
+    record = episode.tell(toy.reply(query, None, outcome))
+    assert (record.outcome, record.object_id, record.groups) == (outcome, action.object_id, ())
+    assert record.symbol == action.symbol, 'a label that was not given is None'
+    assert episode.spent == query.cost
+    np.testing.assert_array_equal(episode.knowledge.predict_proba(scene.features), before)
+
+
+@pytest.mark.parametrize(
+    ('action', 'content', 'reason'),
+    [
+        (LABEL, 'pizza', "unknown label 'pizza'; known: main_dish, snack, fruit, none"),
+        (LABEL, 11, 'a label is one of .*, not 11'),
+        (LABEL, None, 'a label is one of .*, not None'),
+        (DEMONSTRATION, 99, 'object 99 is not in the scene'),
+        (DEMONSTRATION, 'snack', "object id or 'none', not 'snack'"),
+        (DEMONSTRATION, True, 'not True'),
+        (DEMONSTRATION, None, 'not None'),
+        (SUBSET, ('colour', 'taste'), "unknown feature group 'taste'; known: colour, size, noise"),
+        (SUBSET, (), 'some of colour, size, noise'),
+        (SUBSET, 'colour', "not 'colour'"),
+    ],
+)
+def test_refused_content_leaves_the_query_pending(scripted, toy, action, content, reason):
+    episode, _, ask = scripted
+    query = ask(action)
+    before = episode.knowledge.model_version
+    with pytest.raises(AnswerError, match=reason):
+        episode.tell(toy.reply(query, content))
+    assert episode.pending is query
+    assert episode.records == ()
+    assert episode.spent == query.cost
+    assert episode.knowledge.model_version == before
+    episode.tell(toy.reply(query, None, Outcome.SKIP))
+    assert episode.pending is None
+
+
+def test_content_without_an_answer_is_refused(scripted, toy):
+    episode, _, ask = scripted
+    with pytest.raises(AnswerError, match="outcome 'skip' has no content"):
+        episode.tell(toy.reply(ask(LABEL), 'snack', Outcome.SKIP))
+
+
+def test_answer_to_another_query_is_refused(scripted, toy):
+    episode, _, ask = scripted
+    query = ask(LABEL)
+    with pytest.raises(AnswerError, match="to query 'q7', the pending one is 'q1'"):
+        episode.tell(toy.reply(query, 'snack', query_id='q7'))
+    episode.tell(toy.reply(query, 'snack'))
+    with pytest.raises(AnswerError, match='no query is pending'):
+        episode.tell(toy.reply(query, 'snack'))
+
+
+def test_object_that_has_gone_cannot_be_shown(scripted, toy):
+    """The scene that counts is the one in which the question was asked."""
+    episode, scene, ask = scripted
+    episode.tell(toy.reply(ask(DEMONSTRATION), 13))
+    smaller = toy.scene(scene.features[:2], object_ids=(10, 11))
+    query = ask(DEMONSTRATION, smaller)
+    with pytest.raises(AnswerError, match='object 13 is not in the scene'):
+        episode.tell(toy.reply(query, 13))
+
+
+def test_refused_scene_leaves_the_turn_to_be_tried_again(scripted, toy):
+    episode, _, ask = scripted
+    ask(NOTHING)
+    with pytest.raises(SceneError, match='the scene has 1 features'):
+        ask(NOTHING, toy.scene([[1.0]], names=('size_height',)))
+    assert (episode.turn, episode.pending, episode.spent) == (1, None, 0.0)
+    ask(NOTHING)
+    assert episode.turn == 2
+
+
+def test_asking_out_of_turn(scripted, toy):
+    """A pending query and the end of the episode are the caller's mistakes."""
+    episode, _, ask = scripted
+    query = ask(LABEL)
+    with pytest.raises(RuntimeError, match='query q1 has not been answered yet'):
+        ask(LABEL)
+    episode.tell(toy.reply(query, 'snack'))
+    for _ in range(18):
+        ask(NOTHING)
+    last = ask(LABEL)
+    assert not episode.done
+    episode.tell(toy.reply(last, 'snack'))
+    assert episode.done
+    with pytest.raises(RuntimeError, match='the episode is over: all 20 turns have passed'):
+        ask(NOTHING)
+
+
+@pytest.mark.parametrize('strategy', ['u_sampling', 'dt_task_env', 'rarest_demo'])
+def test_replaying_the_records_gives_the_same_knowledge(toy, strategy):
+    """Accuracy is measured outside the learner by replaying what it was told."""
+    scenes = []
+    episode, _ = play(toy, strategy, watch=lambda e, scene, d: scenes.append(scene), budget=30.0)
+    replayed = new_knowledge(toy.settings(strategy))
+    by_turn = {record.turn: record for record in episode.records}
+    for turn, scene in enumerate(scenes, start=1):
+        replayed.observe(scene)
+        if turn in by_turn:
+            replayed.learn(by_turn[turn], scene)
+    features = scenes[-1].features
+    np.testing.assert_array_equal(replayed.predict_proba(features), episode.knowledge.predict_proba(features))
+    assert replayed.model_version == episode.knowledge.model_version
+
+
+def test_unknown_strategy_is_refused_at_the_start(toy):
+    with pytest.raises(SettingsError, match='unknown strategy'):
+        Episode(EpisodeSettings(toy.symbols, 5, 5, 'clever'), generator(0, 'strategy'))

@@ -1,0 +1,45 @@
+"""Weights from YAML."""
+
+from pathlib import Path
+
+import pytest
+
+from al_questioner.domain import InputError
+from al_questioner.questioning import make_strategy, read_weights
+
+SHIPPED = Path(__file__).resolve().parents[2] / 'config' / 'weights'
+
+
+@pytest.mark.parametrize('name', ['dt_iros', 'dt_task', 'dt_task_env'])
+def test_shipped_weights(name):
+    """They fit their strategy, have unit L1 norm, and say that they were set by hand."""
+    weights = read_weights(SHIPPED / f'{name}.yaml')
+    make_strategy(name, weights.values)
+    assert sum(abs(value) for value in weights.values.values()) == pytest.approx(1.0, abs=1e-9)
+    assert 'Set by hand' in weights.provenance
+
+
+@pytest.mark.parametrize(
+    ('text', 'reason'),
+    [
+        ('weights: {cleverness: 1}', "unknown decision feature 'cleverness'"),
+        ('weights: {discriminability: .nan}', 'must be a finite number, not nan'),
+        ('weights: {discriminability: high}', "must be a finite number, not 'high'"),
+        ('weights: {discriminability: true}', 'must be a finite number, not True'),
+        ('weights: 3', 'no mapping "weights"'),
+        ('weights: {}', 'no mapping "weights"'),
+        ('- 1', 'expected a mapping'),
+        ('weights: {a', 'not valid YAML'),
+    ],
+)
+def test_files_that_are_no_weights(tmp_path, text, reason):
+    path = tmp_path / 'weights.yaml'
+    path.write_text(text)
+    with pytest.raises(InputError, match=reason) as error:
+        read_weights(path)
+    assert '\n' not in str(error.value)
+
+
+def test_missing_file(tmp_path):
+    with pytest.raises(InputError, match='cannot be read'):
+        read_weights(tmp_path / 'nowhere.yaml')
