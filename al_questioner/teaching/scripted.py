@@ -1,0 +1,84 @@
+"""A teacher who knows the truth, and who may be told to err."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from al_questioner.domain import NO_SYMBOL, Answer, Content, Outcome, Query, QueryKind, SettingsError, generator
+
+
+@dataclass(frozen=True)
+class ScriptedTeacher:
+    """Answers from the ground truth.
+
+    The chance in an answer depends on the seed and the query's id alone: a teacher that is started anew in the middle
+    of an episode answers as the first one would have.
+
+    Attributes:
+        symbols: the concepts.
+        relevant_groups: feature groups that this teacher names when asked which properties matter.
+        seed: seed of the errors, and of which object is shown.
+        wrong_rate: share of answers that are wrong, in [0, 1].
+        unknown_rate: share of queries answered by "I do not know", in [0, 1].
+        teacher_id: who answers.
+
+    Raises:
+        SettingsError: a rate outside [0, 1], or rates that add up to more than 1.
+    """
+
+    symbols: Sequence[str]
+    relevant_groups: Sequence[str]
+    seed: int
+    wrong_rate: float = 0.0
+    unknown_rate: float = 0.0
+    teacher_id: str = 'scripted'
+
+    def __post_init__(self) -> None:
+        for name in ('wrong_rate', 'unknown_rate'):
+            rate = getattr(self, name)
+            if not 0.0 <= rate <= 1.0:
+                raise SettingsError(f'{name} must lie in [0, 1], not {rate}')
+        if self.wrong_rate + self.unknown_rate > 1.0:
+            raise SettingsError(
+                f'wrong_rate and unknown_rate add up to {self.wrong_rate + self.unknown_rate}, more than 1'
+            )
+
+    def answer(self, query: Query, truth: Mapping[int, str]) -> Answer:
+        """Answer a query about a scene; an object that the scene does not hold is unknown."""
+        rng = generator(self.seed, f'teacher/{query.query_id}')
+        draw = rng.random()
+        if draw < self.unknown_rate:
+            return self._reply(query, Outcome.UNKNOWN)
+        wrong = draw < self.unknown_rate + self.wrong_rate
+        if query.action.kind is QueryKind.LABEL:
+            content = self._label(query, truth, wrong, rng)
+        elif query.action.kind is QueryKind.DEMONSTRATION:
+            content = self._demonstration(query, truth, wrong, rng)
+        else:
+            content = self._groups(query, wrong, rng)
+        return self._reply(query, Outcome.UNKNOWN if content is None else Outcome.ANSWERED, content)
+
+    def _label(self, query: Query, truth: Mapping[int, str], wrong: bool, rng: np.random.Generator) -> Content:
+        label = truth.get(query.action.object_id) if query.action.object_id is not None else None
+        if label is None or not wrong:
+            return label
+        return str(rng.choice([other for other in (*self.symbols, NO_SYMBOL) if other != label]))
+
+    def _demonstration(self, query: Query, truth: Mapping[int, str], wrong: bool, rng: np.random.Generator) -> Content:
+        shown = [object_id for object_id, label in truth.items() if (label == query.action.symbol) != wrong]
+        return int(rng.choice(shown)) if shown else NO_SYMBOL
+
+    def _groups(self, query: Query, wrong: bool, rng: np.random.Generator) -> Content:
+        """The relevant groups that the learner has; a wrong answer misjudges one group, if that leaves any."""
+        named = [group for group in query.choices if group in self.relevant_groups]
+        if wrong:
+            mistaken = str(rng.choice(list(query.choices)))
+            flipped = [group for group in query.choices if (group in named) != (group == mistaken)]
+            named = flipped or named
+        return tuple(named) or None
+
+    def _reply(self, query: Query, outcome: Outcome, content: Content = None) -> Answer:
+        return Answer(query.query_id, f'{query.query_id}/{self.teacher_id}', self.teacher_id, outcome, content)

@@ -1,0 +1,21 @@
+"""What every teacher does, simulated or human."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import Protocol
+
+from al_questioner.domain import Answer, Query
+
+
+class Teacher(Protocol):
+    """Somebody who answers questions about a scene."""
+
+    def answer(self, query: Query, truth: Mapping[int, str]) -> Answer:
+        """Answer a query.
+
+        Args:
+            query: the question.
+            truth: what this teacher sees: the symbol, or `NO_SYMBOL`, of every object in the scene of the query.
+        """
+        ...
