@@ -1,0 +1,176 @@
+"""Scenes and decisions as PointCloud2: one point per object, or one per candidate.
+
+The message classes are handed in, so that the same code serves rclpy and bag readers.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from al_questioner.domain import DECISION_FEATURES, Action, Decision, QueryKind, Scene, SceneError
+
+_FORMATS = {1: 'i1', 2: 'u1', 3: 'i2', 4: 'u2', 5: 'i4', 6: 'u4', 7: 'f4', 8: 'f8'}
+"""numpy format of each datatype of sensor_msgs/PointField."""
+_DATATYPES = {format_: datatype for datatype, format_ in _FORMATS.items()}
+
+_SCENE_HEAD = (('x', 'f4'), ('y', 'f4'), ('z', 'f4'), ('object_id', 'u4'))
+_KINDS = tuple(QueryKind)
+_ABSENT = -1
+_DECISION_FIELDS = (
+    ('kind', 'u1'),
+    ('object_id', 'i4'),
+    ('symbol', 'i4'),
+    *((name, 'f8') for name in DECISION_FEATURES),
+    ('utility', 'f8'),
+    ('chosen', 'u1'),
+)
+
+MAXIMAL_POINTS = 100_000
+
+
+@dataclass(frozen=True)
+class CloudTypes:
+    """What a cloud is made of: the two message classes and the container of its bytes."""
+
+    cloud: Callable[..., Any]
+    field: Callable[..., Any]
+    octets: Callable[[bytes], Any]
+
+
+def cloud_of_scene(scene: Scene, header: Any, types: CloudTypes) -> Any:
+    """The `objects` cloud of a scene: `x y z object_id`, then one float32 field per feature."""
+    points = np.empty(len(scene), dtype=[*_SCENE_HEAD, *((name, 'f4') for name in scene.feature_names)])
+    points['x'], points['y'], points['z'] = scene.positions.T
+    points['object_id'] = scene.object_ids
+    for column, name in enumerate(scene.feature_names):
+        points[name] = scene.features[:, column]
+    return _cloud(points, header, types)
+
+
+def scene_of_cloud(cloud: Any) -> Scene:
+    """The scene that an `objects` cloud shows.
+
+    Raises:
+        SceneError: a field is missing, or the layout contradicts itself, or the scene is unusable.
+    """
+    points = _points(cloud)
+    names = points.dtype.names or ()
+    missing = [name for name, _ in _SCENE_HEAD if name not in names]
+    if missing:
+        raise SceneError(f'the objects cloud has no field {", ".join(missing)}')
+    features = tuple(name for name in names if name not in {head for head, _ in _SCENE_HEAD})
+    ids = points['object_id']
+    if not np.array_equal(ids, ids.astype(np.uint32)):
+        raise SceneError('an object_id of the objects cloud is no uint32')
+    columns = [points[name].astype(np.float32) for name in features]
+    return Scene(
+        object_ids=tuple(int(object_id) for object_id in ids),
+        positions=np.stack([points[axis].astype(np.float32) for axis in 'xyz'], axis=1),
+        features=np.stack(columns, axis=1) if columns else np.empty((len(points), 0), np.float32),
+        feature_names=features,
+    )
+
+
+def cloud_of_decision(decision: Decision, symbols: tuple[str, ...], header: Any, types: CloudTypes) -> Any:
+    """The `decision` cloud: a point per candidate.
+
+    `kind` is the position in (label, demonstration, feature_subset, no_query); `object_id` and `symbol` (the
+    position in the episode's symbols) are -1 where the candidate names none; `chosen` is 1 for one point.
+    """
+    points = np.empty(len(decision.candidates), dtype=list(_DECISION_FIELDS))
+    for row, action in enumerate(decision.candidates):
+        points['kind'][row] = _KINDS.index(action.kind)
+        points['object_id'][row] = _ABSENT if action.object_id is None else action.object_id
+        points['symbol'][row] = _ABSENT if action.symbol is None else symbols.index(action.symbol)
+    for column, name in enumerate(DECISION_FEATURES):
+        points[name] = decision.features[:, column]
+    points['utility'] = decision.utilities
+    points['chosen'] = np.arange(len(points)) == decision.chosen
+    return _cloud(points, header, types)
+
+
+def decision_of_cloud(cloud: Any, symbols: tuple[str, ...], turn: int) -> Decision:
+    """The decision that a `decision` cloud tells of, without its query.
+
+    Raises:
+        SceneError: the layout is not that of a decision, or not exactly one candidate is chosen.
+    """
+    points = _points(cloud)
+    missing = [name for name, _ in _DECISION_FIELDS if name not in (points.dtype.names or ())]
+    if missing:
+        raise SceneError(f'the decision cloud has no field {", ".join(missing)}')
+    chosen = np.flatnonzero(points['chosen'])
+    if len(chosen) != 1:
+        raise SceneError(f'the decision cloud marks {len(chosen)} candidates as chosen, expected 1')
+    if (points['kind'] >= len(_KINDS)).any() or (points['symbol'] >= len(symbols)).any():
+        raise SceneError('the decision cloud names a kind or a symbol that does not exist')
+    return Decision(
+        turn=turn,
+        candidates=tuple(
+            Action(
+                _KINDS[int(point['kind'])],
+                None if point['object_id'] == _ABSENT else int(point['object_id']),
+                None if point['symbol'] == _ABSENT else symbols[int(point['symbol'])],
+            )
+            for point in points
+        ),
+        features=np.stack([points[name].astype(np.float64) for name in DECISION_FEATURES], axis=1),
+        utilities=points['utility'].astype(np.float64),
+        chosen=int(chosen[0]),
+        query=None,
+    )
+
+
+def _cloud(points: NDArray[np.void], header: Any, types: CloudTypes) -> Any:
+    layout = points.dtype
+    fields = [
+        types.field(name=name, offset=offset, datatype=_DATATYPES[kind.str[1:]], count=1)
+        for name, (kind, offset, *_) in (layout.fields or {}).items()
+    ]
+    return types.cloud(
+        header=header,
+        height=1,
+        width=len(points),
+        fields=fields,
+        is_bigendian=False,
+        point_step=layout.itemsize,
+        row_step=layout.itemsize * len(points),
+        data=types.octets(points.tobytes()),
+        is_dense=True,
+    )
+
+
+def _points(cloud: Any) -> NDArray[np.void]:
+    """The points of any cloud with scalar fields, whatever its byte order, padding and rows."""
+    order = '>' if cloud.is_bigendian else '<'
+    try:
+        layout = np.dtype(
+            {
+                'names': [field.name for field in cloud.fields],
+                'formats': [order + _FORMATS[field.datatype] for field in cloud.fields],
+                'offsets': [field.offset for field in cloud.fields],
+                'itemsize': cloud.point_step,
+            }
+        )
+    except (KeyError, ValueError, TypeError) as error:
+        raise SceneError(f'the fields of the cloud do not make a layout ({error})') from error
+    if any(field.count != 1 for field in cloud.fields):
+        raise SceneError('a field of the cloud holds more than one value a point')
+    if cloud.width * cloud.height > MAXIMAL_POINTS:
+        raise SceneError(f'the cloud has {cloud.width * cloud.height} points, at most {MAXIMAL_POINTS} are read')
+    data = np.frombuffer(memoryview(cloud.data).cast('B'), np.uint8)
+    row = cloud.point_step * cloud.width
+    if cloud.row_step < row or len(data) < cloud.row_step * cloud.height:
+        raise SceneError(
+            f'the cloud holds {len(data)} bytes, too few for {cloud.height} x {cloud.width} points'
+            f' of {cloud.point_step} bytes'
+        )
+    if row == 0 or cloud.height == 0:
+        return np.empty(0, layout)
+    rows = data[: cloud.row_step * cloud.height].reshape(cloud.height, cloud.row_step)[:, :row]
+    return np.ascontiguousarray(rows).reshape(-1).view(layout)

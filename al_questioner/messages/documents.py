@@ -1,0 +1,164 @@
+"""JSON documents: what is written on a String topic, and how what arrives is checked.
+
+Every document is one JSON object with `schema` (`al_questioner/KIND/1`), `episode_id`, and the members that
+`schemas.SCHEMAS` demands. Whatever does not fit is a `DocumentError` whose text says where.
+"""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Mapping
+from functools import cache
+from typing import Any, NoReturn
+
+import jsonschema
+
+from al_questioner.domain import Action, Answer, InputError, Outcome, Query, QueryKind, QueryRecord
+from al_questioner.messages.schemas import SCHEMAS
+
+Document = dict[str, Any]
+
+MAXIMAL_LENGTH = 1_000_000
+"""Characters; a longer text is refused unread."""
+
+
+class DocumentError(InputError):
+    """A text that is not the document it should be."""
+
+
+def schema_name(kind: str) -> str:
+    """The `schema` member of a kind of document."""
+    return f'al_questioner/{kind}/1'
+
+
+def write(kind: str, episode_id: str, members: Mapping[str, Any]) -> str:
+    """The JSON text of a document.
+
+    Raises:
+        ValueError: a member is NaN or infinite, which JSON cannot say.
+    """
+    document = {'schema': schema_name(kind), 'episode_id': episode_id, **members}
+    return json.dumps(document, allow_nan=False, separators=(',', ':'))
+
+
+def read(kind: str, text: str) -> Document:
+    """The document that a text holds.
+
+    Raises:
+        DocumentError: too long, no JSON, another schema, or a member that is missing or of the wrong form.
+    """
+    if len(text) > MAXIMAL_LENGTH:
+        raise DocumentError(f'{kind}: {len(text)} characters, at most {MAXIMAL_LENGTH} are read')
+    try:
+        document = json.loads(text, parse_constant=_refuse_constant)
+    except DocumentError:
+        raise
+    except (ValueError, RecursionError) as error:
+        raise DocumentError(f'{kind}: not valid JSON ({error})') from error
+    if not isinstance(document, dict):
+        raise DocumentError(f'{kind}: expected a JSON object, found {type(document).__name__}')
+    error = jsonschema.exceptions.best_match(_validator(kind).iter_errors(document))
+    if error is not None:
+        where = '.'.join(str(part) for part in error.absolute_path) or 'document'
+        raise DocumentError(f'{kind}: {where}: {_shorten(error.message)}')
+    return document
+
+
+def _refuse_constant(name: str) -> NoReturn:
+    raise DocumentError(f'{name} is no JSON number')
+
+
+def _shorten(text: str, length: int = 200) -> str:
+    line = ' '.join(text.split())
+    return line if len(line) <= length else f'{line[: length - 1]}…'
+
+
+@cache
+def _validator(kind: str) -> jsonschema.Draft202012Validator:
+    schema = SCHEMAS[kind]
+    common = {'schema': {'const': schema_name(kind)}, 'episode_id': {'type': 'string', 'minLength': 1}}
+    return jsonschema.Draft202012Validator(
+        {**schema, 'properties': {**common, **schema['properties']}, 'required': [*common, *schema['required']]}
+    )
+
+
+def query_members(query: Query) -> Document:
+    """Members of a `query` document."""
+    return {
+        'query_id': query.query_id,
+        'turn': query.turn,
+        'kind': query.action.kind.value,
+        'object_id': query.action.object_id,
+        'symbol': query.action.symbol,
+        'choices': list(query.choices),
+        'cost': query.cost,
+        'budget_left': query.budget_left,
+        'turns_left': query.turns_left,
+        'model_version': query.model_version,
+        'text': query.text,
+    }
+
+
+def query_of(document: Document) -> Query:
+    """The query that a checked `query` document tells of."""
+    return Query(
+        query_id=document['query_id'],
+        turn=document['turn'],
+        action=Action(QueryKind(document['kind']), document['object_id'], document['symbol']),
+        choices=tuple(document['choices']),
+        cost=float(document['cost']),
+        budget_left=float(document['budget_left']),
+        turns_left=document['turns_left'],
+        model_version=document['model_version'],
+        text=document['text'],
+    )
+
+
+def answer_members(answer: Answer) -> Document:
+    """Members of an `answer` document."""
+    content = list(answer.content) if isinstance(answer.content, tuple) else answer.content
+    return {
+        'query_id': answer.query_id,
+        'answer_id': answer.answer_id,
+        'teacher_id': answer.teacher_id,
+        'outcome': answer.outcome.value,
+        'content': content,
+    }
+
+
+def answer_of(document: Document) -> Answer:
+    """The answer that a checked `answer` document tells of."""
+    content = document.get('content')
+    return Answer(
+        query_id=document['query_id'],
+        answer_id=document['answer_id'],
+        teacher_id=document['teacher_id'],
+        outcome=Outcome(document['outcome']),
+        content=tuple(content) if isinstance(content, list) else content,
+    )
+
+
+def record_members(record: QueryRecord) -> Document:
+    """A query and what came of it, as it stands in `learner_state` and in an episode's JSON."""
+    return {
+        'turn': record.turn,
+        'kind': record.kind.value,
+        'object_id': record.object_id,
+        'symbol': record.symbol,
+        'cost': record.cost,
+        'outcome': record.outcome.value,
+        'groups': list(record.groups),
+    }
+
+
+def record_of(members: Document) -> QueryRecord:
+    """The inverse of `record_members`."""
+    return QueryRecord(
+        turn=members['turn'],
+        kind=QueryKind(members['kind']),
+        object_id=members['object_id'],
+        symbol=members['symbol'],
+        cost=float(members['cost']),
+        outcome=Outcome(members['outcome']),
+        groups=tuple(members['groups']),
+    )

@@ -1,0 +1,110 @@
+"""JSON Schemas of the documents on the wire: the contract that `docs/interfaces.md` explains."""
+
+from __future__ import annotations
+
+from typing import Any
+
+from al_questioner.domain import DECISION_FEATURES, Outcome, QueryKind
+
+JsonSchema = dict[str, Any]
+
+_TEXT: JsonSchema = {'type': 'string', 'minLength': 1, 'maxLength': 10_000}
+_COUNT: JsonSchema = {'type': 'integer', 'minimum': 0}
+_AMOUNT: JsonSchema = {'type': 'number', 'minimum': 0}
+_NAMES: JsonSchema = {'type': 'array', 'items': _TEXT}
+_OBJECT_ID: JsonSchema = {'type': ['integer', 'null'], 'minimum': 0}
+_OPTIONAL_TEXT: JsonSchema = {'type': ['string', 'null']}
+_QUERIES = [kind.value for kind in QueryKind if kind is not QueryKind.NO_QUERY]
+_OUTCOMES = [outcome.value for outcome in Outcome]
+
+
+def _record(required: JsonSchema, optional: JsonSchema | None = None) -> JsonSchema:
+    """A mapping; members beyond those named are let through, so that later versions may add some."""
+    return {'type': 'object', 'properties': {**required, **(optional or {})}, 'required': list(required)}
+
+
+_WORLD = _record({'task': _TEXT, 'seed': _COUNT, 'sample': _COUNT, 'dataset': _OPTIONAL_TEXT})
+_STAMP = _record({'sec': {'type': 'integer'}, 'nanosec': {'type': 'integer', 'minimum': 0, 'maximum': 999_999_999}})
+_QUERY_RECORD = _record(
+    {
+        'turn': {'type': 'integer', 'minimum': 1},
+        'kind': {'enum': _QUERIES},
+        'object_id': _OBJECT_ID,
+        'symbol': _OPTIONAL_TEXT,
+        'cost': _AMOUNT,
+        'outcome': {'enum': _OUTCOMES},
+        'groups': _NAMES,
+    }
+)
+
+SCHEMAS: dict[str, JsonSchema] = {
+    'episode': _record(
+        {
+            'symbols': {'type': 'array', 'items': _TEXT, 'minItems': 2},
+            'feature_names': _NAMES,
+            'budget': _AMOUNT,
+            'turns': {'type': 'integer', 'minimum': 1},
+            'change_interval': {'type': 'integer', 'minimum': 1},
+            'costs': _record({'label': _AMOUNT, 'demonstration': _AMOUNT, 'feature_subset': _AMOUNT}),
+            'strategy': _TEXT,
+            'weights': {
+                'type': 'object',
+                'propertyNames': {'enum': list(DECISION_FEATURES)},
+                'additionalProperties': {'type': 'number'},
+            },
+            'seed': _COUNT,
+            'world': {'oneOf': [_WORLD, {'type': 'null'}]},
+        }
+    ),
+    'turn': _record(
+        {
+            'turn': {'type': 'integer', 'minimum': 1},
+            'stamp': _STAMP,
+            'world': {'oneOf': [_WORLD, {'type': 'null'}]},
+        }
+    ),
+    'query': _record(
+        {
+            'query_id': _TEXT,
+            'turn': {'type': 'integer', 'minimum': 1},
+            'kind': {'enum': _QUERIES},
+            'object_id': _OBJECT_ID,
+            'symbol': _OPTIONAL_TEXT,
+            'choices': _NAMES,
+            'cost': _AMOUNT,
+            'budget_left': _AMOUNT,
+            'turns_left': _COUNT,
+            'model_version': _COUNT,
+            'text': _TEXT,
+        }
+    ),
+    'answer': _record(
+        {'query_id': _TEXT, 'answer_id': _TEXT, 'teacher_id': _TEXT, 'outcome': {'enum': _OUTCOMES}},
+        {'content': {'type': ['string', 'integer', 'array', 'null'], 'items': _TEXT}},
+    ),
+    'answer_ack': _record(
+        {
+            'query_id': _OPTIONAL_TEXT,
+            'answer_id': _OPTIONAL_TEXT,
+            'accepted': {'type': 'boolean'},
+            'reason': {'type': 'string'},
+        }
+    ),
+    'learner_state': _record(
+        {
+            'turn': _COUNT,
+            'turns': {'type': 'integer', 'minimum': 1},
+            'budget': _AMOUNT,
+            'spent': _AMOUNT,
+            'done': {'type': 'boolean'},
+            'queries': {'type': 'array', 'items': _QUERY_RECORD},
+            'labels': {'type': 'object', 'additionalProperties': _COUNT},
+            'model_version': _COUNT,
+            'beliefs': {
+                'type': 'object',
+                'additionalProperties': {'type': 'object', 'additionalProperties': {'type': 'number'}},
+            },
+        }
+    ),
+}
+"""Schema of each kind of document, without the `schema` and `episode_id` that every document carries."""

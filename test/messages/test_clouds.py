@@ -1,0 +1,222 @@
+"""Scenes and decisions must survive the way through a point cloud, and no cloud may be misread."""
+
+from __future__ import annotations
+
+from types import SimpleNamespace
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+from hypothesis.extra import numpy as hnp
+
+from al_questioner.domain import Action, Decision, QueryKind, Scene, SceneError
+from al_questioner.messages.clouds import (
+    CloudTypes,
+    cloud_of_decision,
+    cloud_of_scene,
+    decision_of_cloud,
+    scene_of_cloud,
+)
+
+TYPES = CloudTypes(cloud=SimpleNamespace, field=SimpleNamespace, octets=bytes)
+NAMES = ('colour_hue', 'size_height', 'weight_kg')
+finite = st.floats(width=32, allow_nan=False, allow_infinity=False)
+
+
+def make_scene(n: int = 3) -> Scene:
+    rng = np.random.default_rng(5)
+    return Scene(
+        tuple(range(10, 10 + n)),
+        rng.normal(size=(n, 3)).astype(np.float32),
+        rng.normal(size=(n, len(NAMES))).astype(np.float32),
+        NAMES,
+    )
+
+
+def make_cloud(scene: Scene | None = None) -> SimpleNamespace:
+    return cloud_of_scene(scene or make_scene(), SimpleNamespace(), TYPES)
+
+
+@given(hnp.arrays(np.float32, (4, 3), elements=finite), hnp.arrays(np.float32, (4, 2), elements=finite))
+def test_scene_survives_to_the_bit(positions: np.ndarray, features: np.ndarray) -> None:
+    """A learner behind ROS would see other numbers than one offline."""
+    scene = Scene((7, 0, 3, 2**31), positions, features, ('a_1', 'b_2'))
+    back = scene_of_cloud(make_cloud(scene))
+    assert back.object_ids == scene.object_ids
+    assert back.feature_names == scene.feature_names
+    assert back.features.tobytes() == scene.features.tobytes()
+    assert back.positions.tobytes() == scene.positions.tobytes()
+
+
+def test_layout_is_the_one_the_contract_names() -> None:
+    """RViz, Foxglove and foreign nodes would not find their fields."""
+    cloud = make_cloud()
+    assert [field.name for field in cloud.fields] == ['x', 'y', 'z', 'object_id', *NAMES]
+    assert [field.datatype for field in cloud.fields] == [7, 7, 7, 6, 7, 7, 7]
+    assert [field.offset for field in cloud.fields] == [0, 4, 8, 12, 16, 20, 24]
+    assert (cloud.width, cloud.height, cloud.point_step, cloud.row_step) == (3, 1, 28, 84)
+    assert len(cloud.data) == 84
+
+
+@pytest.mark.parametrize('order', ['<', '>'])
+def test_foreign_layout_is_read(order: str) -> None:
+    """A robot's own perception could not publish padded, reordered, two-row, big-endian or float64 clouds."""
+    layout = np.dtype(
+        {
+            'names': ['object_id', 'size_a', 'x', 'y', 'z'],
+            'formats': [f'{order}u2', f'{order}f8', f'{order}f4', f'{order}f4', f'{order}f4'],
+            'offsets': [0, 8, 16, 20, 24],
+            'itemsize': 40,
+        }
+    )
+    points = np.zeros(4, layout)
+    points['object_id'], points['size_a'], points['x'] = [4, 5, 6, 7], [0.5, 1.5, 2.5, 3.5], [1, 2, 3, 4]
+    rows = points.tobytes()
+    data = rows[:80] + b'\xff' * 8 + rows[80:] + b'\xff' * 8
+    datatypes = {'object_id': 4, 'size_a': 8, 'x': 7, 'y': 7, 'z': 7}
+    cloud = SimpleNamespace(
+        fields=[
+            SimpleNamespace(name=n, offset=layout.fields[n][1], datatype=datatypes[n], count=1) for n in layout.names
+        ],
+        is_bigendian=order == '>',
+        point_step=40,
+        width=2,
+        height=2,
+        row_step=88,
+        data=data,
+    )
+    scene = scene_of_cloud(cloud)
+    assert scene.object_ids == (4, 5, 6, 7)
+    assert scene.features[:, 0].tolist() == [0.5, 1.5, 2.5, 3.5]
+    assert scene.positions[:, 0].tolist() == [1, 2, 3, 4]
+
+
+def _without_id(cloud: SimpleNamespace) -> None:
+    cloud.fields = [field for field in cloud.fields if field.name != 'object_id']
+
+
+def _two_values(cloud: SimpleNamespace) -> None:
+    cloud.fields[4].count = 2
+
+
+def _twice(cloud: SimpleNamespace) -> None:
+    cloud.fields[5].name = cloud.fields[4].name
+
+
+def _beyond(cloud: SimpleNamespace) -> None:
+    cloud.fields[-1].offset = 26
+
+
+def _unknown_type(cloud: SimpleNamespace) -> None:
+    cloud.fields[-1].datatype = 9
+
+
+def _short(cloud: SimpleNamespace) -> None:
+    cloud.data = cloud.data[:-1]
+
+
+def _empty(cloud: SimpleNamespace) -> None:
+    cloud.width = cloud.row_step = 0
+    cloud.data = b''
+
+
+def _huge(cloud: SimpleNamespace) -> None:
+    cloud.width = cloud.height = 2**31
+
+
+def _overlapping_rows(cloud: SimpleNamespace) -> None:
+    cloud.height, cloud.row_step = 2, 42
+
+
+def _nan(cloud: SimpleNamespace) -> None:
+    cloud.data = cloud.data[:16] + np.float32(np.nan).tobytes() + cloud.data[20:]
+
+
+def _float_id(cloud: SimpleNamespace) -> None:
+    cloud.fields[3].datatype = 7
+    cloud.data = cloud.data[:12] + np.float32(1.5).tobytes() + cloud.data[16:]
+
+
+@pytest.mark.parametrize(
+    ('damage', 'reason'),
+    [
+        (_without_id, 'no field object_id'),
+        (_two_values, 'more than one value'),
+        (_twice, 'do not make a layout'),
+        (_beyond, 'do not make a layout'),
+        (_unknown_type, 'do not make a layout'),
+        (_short, 'too few'),
+        (_empty, 'empty'),
+        (_huge, 'at most'),
+        (_overlapping_rows, 'too few'),
+        (_nan, 'colour_hue of object 10 is not finite'),
+        (_float_id, 'no uint32'),
+    ],
+)
+def test_damaged_cloud_is_refused(damage: object, reason: str) -> None:
+    """The learner would learn from nonsense, or die of it."""
+    cloud = make_cloud()
+    damage(cloud)
+    with pytest.raises(SceneError, match=reason):
+        scene_of_cloud(cloud)
+
+
+@given(st.binary(max_size=200), st.integers(0, 300), st.integers(0, 300), st.integers(0, 300), st.booleans())
+def test_random_bytes_never_crash(data: bytes, width: int, height: int, step: int, big: bool) -> None:
+    """Garbage on the topic would raise something else than a refusal."""
+    cloud = make_cloud()
+    cloud.data, cloud.width, cloud.height, cloud.point_step, cloud.is_bigendian = data, width, height, step, big
+    cloud.row_step = width * step
+    try:
+        scene_of_cloud(cloud)
+    except SceneError:
+        return
+
+
+def make_decision() -> Decision:
+    rng = np.random.default_rng(2)
+    return Decision(
+        turn=4,
+        candidates=(
+            Action(QueryKind.DEMONSTRATION, symbol='snack'),
+            Action(QueryKind.LABEL, object_id=0),
+            Action(QueryKind.FEATURE_SUBSET),
+            Action(QueryKind.NO_QUERY),
+        ),
+        features=rng.random((4, 7)),
+        utilities=np.array([0.1, np.nan, -3.0, 1 / 3]),
+        chosen=3,
+        query=None,
+    )
+
+
+def test_decision_survives_to_the_bit() -> None:
+    """A bag would hold other utilities than those the learner decided by."""
+    decision = make_decision()
+    back = decision_of_cloud(cloud_of_decision(decision, ('fruit', 'snack'), None, TYPES), ('fruit', 'snack'), 4)
+    assert back.candidates == decision.candidates
+    assert back.features.tobytes() == decision.features.tobytes()
+    assert back.utilities.tobytes() == decision.utilities.tobytes()
+    assert (back.chosen, back.turn) == (3, 4)
+
+
+def test_decision_without_one_choice_is_refused() -> None:
+    """A demonstration with no choice, or two, would be imitated."""
+    cloud = cloud_of_decision(make_decision(), ('fruit', 'snack'), None, TYPES)
+    cloud.data = cloud.data[:-1] + b'\0'
+    with pytest.raises(SceneError, match='marks 0 candidates'):
+        decision_of_cloud(cloud, ('fruit', 'snack'), 4)
+
+
+def test_scene_cloud_is_no_decision() -> None:
+    """Remapped topics would be read as decisions."""
+    with pytest.raises(SceneError, match='no field kind'):
+        decision_of_cloud(make_cloud(), ('fruit', 'snack'), 1)
+
+
+def test_decision_of_other_symbols_is_refused() -> None:
+    """A decision would be read with the symbols of another episode."""
+    cloud = cloud_of_decision(make_decision(), ('fruit', 'snack'), None, TYPES)
+    with pytest.raises(SceneError, match='does not exist'):
+        decision_of_cloud(cloud, ('fruit',), 4)

@@ -1,0 +1,98 @@
+"""What a document says must arrive unchanged, and whatever is no document must be refused with its reason."""
+
+from __future__ import annotations
+
+import json
+
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from al_questioner.domain import Action, Answer, InputError, Outcome, Query, QueryKind, QueryRecord
+from al_questioner.messages import documents
+from al_questioner.messages.documents import DocumentError
+
+QUERY = Query('q3', 5, Action(QueryKind.LABEL, object_id=7), ('fruit', 'snack'), 1.0, 12.5, 35, 9, 'What is object 7?')
+ANSWERS = [
+    Answer('q3', 'a1', 'anna', Outcome.ANSWERED, 'snack'),
+    Answer('q3', 'a1', 'anna', Outcome.ANSWERED, 7),
+    Answer('q3', 'a1', 'anna', Outcome.ANSWERED, ('colour', 'weight')),
+    Answer('q3', 'a1', 'anna', Outcome.UNKNOWN),
+]
+
+
+def answer_text(**changes: object) -> str:
+    document = {
+        'schema': 'al_questioner/answer/1',
+        'episode_id': 'e',
+        **documents.answer_members(ANSWERS[0]),
+        **changes,
+    }
+    return json.dumps({key: value for key, value in document.items() if value is not ...})
+
+
+def test_query_survives() -> None:
+    """The teacher would be asked something else than the learner decided."""
+    assert (
+        documents.query_of(documents.read('query', documents.write('query', 'e', documents.query_members(QUERY))))
+        == QUERY
+    )
+
+
+@pytest.mark.parametrize('answer', ANSWERS)
+def test_answer_survives(answer: Answer) -> None:
+    """The learner would be told something else than the teacher said."""
+    text = documents.write('answer', 'e', documents.answer_members(answer))
+    assert documents.answer_of(documents.read('answer', text)) == answer
+
+
+def test_record_survives() -> None:
+    """The evaluation would replay another episode than was played."""
+    record = QueryRecord(3, QueryKind.FEATURE_SUBSET, None, None, 2.0, Outcome.ANSWERED, ('colour',))
+    assert documents.record_of(json.loads(json.dumps(documents.record_members(record)))) == record
+
+
+@pytest.mark.parametrize(
+    ('text', 'reason'),
+    [
+        ('', 'not valid JSON'),
+        ('{', 'not valid JSON'),
+        ('[' * 100_000, 'not valid JSON'),
+        ('[]', 'expected a JSON object, found list'),
+        ('{}', 'document: .* is a required property'),
+        (answer_text(schema='al_questioner/answer/2'), 'schema'),
+        (answer_text(schema='al_questioner/query/1'), 'schema'),
+        (answer_text(episode_id=3), 'episode_id'),
+        (answer_text(query_id=...), "'query_id' is a required property"),
+        (answer_text(outcome='perhaps'), 'outcome'),
+        (answer_text(content={'a': 1}), 'content'),
+        (answer_text(content=[1, 2]), 'content'),
+        (answer_text(content=True), 'content'),
+        (answer_text(content=float('nan')), 'NaN is no JSON number'),
+        (answer_text(teacher_id='x' * 2_000_000), 'at most'),
+    ],
+)
+def test_what_is_no_answer_is_refused(text: str, reason: str) -> None:
+    """Garbage would reach the episode, or end the node."""
+    with pytest.raises(DocumentError, match=reason) as caught:
+        documents.read('answer', text)
+    assert '\n' not in str(caught.value)
+    assert len(str(caught.value)) < 400
+
+
+@given(st.text(max_size=300))
+def test_random_text_never_crashes(text: str) -> None:
+    """Garbage on a topic would raise something else than a refusal."""
+    with pytest.raises(InputError):
+        documents.read('turn', text)
+
+
+def test_nan_is_never_written() -> None:
+    """A document that no JSON reader takes would go out."""
+    with pytest.raises(ValueError, match='JSON compliant'):
+        documents.write('turn', 'e', {'turn': float('nan')})
+
+
+def test_unknown_members_are_let_through() -> None:
+    """A later version could not add a member without breaking this one."""
+    assert documents.read('answer', answer_text(mood='good'))['mood'] == 'good'
