@@ -35,6 +35,10 @@ class AnswerError(InputError):
     """An answer that does not fit the question that is pending."""
 
 
+class EpisodeError(RuntimeError):
+    """An episode that did not reach its end, through no fault of the input; its text is one line."""
+
+
 class QueryKind(str, Enum):
     """The communicative actions of section 2.1 of the paper."""
 
@@ -114,7 +118,8 @@ class Scene:
         feature_names: m distinct names; the group of a feature is `group_of` its name.
 
     Raises:
-        SceneError: no object, no feature, a shape that does not fit, a repeated id or name, or a value that is not finite.
+        SceneError: no object, no feature, a shape that does not fit, a repeated id or name, or a value that is not
+            finite.
     """
 
     object_ids: tuple[int, ...]

@@ -57,10 +57,10 @@ def read(kind: str, text: str) -> Document:
         raise DocumentError(f'{kind}: not valid JSON ({error})') from error
     if not isinstance(document, dict):
         raise DocumentError(f'{kind}: expected a JSON object, found {type(document).__name__}')
-    error = jsonschema.exceptions.best_match(_validator(kind).iter_errors(document))
-    if error is not None:
-        where = '.'.join(str(part) for part in error.absolute_path) or 'document'
-        raise DocumentError(f'{kind}: {where}: {_shorten(error.message)}')
+    fault = jsonschema.exceptions.best_match(_validator(kind).iter_errors(document))
+    if fault is not None:
+        where = '.'.join(str(part) for part in fault.absolute_path) or 'document'
+        raise DocumentError(f'{kind}: {where}: {_shorten(fault.message)}')
     return document
 
 

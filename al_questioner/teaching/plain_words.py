@@ -37,7 +37,8 @@ def _content(word: str, query: Query) -> Content:
 
 def _choice(word: str, query: Query) -> str:
     """The choice that a word means, whatever its case."""
-    for choice in (*query.choices, *((NO_SYMBOL,) if query.action.kind is not QueryKind.FEATURE_SUBSET else ())):
+    nothing = () if query.action.kind is QueryKind.FEATURE_SUBSET else (NO_SYMBOL,)
+    for choice in query.choices + nothing:
         if word.lower() == choice.lower():
             return choice
     raise AnswerError(f'{word!r} does not answer {query.text!r}; expected one of: {", ".join(query.choices)}')
