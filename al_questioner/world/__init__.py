@@ -1,0 +1,33 @@
+"""The table and what lies on it: simulated from a task's parameters, or read from a directory of real RGB-D crops."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+from al_questioner.domain import InputError
+from al_questioner.world.rgbd_dataset import DatasetWorld
+from al_questioner.world.task import Task, load_task
+from al_questioner.world.world import SimulatedWorld, World
+
+__all__ = ['SimulatedWorld', 'Task', 'World', 'load_task', 'make_world']
+
+
+def make_world(task: Task, seed: int, sample: int | None = None, dataset: Path | None = None) -> World:
+    """The world of a task.
+
+    Args:
+        task: what `load_task` returned.
+        seed: draws the scenes.
+        sample: draws training pool and test set; None for the seed.
+        dataset: root of a directory in the layout of the University of Washington RGB-D Object Dataset.
+
+    Raises:
+        InputError: a dataset task without a dataset, a simulated task with one, or an unusable dataset.
+    """
+    if task.source == 'simulated':
+        if dataset is not None:
+            raise InputError(f'task {task.name} is simulated: it takes no dataset')
+        return SimulatedWorld(task, seed, sample)
+    if dataset is None:
+        raise InputError(f'task {task.name} needs a dataset: give its directory with --dataset DIR')
+    return DatasetWorld(task, Path(dataset), seed, sample)

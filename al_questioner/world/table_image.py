@@ -1,0 +1,168 @@
+"""A picture of the table for people: the views of a scene composed where the things stand."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field
+
+import cv2
+import numpy as np
+from numpy.typing import NDArray
+
+from al_questioner.domain import FloatArray, Observation, View
+from al_questioner.world.images import blurred, resized
+from al_questioner.world.texture import TABLE_TILE_M, table_top
+
+RGB = tuple[int, int, int]
+
+
+@dataclass(frozen=True)
+class Mark:
+    """How an object is marked: a ring around it, and a text under it.
+
+    Attributes:
+        color: red, green, blue in 0..255.
+        label: short; may be empty.
+    """
+
+    color: RGB
+    label: str = ''
+
+
+@dataclass(frozen=True, eq=False)
+class TablePicture:
+    """A drawn scene.
+
+    Attributes:
+        image: (h, w, 3) uint8, red-green-blue.
+        pixels: (column, row) of the middle of each object, by id.
+    """
+
+    image: NDArray[np.uint8]
+    pixels: Mapping[int, tuple[int, int]] = field(default_factory=dict)
+
+
+def draw_scene(
+    observations: Sequence[Observation],
+    marks: Mapping[int, Mark] | None = None,
+    *,
+    table_m: tuple[float, float] = (1.4, 0.8),
+    width_px: int = 1280,
+) -> TablePicture:
+    """The table seen from above and in front, each thing as its own view shows it, its id beside it.
+
+    Works with any views, simulated or real: each is cut out by its mask and brought to scale by its depth.
+
+    Args:
+        observations: the scene.
+        marks: objects to mark, by id.
+        table_m: width and depth of the table.
+        width_px: width of the picture.
+    """
+    rim = 0.14
+    scale = width_px / (table_m[0] + 2 * rim)
+    squash = 0.82
+    height_px = int((table_m[1] + 2.2 * rim) * scale * squash)
+    image = _backdrop(height_px, width_px, scale, squash)
+    order = sorted(observations, key=lambda o: -o.position[1])
+    pixels = {
+        o.object_id: (
+            int((o.position[0] + rim) * scale),
+            int(height_px - (o.position[1] + 0.9 * rim) * scale * squash),
+        )
+        for o in order
+    }
+    extents = {o.object_id: _paste(image, o.view, pixels[o.object_id], scale) for o in order}
+    canvas = np.clip(image, 0, 255).astype(np.uint8)
+    for o in order:
+        mark = (marks or {}).get(o.object_id)
+        _annotate(canvas, o.object_id, pixels[o.object_id], extents[o.object_id], mark, width_px / 1280)
+    return TablePicture(canvas, pixels)
+
+
+def _backdrop(height: int, width: int, scale: float, squash: float) -> FloatArray:
+    tile = table_top(0)
+    need_rows, need_columns = int(height / scale / squash / TABLE_TILE_M) + 1, int(width / scale / TABLE_TILE_M) + 1
+    repeats = -(-need_rows // tile.shape[0]), -(-need_columns // tile.shape[1]), 1
+    patch = np.tile(tile, repeats)[:need_rows, :need_columns]
+    picture = resized(patch, (width, height), cv2.INTER_CUBIC) * 255
+    rows, columns = np.linspace(-1, 1, height)[:, None], np.linspace(-1, 1, width)[None, :]
+    light = 1.04 - 0.16 * (0.7 * columns**2 + 0.5 * (rows - 0.3) ** 2)
+    return picture * light[..., None].astype(np.float32)
+
+
+def _paste(image: FloatArray, view: View, middle: tuple[int, int], scale: float) -> tuple[int, int, int, int]:
+    """Put a view on the table, middle on middle, with a soft shadow; returns left, top, right, bottom of the thing."""
+    rows, columns = np.flatnonzero(view.mask.any(axis=1)), np.flatnonzero(view.mask.any(axis=0))
+    if len(rows) == 0:
+        return middle[0], middle[1], middle[0], middle[1]
+    readings = view.depth[view.mask & (view.depth > 0)]
+    distance = float(np.median(readings)) / 1000 if len(readings) else 1.0
+    zoom = scale * distance / view.camera.fx
+    pad = 2
+    top, left = max(rows[0] - pad, 0), max(columns[0] - pad, 0)
+    crop = np.s_[top : rows[-1] + 1 + pad, left : columns[-1] + 1 + pad]
+    shape = max(2, round((crop[1].stop - left) * zoom)), max(2, round((crop[0].stop - top) * zoom))
+    color = resized(np.ascontiguousarray(view.color[crop][..., ::-1]), shape, cv2.INTER_CUBIC)
+    alpha = resized(view.mask[crop].astype(np.float32), shape)
+    alpha = np.clip((blurred(alpha, 0.8) - 0.3) / 0.5, 0, 1)
+
+    h, w = alpha.shape
+    x, y = middle[0] - w // 2, middle[1] - h // 2
+    _darken(image, alpha, x + max(2, w // 14), y + max(2, h // 14))
+    _blend(image, color.astype(np.float32), alpha, x, y)
+    return x, y, x + w, y + h
+
+
+def _darken(image: FloatArray, alpha: FloatArray, x: int, y: int) -> None:
+    soft = 10
+    shadow = blurred(np.pad(alpha, soft), 4.5)
+    window, part = _overlap(image, shadow, x - soft, y - soft)
+    window *= 1 - 0.45 * part[..., None]
+
+
+def _blend(image: FloatArray, color: FloatArray, alpha: FloatArray, x: int, y: int) -> None:
+    window, part = _overlap(image, np.dstack([color, alpha]), x, y)
+    share = part[..., 3:]
+    window += share * (part[..., :3] - window)
+
+
+def _overlap(image: FloatArray, patch: FloatArray, x: int, y: int) -> tuple[FloatArray, FloatArray]:
+    """The part of the image that a patch at (x, y) covers, and the part of the patch that lies inside the image."""
+    h, w = patch.shape[:2]
+    top, left = max(y, 0), max(x, 0)
+    bottom, right = max(top, min(y + h, image.shape[0])), max(left, min(x + w, image.shape[1]))
+    return image[top:bottom, left:right], patch[top - y : bottom - y, left - x : right - x]
+
+
+def _annotate(
+    canvas: NDArray[np.uint8],
+    object_id: int,
+    middle: tuple[int, int],
+    extent: tuple[int, int, int, int],
+    mark: Mark | None,
+    zoom: float,
+) -> None:
+    left, top, right, bottom = extent
+    if mark is not None:
+        axes = int(0.56 * (right - left)) + 8, int(0.56 * (bottom - top)) + 8
+        center = (left + right) // 2, (top + bottom) // 2
+        cv2.ellipse(canvas, center, axes, 0, 0, 360, (255, 255, 255), round(6 * zoom), cv2.LINE_AA)
+        cv2.ellipse(canvas, center, axes, 0, 0, 360, mark.color, max(1, round(3.5 * zoom)), cv2.LINE_AA)
+        if mark.label:
+            _tag(canvas, mark.label, (center[0], bottom + round(14 * zoom)), mark.color, (255, 255, 255), 0.46 * zoom)
+    color = (250, 250, 250) if mark is None else mark.color
+    ink = (30, 30, 30) if mark is None else (255, 255, 255)
+    _tag(canvas, str(object_id), (left + round(4 * zoom), top + round(6 * zoom)), color, ink, 0.46 * zoom)
+
+
+def _tag(canvas: NDArray[np.uint8], text: str, middle: tuple[int, int], ground: RGB, ink: RGB, scale: float) -> None:
+    """A text on a rounded plate, kept inside the picture."""
+    (width, height), _ = cv2.getTextSize(text, cv2.FONT_HERSHEY_SIMPLEX, scale, 1)
+    half_w, half_h = width // 2 + 4, height // 2 + 4
+    x = int(np.clip(middle[0], half_w + 2, canvas.shape[1] - half_w - 3))
+    y = int(np.clip(middle[1], half_h + 2, canvas.shape[0] - half_h - 3))
+    cv2.rectangle(canvas, (x - half_w, y - half_h), (x + half_w, y + half_h), ground, -1, cv2.LINE_AA)
+    cv2.rectangle(canvas, (x - half_w, y - half_h), (x + half_w, y + half_h), (60, 60, 60), 1, cv2.LINE_AA)
+    origin = x - width // 2, y + height // 2
+    cv2.putText(canvas, text, origin, cv2.FONT_HERSHEY_SIMPLEX, scale, ink, 1, cv2.LINE_AA)
