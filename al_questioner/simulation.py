@@ -1,0 +1,232 @@
+"""One whole learning episode without ROS, and how well the learner does while it lasts.
+
+Accuracy is measured from outside: the evaluation is told what the learner was told, builds models of its own from it,
+and holds them against observations that the learner never sees.
+"""
+
+from __future__ import annotations
+
+import operator
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+from numpy.typing import NDArray
+
+from al_questioner.configuration import config_dir
+from al_questioner.domain import (
+    Costs,
+    EpisodeSettings,
+    Observation,
+    QueryRecord,
+    Scene,
+    generator,
+)
+from al_questioner.perception import perceive
+from al_questioner.questioning import Episode, new_knowledge, read_weights
+from al_questioner.teaching import Teacher
+from al_questioner.world import Task, World, make_world
+
+DEFAULT_STRATEGY = 'dt_task_env'
+DEFAULT_COSTS = Costs()
+
+
+@dataclass(frozen=True)
+class WorldChoice:
+    """Which world an episode plays in.
+
+    Attributes:
+        task: what is to be learnt, and where.
+        seed: of the scenes.
+        sample: which sample of observations the scenes are drawn from.
+        dataset: root of a directory of RGB-D crops, for tasks that read one.
+    """
+
+    task: Task
+    seed: int
+    sample: int
+    dataset: Path | None = None
+
+    def open(self) -> World:
+        """The world itself.
+
+        Raises:
+            InputError: the task needs a dataset that is not there, or cannot be read.
+        """
+        return make_world(self.task, self.seed, self.sample, self.dataset)
+
+
+class PerceivedWorld:
+    """A world as feature vectors; a scene that stays is perceived once."""
+
+    def __init__(self, world: World) -> None:
+        self.world = world
+        self._seen: tuple[Observation, ...] = ()
+        self._scene: Scene | None = None
+
+    def observations(self, turn: int) -> tuple[Observation, ...]:
+        """What is on the table in a turn."""
+        return self.world.scene(turn)
+
+    def scene(self, turn: int) -> Scene:
+        """The scene of a turn; the very same one as long as nothing changes."""
+        observations = self.world.scene(turn)
+        same = len(observations) == len(self._seen) and all(map(operator.is_, observations, self._seen))
+        if self._scene is None or not same:
+            self._seen, self._scene = observations, perceive(observations)
+        return self._scene
+
+    def test_set(self) -> tuple[NDArray[np.float32], tuple[str, ...]]:
+        """(k, m) features of the held-out observations, and their k symbols."""
+        scenes = [perceive([observation]) for observation in self.world.test_observations()]
+        return np.concatenate([scene.features for scene in scenes]), self.world.test_labels()
+
+
+def episode_settings(
+    task: Task,
+    strategy: str = DEFAULT_STRATEGY,
+    budget: float | None = None,
+    turns: int | None = None,
+    change_interval: int | None = None,
+    weights_file: str | None = None,
+    costs: Costs = DEFAULT_COSTS,
+    amplitude: float = 4.0,
+    length_scale: float | None = None,
+) -> EpisodeSettings:
+    """Settings of an episode; what is not given comes from the task, and the weights from `config/weights`.
+
+    Raises:
+        InputError: a value out of range, an unknown strategy, or a weights file that cannot be used.
+    """
+    shipped = config_dir() / 'weights' / f'{strategy}.yaml'
+    path = Path(weights_file).expanduser() if weights_file else shipped
+    weights = read_weights(path).values if weights_file or shipped.is_file() else {}
+    return EpisodeSettings(
+        symbols=task.symbols,
+        budget=task.episode.budget if budget is None else budget,
+        turns=task.episode.turns if turns is None else turns,
+        strategy=strategy,
+        weights=weights,
+        change_interval=task.scenes.change_interval if change_interval is None else change_interval,
+        costs=costs,
+        amplitude=amplitude,
+        length_scale=length_scale,
+    )
+
+
+def accuracy(probabilities: NDArray[np.float64], labels: Sequence[str], symbols: Sequence[str]) -> float:
+    """Share of observations whose most probable symbol is the true one.
+
+    Args:
+        probabilities: (k, |Y|) q_y(x).
+        labels: the k true symbols.
+        symbols: the |Y| symbols in the order of the columns.
+
+    Returns:
+        A number in [0, 1]; where several symbols are the most probable, the true one among them counts as the share
+        that guessing among them would get, so that a learner that knows nothing is at chance.
+    """
+    truth = np.array([symbols.index(label) for label in labels])
+    largest = probabilities == probabilities.max(axis=1, keepdims=True)
+    hits = largest[np.arange(len(truth)), truth] / largest.sum(axis=1)
+    return float(hits.mean())
+
+
+@dataclass(frozen=True)
+class EpisodeResult:
+    """How an episode went.
+
+    Attributes:
+        task, seed, settings: what was played.
+        queries: every query, in order.
+        accuracy: on the held-out observations, after each turn.
+    """
+
+    task: str
+    seed: int
+    settings: EpisodeSettings
+    queries: tuple[QueryRecord, ...]
+    accuracy: tuple[float, ...]
+
+    @property
+    def spent(self) -> float:
+        """What the queries took from the budget."""
+        return float(sum(record.cost for record in self.queries))
+
+    @property
+    def final_accuracy(self) -> float:
+        """Accuracy after the last turn."""
+        return self.accuracy[-1]
+
+
+class Evaluation:
+    """Follows an episode turn by turn and measures, on held-out observations, a learner that was told the same."""
+
+    def __init__(self, choice: WorldChoice, settings: EpisodeSettings) -> None:
+        self.world = PerceivedWorld(choice.open())
+        self._choice = choice
+        self._settings = settings
+        self._knowledge = new_knowledge(settings)
+        self._features, self._labels = self.world.test_set()
+        self._queries: list[QueryRecord] = []
+        self._accuracy: list[float] = []
+        self._measured_version = -1
+
+    @property
+    def turn(self) -> int:
+        """The last turn that was followed."""
+        return len(self._accuracy)
+
+    def next_turn(self, record: QueryRecord | None) -> float:
+        """Accuracy after one more turn.
+
+        Args:
+            record: what was asked and told in it, None if nothing was asked.
+        """
+        scene = self.world.scene(self.turn + 1)
+        self._knowledge.observe(scene)
+        if record is not None:
+            self._knowledge.learn(record, scene)
+            self._queries.append(record)
+        if self._knowledge.model_version == self._measured_version:
+            self._accuracy.append(self._accuracy[-1])
+        else:
+            probabilities = self._knowledge.predict_proba(self._features)
+            self._accuracy.append(accuracy(probabilities, self._labels, self._settings.symbols))
+            self._measured_version = self._knowledge.model_version
+        return self._accuracy[-1]
+
+    def result(self) -> EpisodeResult:
+        """The episode so far."""
+        return EpisodeResult(
+            self._choice.task.name, self._choice.seed, self._settings, tuple(self._queries), tuple(self._accuracy)
+        )
+
+
+TurnWatcher = Callable[[int, QueryRecord | None, float], None]
+"""Called after each turn with its number, what was asked and told in it, and the accuracy then."""
+
+
+def run_episode(
+    choice: WorldChoice, settings: EpisodeSettings, teacher: Teacher, watch: TurnWatcher | None = None
+) -> EpisodeResult:
+    """Play an episode in one process: what the three nodes do, without ROS.
+
+    Args:
+        choice: the world; its seed is the learner's too.
+        settings: of the episode.
+        teacher: who answers.
+        watch: called after each turn.
+    """
+    episode = Episode(settings, generator(choice.seed, 'learner'))
+    evaluation = Evaluation(choice, settings)
+    for turn in range(1, settings.turns + 1):
+        decision = episode.ask(evaluation.world.scene(turn))
+        record = None
+        if decision.query is not None:
+            record = episode.tell(teacher.answer(decision.query, evaluation.world.world.truth(turn)))
+        measured = evaluation.next_turn(record)
+        if watch is not None:
+            watch(turn, record, measured)
+    return evaluation.result()

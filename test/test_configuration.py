@@ -1,0 +1,48 @@
+"""What ships in config/ must load, and a name that does not ship must be refused with those that do."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import pytest
+
+from al_questioner.configuration import config_dir, named_file, read_yaml
+from al_questioner.domain import InputError
+
+
+def test_unknown_name_lists_the_known_ones() -> None:
+    """A user who mistypes a task would be left alone with it."""
+    with pytest.raises(InputError, match=r"unknown task 'prepare_luch'; known: .*prepare_lunch"):
+        named_file('tasks', 'prepare_luch', 'task')
+
+
+def test_missing_file_is_named(tmp_path: Path) -> None:
+    """The path of a file that does not exist would be taken for a name."""
+    with pytest.raises(InputError, match=r'mine\.yaml does not exist'):
+        named_file('tasks', str(tmp_path / 'mine.yaml'), 'task')
+
+
+def test_own_file_is_taken(tmp_path: Path) -> None:
+    """Users could not bring a task of their own."""
+    own = tmp_path / 'mine.yaml'
+    own.write_text('a: 1\n')
+    assert named_file('tasks', str(own), 'task') == own
+
+
+@pytest.mark.parametrize(
+    ('content', 'reason'),
+    [(b'a: [', 'not valid YAML'), (b'- 1', 'found list'), (b'\xff\xfe\xff', 'cannot be read'), (b'', 'NoneType')],
+)
+def test_broken_yaml_is_one_line(tmp_path: Path, content: bytes, reason: str) -> None:
+    """A broken file would end in a traceback."""
+    path = tmp_path / 'broken.yaml'
+    path.write_bytes(content)
+    with pytest.raises(InputError, match=reason) as caught:
+        read_yaml(path)
+    assert '\n' not in str(caught.value)
+
+
+def test_every_task_has_parameters_for_its_nodes() -> None:
+    """`ros2 launch` would find no parameter file for a task."""
+    tasks = {path.name for path in (config_dir() / 'tasks').glob('*.yaml')}
+    assert {path.name for path in (config_dir() / 'params').glob('*.yaml')} == tasks

@@ -1,0 +1,129 @@
+"""An offline episode and its evaluation: the numbers that every comparison of strategies rests on."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from al_questioner.domain import EpisodeSettings, SettingsError, generator
+from al_questioner.perception import perceive
+from al_questioner.questioning import STRATEGIES, Episode
+from al_questioner.simulation import (
+    Evaluation,
+    PerceivedWorld,
+    WorldChoice,
+    accuracy,
+    episode_settings,
+    run_episode,
+)
+from al_questioner.teaching import ScriptedTeacher
+from al_questioner.world import load_task
+
+TASK = load_task('prepare_lunch')
+CHOICE = WorldChoice(TASK, 4, 4)
+SYMBOLS = ('a', 'b')
+
+
+def teacher(**rates: float) -> ScriptedTeacher:
+    return ScriptedTeacher(TASK.symbols, TASK.relevant_groups, 4, **rates)
+
+
+@pytest.mark.parametrize(
+    ('probabilities', 'expected'),
+    [
+        ([[0.9, 0.1], [0.2, 0.3]], 1.0),
+        ([[0.1, 0.9], [0.3, 0.2]], 0.0),
+        ([[0.5, 0.5], [0.5, 0.5]], 0.5),
+        ([[0.9, 0.1], [0.4, 0.4]], 0.75),
+    ],
+)
+def test_accuracy_of_hand_made_cases(probabilities: list[list[float]], expected: float) -> None:
+    """Every reported figure would be another one; a learner that knows nothing must be at chance."""
+    assert accuracy(np.array(probabilities), ['a', 'b'], SYMBOLS) == expected
+
+
+@pytest.mark.parametrize('strategy', ['dt_task', 'u_sampling', 'farthest_fsq'])
+def test_evaluation_believes_what_the_learner_believes(strategy: str) -> None:
+    """Accuracy would be that of other models than the robot has."""
+    settings = episode_settings(TASK, strategy, budget=8, turns=12)
+    evaluation = Evaluation(CHOICE, settings)
+    features, labels = evaluation.world.test_set()
+    episode = Episode(settings, generator(4, 'learner'))
+    for turn in range(1, 13):
+        decision = episode.ask(evaluation.world.scene(turn))
+        record = None
+        if decision.query is not None:
+            record = episode.tell(teacher().answer(decision.query, evaluation.world.world.truth(turn)))
+        measured = evaluation.next_turn(record)
+        assert measured == accuracy(episode.knowledge.predict_proba(features), labels, TASK.symbols)
+
+
+@pytest.mark.parametrize('strategy', list(STRATEGIES))
+def test_same_seed_same_episode_within_its_limits(strategy: str) -> None:
+    """A result could not be repeated, or would owe itself to queries that nobody granted."""
+    settings = episode_settings(TASK, strategy, budget=7, turns=11)
+    once, again = (run_episode(CHOICE, settings, teacher()) for _ in range(2))
+    assert once.queries == again.queries
+    assert once.accuracy == again.accuracy
+    assert once.spent <= 7
+    assert len(once.accuracy) == 11
+    assert len({record.turn for record in once.queries}) == len(once.queries)
+
+
+def test_other_seeds_give_other_episodes() -> None:
+    """All samples of a study would be one."""
+    settings = episode_settings(TASK, 'random_fsq', budget=7, turns=11)
+    other = WorldChoice(TASK, 5, 5)
+    assert run_episode(CHOICE, settings, teacher()).queries != run_episode(other, settings, teacher()).queries
+
+
+def test_scene_that_stays_is_perceived_once() -> None:
+    """Every turn would cost a perception of the whole table."""
+    world = PerceivedWorld(CHOICE.open())
+    change = world.world.change_turns(40)[0]
+    assert world.scene(1) is world.scene(change - 1)
+    assert world.scene(change) is not world.scene(1)
+    assert world.scene(1).features.tobytes() == perceive(world.observations(1)).features.tobytes()
+
+
+def test_a_teacher_who_never_knows_teaches_nothing() -> None:
+    """Unknown answers would be learnt as labels."""
+    result = run_episode(CHOICE, episode_settings(TASK, 'random_fsq', 6, 8), teacher(unknown_rate=1.0))
+    assert {record.symbol for record in result.queries if record.kind.value == 'label'} == {None}
+    assert result.final_accuracy == pytest.approx(1 / len(TASK.symbols))
+
+
+def test_settings_come_from_the_task_unless_given() -> None:
+    """An episode would be played with other limits than the task's or the user's."""
+    settings = episode_settings(TASK)
+    assert (settings.budget, settings.turns) == (TASK.episode.budget, TASK.episode.turns)
+    assert settings.change_interval == TASK.scenes.change_interval
+    assert episode_settings(TASK, budget=0).budget == 0
+    assert set(episode_settings(TASK, 'dt_iros').weights) == {'discriminability', 'class_uniformity'}
+
+
+def settings(**changes: object) -> EpisodeSettings:
+    return EpisodeSettings(**{'symbols': SYMBOLS, 'budget': 1.0, 'turns': 1, 'strategy': 'random_fsq', **changes})
+
+
+@pytest.mark.parametrize(
+    ('changes', 'reason'),
+    [
+        ({'budget': -1.0}, 'budget must be a number of 0 or more, not -1'),
+        ({'budget': float('nan')}, 'budget'),
+        ({'budget': float('inf')}, 'budget'),
+        ({'turns': 0}, 'turns must be 1 or more, not 0'),
+        ({'change_interval': 0}, 'change_interval'),
+        ({'symbols': ('a',)}, 'at least two'),
+        ({'symbols': ('a', 'a')}, 'distinct'),
+        ({'symbols': ('a', 'none')}, 'none'),
+        ({'amplitude': 0.0}, 'amplitude'),
+        ({'length_scale': float('nan')}, 'length_scale'),
+        ({'weights': {'beauty': 1.0}}, 'unknown decision feature'),
+        ({'weights': {'remaining_time': float('nan')}}, 'not finite'),
+    ],
+)
+def test_settings_out_of_range_are_refused(changes: dict[str, object], reason: str) -> None:
+    """An episode would be played under limits that make no sense."""
+    with pytest.raises(SettingsError, match=reason):
+        settings(**changes)
