@@ -1,0 +1,1 @@
+"""The only room that knows ROS: quality of service, parameters, and one thin node a file."""

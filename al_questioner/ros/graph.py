@@ -1,0 +1,130 @@
+"""Perception, learner and teacher brought up together for one episode, as processes or in this process."""
+
+from __future__ import annotations
+
+import contextlib
+import json
+import os
+import signal
+import subprocess
+import sys
+from collections.abc import Callable, Iterable, Iterator, Mapping
+from dataclasses import dataclass
+from pathlib import Path
+
+from rclpy.node import Node
+from rclpy.parameter import Parameter
+
+from al_questioner.domain import EpisodeError
+from al_questioner.ros.learner import LearnerNode
+from al_questioner.ros.observer import ObserverNode, StateWatcher
+from al_questioner.ros.parameters import Value
+from al_questioner.ros.perception import PerceptionNode
+from al_questioner.ros.running import run_nodes
+from al_questioner.ros.teacher import TeacherNode
+
+NODES: Mapping[str, Callable[..., Node]] = {
+    'perception': PerceptionNode,
+    'teacher': TeacherNode,
+    'learner': LearnerNode,
+}
+SECONDS_TO_STOP = 10.0
+"""After which a process that was asked to stop is killed."""
+
+
+@dataclass(frozen=True)
+class Graph:
+    """What the three nodes are started with.
+
+    Attributes:
+        namespace: of all their topics.
+        parameters: of each node, by its name.
+        one_process: run the nodes in this process instead of one process each.
+        log_dir: where each process leaves what it prints.
+    """
+
+    namespace: str
+    parameters: Mapping[str, Mapping[str, Value]]
+    one_process: bool
+    log_dir: Path
+
+    def play(self, watch: StateWatcher) -> None:
+        """Play an episode to its end.
+
+        Args:
+            watch: called on the states of the learner, from a thread of its own.
+
+        Raises:
+            InputError: a parameter that cannot be used, if the nodes run in this process.
+            EpisodeError: a process ended before the episode did, or the episode was interrupted.
+        """
+        observers: list[ObserverNode] = []
+
+        def make_observer() -> Node:
+            observers.append(ObserverNode(watch, namespace=self.namespace))
+            return observers[0]
+
+        nodes = [self._maker(name) for name in NODES] if self.one_process else []
+        with self._processes(() if self.one_process else tuple(NODES)) as processes:
+
+            def is_over() -> bool:
+                for name, process in processes.items():
+                    if process.poll() is not None:
+                        raise EpisodeError(f'{name} ended with status {process.returncode}: {self._last_line(name)}')
+                if observers[0].failure is not None:
+                    raise observers[0].failure
+                return observers[0].done
+
+            run_nodes([make_observer, *nodes], [], '', is_over)
+        if not observers[0].done:
+            raise EpisodeError('interrupted before the end of the episode')
+
+    def _maker(self, name: str) -> Callable[[], Node]:
+        overrides = [Parameter(key, value=value) for key, value in self.parameters[name].items()]
+        return lambda: NODES[name](namespace=self.namespace, parameter_overrides=overrides)
+
+    @contextlib.contextmanager
+    def _processes(self, names: Iterable[str]) -> Iterator[dict[str, subprocess.Popen[bytes]]]:
+        """A process for each of these nodes, in a session of its own so that a signal reaches whatever it started."""
+        processes = {}
+        self.log_dir.mkdir(parents=True, exist_ok=True)
+        try:
+            for name in names:
+                with self._log(name).open('wb') as log:
+                    processes[name] = subprocess.Popen(
+                        self._command(name),
+                        stdin=subprocess.DEVNULL,
+                        stdout=log,
+                        stderr=subprocess.STDOUT,
+                        start_new_session=True,
+                    )
+            yield processes
+        finally:
+            stop(processes.values())
+
+    def _command(self, name: str) -> list[str]:
+        command = [sys.executable, '-m', 'al_questioner', name, '--ros-args', '-r', f'__ns:=/{self.namespace}']
+        for key, value in self.parameters[name].items():
+            command += ['-p', f'{key}:={json.dumps(value)}']
+        return command
+
+    def _log(self, name: str) -> Path:
+        return self.log_dir / f'{name}.log'
+
+    def _last_line(self, name: str) -> str:
+        lines = self._log(name).read_text(errors='replace').strip().splitlines()
+        return lines[-1] if lines else 'it printed nothing'
+
+
+def stop(processes: Iterable[subprocess.Popen[bytes]]) -> None:
+    """End processes by SIGINT, and by SIGKILL those that do not heed it in time."""
+    running = [process for process in processes if process.poll() is None]
+    for process in running:
+        with contextlib.suppress(ProcessLookupError):
+            os.killpg(process.pid, signal.SIGINT)
+    for process in running:
+        try:
+            process.wait(SECONDS_TO_STOP)
+        except subprocess.TimeoutExpired:
+            os.killpg(process.pid, signal.SIGKILL)
+            process.wait()

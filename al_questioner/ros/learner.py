@@ -1,0 +1,238 @@
+"""The learner node: an Episode between the topics of the robot and of the teacher."""
+
+from __future__ import annotations
+
+import dataclasses
+import time
+import uuid
+from collections.abc import Mapping, Sequence
+from typing import Any
+
+from sensor_msgs.msg import PointCloud2
+from std_msgs.msg import String
+from visualization_msgs.msg import MarkerArray
+
+from al_questioner.concepts import VIEW_TOLERANCE
+from al_questioner.domain import Answer, AnswerError, Costs, EpisodeSettings, InputError, Scene, generator
+from al_questioner.messages import documents
+from al_questioner.messages.clouds import cloud_of_decision, scene_of_cloud
+from al_questioner.messages.documents import Document
+from al_questioner.messages.pictures import markers
+from al_questioner.questioning import STRATEGIES, Episode
+from al_questioner.ros import qos
+from al_questioner.ros.node import QuestionerNode
+from al_questioner.ros.parameters import Setting, declare, help_text
+from al_questioner.ros.running import run_nodes
+from al_questioner.ros.types import CLOUD_TYPES, MARKER_TYPES, header, nanoseconds, stamp_members
+from al_questioner.ros.worlds import DEFAULT_TASK, WORLD_SETTINGS, declare_world, world_members
+from al_questioner.simulation import DEFAULT_STRATEGY, episode_settings
+from al_questioner.teaching import read_plain_answer
+from al_questioner.world import Task, load_task
+
+
+def settings_of(task: Task) -> tuple[Setting, ...]:
+    """The learner's parameters, with the task's values as defaults."""
+    return (
+        Setting('strategy', DEFAULT_STRATEGY, f'questioning strategy: {", ".join(sorted(STRATEGIES))}'),
+        Setting('weights_file', '', 'YAML file with weights of the decision features; empty: those of the strategy'),
+        Setting('budget', task.episode.budget, 'query budget', unit='cost of a label query', lower=0.0),
+        Setting('turns', task.episode.turns, 'length of the episode', unit='turns', lower=1, upper=1_000_000),
+        Setting(
+            'change_interval', task.scenes.change_interval, 'expected time between scene changes', 'turns', lower=1
+        ),
+        Setting('cost_label', 1.0, 'cost of a label query', unit='budget', lower=0.0),
+        Setting('cost_demonstration', 2.0, 'cost of a demonstration query', unit='budget', lower=0.0),
+        Setting('cost_feature_subset', 2.0, 'cost of a feature subset query', unit='budget', lower=0.0),
+        Setting('amplitude', 4.0, "variance of the Gaussian processes' kernel", lower=1e-3, upper=1e3),
+        Setting(
+            'length_scale', 0.0, 'of the kernel; 0: root of the number of features', 'standard deviations', lower=0.0
+        ),
+        Setting(
+            'view_tolerance',
+            VIEW_TOLERANCE,
+            'change up to which an object is the same view',
+            'standard deviations',
+            lower=0.0,
+        ),
+        Setting(
+            'turn_period',
+            0.0,
+            'least time from turn to turn; 0: as fast as they can go',
+            unit='s',
+            lower=0.0,
+            upper=3600.0,
+        ),
+        Setting('frame_id', 'table', 'frame of the published markers'),
+    )
+
+
+class LearnerNode(QuestionerNode):
+    """Asks for a scene, decides, asks the teacher, learns, and goes on to the next turn.
+
+    Everything that touches the episode happens on the worker's thread, message by message.
+    """
+
+    def __init__(self, **node_arguments: Any) -> None:
+        super().__init__('learner', **node_arguments)
+        world = declare_world(self)
+        self._given = declare(self, settings_of(world.task))
+        self._settings = _episode_settings(world.task, self._given)
+        self._episode = Episode(self._settings, generator(world.seed, 'learner'), float(self._given['view_tolerance']))
+        self.episode_id = f'{world.task.name}-{world.seed}-{uuid.uuid4().hex[:8]}'
+        self._world = world_members(world)
+        self._last_stamp = 0
+        self._awaits_scene = False
+        self._scene: Scene | None = None
+        self._last_answer: Answer | None = None
+        self._last_turn_start = 0.0
+
+        self._publish_episode = self.document_publisher('episode')
+        self._publish_turn = self.document_publisher('turn')
+        self._publish_query = self.document_publisher('query')
+        self._publish_state = self.document_publisher('learner_state')
+        self._publish_ack = self.document_publisher('answer_ack', qos.EVENTS)
+        self._decision = self.create_publisher(PointCloud2, 'decision', qos.EVENTS)
+        self._markers = self.create_publisher(MarkerArray, 'scene_markers', qos.LATCHED)
+        self.on_message(PointCloud2, 'objects', self._perceive, qos.LATCHED)
+        self.on_message(String, 'answer', self._hear, qos.EVENTS)
+        self.submit(self._begin_turn)
+
+    def _begin_turn(self) -> None:
+        """Ask perception for the scene of the next turn."""
+        self._last_stamp = max(self.get_clock().now().nanoseconds, self._last_stamp + 1)
+        self._last_turn_start = time.monotonic()
+        self._awaits_scene = True
+        turn = self._episode.turn + 1
+        self.does(f'turn {turn}: waiting for objects')
+        self._publish_turn({'turn': turn, 'stamp': stamp_members(self._last_stamp), 'world': self._world})
+
+    def _perceive(self, cloud: PointCloud2) -> None:
+        """Decide, once the scene of this turn is there: a cloud with the turn's stamp, or a later one of a camera."""
+        if not self._awaits_scene or nanoseconds(cloud.header.stamp) < self._last_stamp:
+            return
+        scene = scene_of_cloud(cloud)
+        decision = self._episode.ask(scene)
+        self._awaits_scene = False
+        if self._scene is None:
+            self._announce(scene)
+        self._scene = scene
+        stamp = header(self._last_stamp, str(self._given['frame_id']))
+        self._decision.publish(cloud_of_decision(decision, self._settings.symbols, stamp, CLOUD_TYPES))
+        self._show()
+        if decision.query is None:
+            self._end_turn()
+        else:
+            self.does(f'turn {decision.turn}: waiting for the answer to {decision.query.query_id}')
+            self._publish_query(documents.query_members(decision.query))
+
+    def _announce(self, scene: Scene) -> None:
+        """Publish what the episode is about, as soon as the features are known."""
+        settings = self._settings
+        self._publish_episode(
+            {
+                'symbols': list(settings.symbols),
+                'feature_names': list(scene.feature_names),
+                'budget': settings.budget,
+                'turns': settings.turns,
+                'change_interval': settings.change_interval,
+                'costs': dataclasses.asdict(settings.costs),
+                'strategy': settings.strategy,
+                'weights': dict(settings.weights),
+                'seed': self._world['seed'],
+                'world': self._world,
+            }
+        )
+
+    def _hear(self, message: String) -> None:
+        """Take an answer, and say whether it was taken."""
+        query_id, answer_id, reason = None, None, ''
+        try:
+            answer = self._read_answer(message.data)
+            query_id, answer_id = answer.query_id, answer.answer_id
+            if answer == self._last_answer:
+                self._publish_ack(
+                    {'query_id': query_id, 'answer_id': answer_id, 'accepted': True, 'reason': 'already taken'}
+                )
+                return
+            self._episode.tell(answer)
+        except InputError as error:
+            reason = str(error)
+        self._publish_ack({'query_id': query_id, 'answer_id': answer_id, 'accepted': not reason, 'reason': reason})
+        if reason:
+            raise AnswerError(reason)
+        self._last_answer = answer
+        self._show()
+        self._end_turn()
+
+    def _read_answer(self, content: str) -> Answer:
+        if content.lstrip().startswith('{'):
+            document = documents.read('answer', content)
+            if document['episode_id'] != self.episode_id:
+                raise AnswerError(f'the answer belongs to episode {document["episode_id"]}, this is {self.episode_id}')
+            return documents.answer_of(document)
+        if self._episode.pending is None:
+            raise AnswerError('no query is pending')
+        return read_plain_answer(content, self._episode.pending)
+
+    def _end_turn(self) -> None:
+        self._publish_state(self._state())
+        if self._episode.done:
+            self.does('the episode is over')
+            self.get_logger().info(f'the episode is over: {self._episode.spent:g} of {self._settings.budget:g} spent')
+            return
+        elapsed = time.monotonic() - self._last_turn_start
+        self.after(float(self._given['turn_period']) - elapsed, self._begin_turn)
+
+    def _state(self) -> Document:
+        episode, scene = self._episode, self._scene
+        beliefs = {}
+        if scene is not None:
+            probabilities = episode.knowledge.predict_proba(scene.features)
+            beliefs = {
+                str(object_id): {
+                    symbol: round(float(p), 6) for symbol, p in zip(episode.settings.symbols, row, strict=True)
+                }
+                for object_id, row in zip(scene.object_ids, probabilities, strict=True)
+            }
+        return {
+            'turn': episode.turn,
+            'turns': episode.settings.turns,
+            'budget': episode.settings.budget,
+            'spent': episode.spent,
+            'done': episode.done,
+            'queries': [documents.record_members(record) for record in episode.records],
+            'labels': dict(episode.positives),
+            'model_version': episode.knowledge.model_version,
+            'beliefs': beliefs,
+        }
+
+    def _show(self) -> None:
+        """Publish the scene, the beliefs and the pending query for people who watch."""
+        if self._scene is None:
+            return
+        pending = self._episode.pending
+        beliefs = self._episode.knowledge.predict_proba(self._scene.features)
+        stamp = header(self._last_stamp, str(self._given['frame_id']))
+        asked = pending.action.object_id if pending else None
+        self._markers.publish(markers(self._scene, beliefs, self._settings.symbols, asked, stamp, MARKER_TYPES))
+
+
+def _episode_settings(task: Task, given: Mapping[str, Any]) -> EpisodeSettings:
+    """The settings that the parameters state."""
+    return episode_settings(
+        task,
+        strategy=given['strategy'],
+        budget=given['budget'],
+        turns=given['turns'],
+        change_interval=given['change_interval'],
+        weights_file=given['weights_file'] or None,
+        costs=Costs(given['cost_label'], given['cost_demonstration'], given['cost_feature_subset']),
+        amplitude=given['amplitude'],
+        length_scale=given['length_scale'] or None,
+    )
+
+
+def main(arguments: Sequence[str]) -> int:
+    """Run the node."""
+    settings = (*WORLD_SETTINGS, *settings_of(load_task(DEFAULT_TASK)))
+    return run_nodes([LearnerNode], arguments, help_text(__doc__, settings))

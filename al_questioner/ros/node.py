@@ -1,0 +1,115 @@
+"""What the nodes share: a worker thread, refusals that are counted, and diagnostics."""
+
+from __future__ import annotations
+
+import threading
+import traceback
+from collections import Counter
+from collections.abc import Callable
+from functools import partial
+from typing import Any
+
+from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus, KeyValue
+from rclpy.clock import Clock
+from rclpy.clock_type import ClockType
+from rclpy.node import Node
+from rclpy.qos import QoSProfile
+from std_msgs.msg import String
+
+from al_questioner.domain import InputError
+from al_questioner.messages import documents
+from al_questioner.messages.documents import Document
+from al_questioner.ros import qos
+from al_questioner.ros.types import text
+from al_questioner.ros.worker import Worker
+
+DIAGNOSTICS_PERIOD = 1.0
+"""Seconds between two messages on /diagnostics."""
+
+
+class QuestionerNode(Node):
+    """A node whose callbacks only hand messages to its worker.
+
+    Input that cannot be used is refused: counted, logged, and shown on /diagnostics; the node goes on.
+    """
+
+    def __init__(self, name: str, **node_arguments: Any) -> None:
+        super().__init__(name, **node_arguments)
+        self.episode_id = ''
+        self._refused: Counter[str] = Counter()
+        self._last_refusal = ''
+        self._failure = ''
+        self._activity = 'starting'
+        self._worker = Worker(name, self._failed)
+        self._diagnostics = self.create_publisher(DiagnosticArray, '/diagnostics', qos.DIAGNOSTICS)
+        self.create_timer(DIAGNOSTICS_PERIOD, self._publish_diagnostics, clock=Clock(clock_type=ClockType.STEADY_TIME))
+
+    def document_publisher(self, kind: str, profile: QoSProfile = qos.LATCHED) -> Callable[[Document], None]:
+        """A function that writes documents of this kind, of the current episode, to the topic of the same name."""
+        publisher = self.create_publisher(String, kind, profile)
+        return lambda members: publisher.publish(text(documents.write(kind, self.episode_id, members)))
+
+    def submit(self, job: Callable[[], None]) -> None:
+        """Have the worker do a job."""
+        self._worker.submit(job)
+
+    def on_message(self, message_type: type, topic: str, job: Callable[[Any], None], profile: QoSProfile) -> None:
+        """Have every message of a topic handled by the worker; an InputError of the job is a refusal."""
+
+        def handle(message: Any) -> None:
+            try:
+                job(message)
+            except InputError as error:
+                self.refuse(topic, str(error))
+
+        self.create_subscription(
+            message_type, topic, lambda message: self._worker.submit(partial(handle, message)), profile
+        )
+
+    def on_document(self, kind: str, job: Callable[[Document], None], profile: QoSProfile = qos.LATCHED) -> None:
+        """Have every document of the topic of its kind read, checked and handled by the worker."""
+        self.on_message(String, kind, lambda message: job(documents.read(kind, message.data)), profile)
+
+    def after(self, seconds: float, job: Callable[[], None]) -> None:
+        """Have the worker do a job once, some time from now by the steady clock."""
+        timer = threading.Timer(seconds, self._worker.submit, args=(job,))
+        timer.daemon = True
+        timer.start()
+
+    def refuse(self, topic: str, reason: str) -> None:
+        """Count and show input that cannot be used."""
+        self._refused[topic] += 1
+        self._last_refusal = f'{topic}: {reason}'
+        self.get_logger().warning(f'refused on {topic}: {reason}')
+
+    def does(self, activity: str) -> None:
+        """Say in a few words what the node is doing, for /diagnostics."""
+        self._activity = activity
+
+    def destroy_node(self) -> None:
+        """Stop the worker, then leave the graph."""
+        self._worker.stop()
+        super().destroy_node()
+
+    def _failed(self, error: Exception) -> None:
+        if not self.context.ok():
+            return
+        self._failure = f'{type(error).__name__}: {error}'
+        self.get_logger().error(''.join(traceback.format_exception(error)))
+
+    def _publish_diagnostics(self) -> None:
+        level, message = DiagnosticStatus.OK, self._activity
+        if self._refused:
+            level, message = DiagnosticStatus.WARN, f'{self._activity}; refused {self._last_refusal}'
+        if self._failure:
+            level, message = DiagnosticStatus.ERROR, self._failure
+        status = DiagnosticStatus(
+            level=level,
+            name=self.get_fully_qualified_name().lstrip('/'),
+            message=message,
+            hardware_id='al_questioner',
+            values=[KeyValue(key=f'refused on {topic}', value=str(count)) for topic, count in self._refused.items()],
+        )
+        array = DiagnosticArray(status=[status])
+        array.header.stamp = self.get_clock().now().to_msg()
+        self._diagnostics.publish(array)

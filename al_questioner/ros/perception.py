@@ -1,0 +1,53 @@
+"""The perception node: looks at the simulated table whenever the learner begins a turn."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import Any
+
+from sensor_msgs.msg import Image, PointCloud2
+
+from al_questioner.messages.clouds import cloud_of_scene
+from al_questioner.messages.documents import Document
+from al_questioner.messages.pictures import image
+from al_questioner.ros import qos
+from al_questioner.ros.node import QuestionerNode
+from al_questioner.ros.parameters import Setting, declare, help_text
+from al_questioner.ros.running import run_nodes
+from al_questioner.ros.types import CLOUD_TYPES, header, octets, stamp_of
+from al_questioner.ros.worlds import WORLD_SETTINGS, check_world, declare_world
+from al_questioner.simulation import PerceivedWorld
+from al_questioner.world.table_image import draw_scene
+
+SETTINGS = (Setting('frame_id', 'table', 'frame of the objects and of the picture'),)
+
+
+class PerceptionNode(QuestionerNode):
+    """Answers every `turn` with the `objects` of that turn, under the turn's stamp."""
+
+    def __init__(self, **node_arguments: Any) -> None:
+        super().__init__('perception', **node_arguments)
+        self._choice = declare_world(self)
+        self._given = declare(self, SETTINGS)
+        self._world = PerceivedWorld(self._choice.open())
+        self._drawn: object = None
+        self._objects = self.create_publisher(PointCloud2, 'objects', qos.LATCHED)
+        self._picture = self.create_publisher(Image, 'scene_image', qos.LATCHED)
+        self.on_document('turn', self._look)
+        self.does('waiting for a turn')
+
+    def _look(self, document: Document) -> None:
+        check_world(document, self._choice)
+        turn = document['turn']
+        scene = self._world.scene(turn)
+        stamp = header(stamp_of(document['stamp']), str(self._given['frame_id']))
+        self._objects.publish(cloud_of_scene(scene, stamp, CLOUD_TYPES))
+        self.does(f'turn {turn}: {len(scene)} objects')
+        if scene is not self._drawn:
+            self._picture.publish(image(draw_scene(self._world.observations(turn)).image, stamp, Image, octets))
+            self._drawn = scene
+
+
+def main(arguments: Sequence[str]) -> int:
+    """Run the node."""
+    return run_nodes([PerceptionNode], arguments, help_text(__doc__, (*WORLD_SETTINGS, *SETTINGS)))

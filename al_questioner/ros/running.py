@@ -1,0 +1,75 @@
+"""From the arguments of a process to nodes that spin until they are asked to stop."""
+
+from __future__ import annotations
+
+import signal
+from collections.abc import Callable, Sequence
+from typing import Any
+
+import rclpy
+from rclpy.exceptions import NameValidationException
+from rclpy.executors import ExternalShutdownException, SingleThreadedExecutor
+from rclpy.node import Node
+from rclpy.utilities import remove_ros_args, try_shutdown
+
+from al_questioner.domain import InputError
+
+
+def run_nodes(
+    makers: Sequence[Callable[[], Node]],
+    arguments: Sequence[str],
+    description: str,
+    while_spinning: Callable[[], Any] | None = None,
+) -> int:
+    """Spin nodes in one process until SIGINT, SIGTERM or a shutdown of the context; return the exit status.
+
+    Args:
+        makers: make the nodes, once ROS is initialised.
+        arguments: of the process, ROS arguments included.
+        description: what `--help` prints.
+        while_spinning: called after every wait; a true result ends the spinning.
+
+    Raises:
+        InputError: a parameter that cannot be used.
+    """
+    if any(argument in ('-h', '--help') for argument in arguments):
+        print(description)
+        return 0
+    _refuse_stray(arguments)
+    # Only rclpy's own handler, which shuts the context down, is to act on a signal: a KeyboardInterrupt could hit
+    # anywhere, and the second SIGINT of `ros2 launch` would hit the clean-up.
+    signal.signal(signal.SIGINT, lambda *_: None)
+    try:
+        rclpy.init(args=list(arguments))
+    except (RuntimeError, ValueError) as error:
+        raise InputError(f'unusable ROS arguments: {_one_line(error)}') from error
+    nodes: list[Node] = []
+    executor = SingleThreadedExecutor()
+    try:
+        for make in makers:
+            nodes.append(make())
+            executor.add_node(nodes[-1])
+            nodes[-1].get_logger().info('is up')
+        while executor.context.ok() and not (while_spinning and while_spinning()):
+            executor.spin_once(timeout_sec=0.1 if while_spinning else None)
+    except ExternalShutdownException:
+        pass
+    except NameValidationException as error:
+        raise InputError(_one_line(error)) from error
+    finally:
+        for node in nodes:
+            node.destroy_node()
+        executor.shutdown()
+        try_shutdown()
+    return 0
+
+
+def _refuse_stray(arguments: Sequence[str]) -> None:
+    """Raise an InputError for arguments that nobody would read."""
+    own = remove_ros_args(['', *arguments])[1:]
+    if own:
+        raise InputError(f'unexpected argument {own[0]!r}; parameters are given as --ros-args -p NAME:=VALUE')
+
+
+def _one_line(error: Exception) -> str:
+    return ' '.join(str(error).split())

@@ -1,0 +1,60 @@
+"""Which simulated world a node speaks of: the parameters that perception, learner and teacher must share."""
+
+from __future__ import annotations
+
+import dataclasses
+from pathlib import Path
+
+from rclpy.node import Node
+
+from al_questioner.domain import InputError
+from al_questioner.messages.documents import Document
+from al_questioner.ros.parameters import Setting, declare
+from al_questioner.simulation import WorldChoice
+from al_questioner.world import load_task
+
+DEFAULT_TASK = 'kitchen_table'
+WORLD_SETTINGS = (
+    Setting('task', DEFAULT_TASK, 'a name in config/tasks, or the path of a YAML file'),
+    Setting('dataset', '', 'root of a directory of RGB-D crops, for tasks that read one'),
+    Setting('seed', 0, 'seed of everything that is drawn at random', lower=0),
+    Setting(
+        'sample', 0, 'sample of observations that the scenes are drawn from; unless set, that of the seed', lower=0
+    ),
+)
+
+
+def declare_world(node: Node) -> WorldChoice:
+    """Declare the parameters `task`, `dataset`, `seed` and `sample`, and read them.
+
+    Raises:
+        InputError: an unknown task, or a value out of range.
+    """
+    *most, sample_setting = WORLD_SETTINGS
+    given = declare(node, most)
+    seed = int(given['seed'])
+    sample = declare(node, [dataclasses.replace(sample_setting, default=seed)])
+    dataset = Path(str(given['dataset'])).expanduser() if given['dataset'] else None
+    return WorldChoice(load_task(str(given['task'])), seed, int(sample['sample']), dataset)
+
+
+def world_members(world: WorldChoice) -> Document:
+    """The `world` member of the documents `episode` and `turn`."""
+    return {
+        'task': world.task.name,
+        'seed': world.seed,
+        'sample': world.sample,
+        'dataset': None if world.dataset is None else str(world.dataset),
+    }
+
+
+def check_world(document: Document, world: WorldChoice) -> None:
+    """Hold the world of a `turn` against one's own.
+
+    Raises:
+        InputError: the learner speaks of another world.
+    """
+    theirs, ours = document['world'], world_members(world)
+    for name in ('task', 'seed', 'sample'):
+        if theirs is not None and theirs[name] != ours[name]:
+            raise InputError(f'the learner has {name} {theirs[name]!r}, this node {ours[name]!r}')

@@ -1,0 +1,112 @@
+"""Nodes in this process: a context, an executor in a thread, and a listener, all gone after the test."""
+
+from __future__ import annotations
+
+import json
+import os
+import threading
+import time
+import uuid
+from collections.abc import Callable, Iterator
+from typing import Any
+
+import pytest
+from rclpy.context import Context
+from rclpy.executors import ExternalShutdownException, SingleThreadedExecutor
+from rclpy.node import Node
+from rclpy.parameter import Parameter
+from std_msgs.msg import String
+
+from al_questioner.ros import qos
+
+os.environ.setdefault('ROS_AUTOMATIC_DISCOVERY_RANGE', 'LOCALHOST')
+
+DEADLINE = 60.0
+"""Seconds after which a test gives up; far more than anything here takes."""
+
+
+class Graph:
+    """The nodes of a test, in a namespace that nobody else uses."""
+
+    def __init__(self, context: Context) -> None:
+        self.namespace = f'test_{uuid.uuid4().hex[:12]}'
+        self.context = context
+        self.executor = SingleThreadedExecutor(context=context)
+        self.heard: dict[str, list[Any]] = {}
+        self.nodes: list[Node] = []
+        self._changed = threading.Condition()
+        self.ears = Node('ears', namespace=self.namespace, context=context)
+        self.executor.add_node(self.ears)
+        self._thread = threading.Thread(target=self._spin, daemon=True)
+        self._thread.start()
+
+    def start(self, make: Callable[..., Node], **parameters: Any) -> Node:
+        """A node with these parameters, spinning; `namespace` chooses another namespace than the graph's."""
+        namespace = parameters.pop('namespace', self.namespace)
+        overrides = [Parameter(name, value=value) for name, value in parameters.items()]
+        node = make(namespace=namespace, context=self.context, parameter_overrides=overrides)
+        self.nodes.append(node)
+        self.executor.add_node(node)
+        return node
+
+    def stop(self, node: Node) -> None:
+        """End one node."""
+        self.nodes.remove(node)
+        self.executor.remove_node(node)
+        node.destroy_node()
+
+    def listen(
+        self, kind: str, message_type: type = String, profile: Any = None, topic: str | None = None
+    ) -> list[Any]:
+        """The list that messages of a topic are added to; documents already parsed."""
+        heard = self.heard.setdefault(kind, [])
+
+        def hear(message: Any) -> None:
+            with self._changed:
+                is_document = isinstance(message, String) and message.data.startswith('{')
+                heard.append(json.loads(message.data) if is_document else message)
+                self._changed.notify_all()
+
+        self.ears.create_subscription(message_type, topic or kind, hear, profile or qos.LATCHED)
+        self.executor.wake()
+        return heard
+
+    def wait_for(self, is_true: Callable[[], Any], what: str) -> Any:
+        """Wait until something holds, and return it.
+
+        Raises:
+            AssertionError: it did not come to hold before the deadline.
+        """
+        end = time.monotonic() + DEADLINE
+        while not (value := is_true()):
+            with self._changed:
+                self._changed.wait(0.02)
+            if time.monotonic() > end:
+                raise AssertionError(f'waited {DEADLINE:g} s in vain for {what}')
+        return value
+
+    def close(self) -> None:
+        """End everything."""
+        for node in (*self.nodes, self.ears):
+            self.executor.remove_node(node)
+            node.destroy_node()
+        self.executor.shutdown()
+        self._thread.join(5)
+
+    def _spin(self) -> None:
+        try:
+            self.executor.spin()
+        except ExternalShutdownException:
+            return
+
+
+@pytest.fixture
+def graph() -> Iterator[Graph]:
+    context = Context()
+    context.init(domain_id=1 + os.getpid() % 100)
+    result = Graph(context)
+    try:
+        yield result
+    finally:
+        result.close()
+        context.try_shutdown()

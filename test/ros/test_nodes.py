@@ -1,0 +1,348 @@
+"""The three nodes together, and each against what may come over its topics."""
+
+from __future__ import annotations
+
+import json
+from collections import Counter
+from typing import Any
+
+import numpy as np
+import pytest
+from diagnostic_msgs.msg import DiagnosticArray
+from sensor_msgs.msg import Image, PointCloud2
+from std_msgs.msg import String
+from visualization_msgs.msg import MarkerArray
+
+from al_questioner.domain import DECISION_FEATURES, InputError, generator
+from al_questioner.messages.clouds import decision_of_cloud, scene_of_cloud
+from al_questioner.questioning import Episode
+from al_questioner.ros import qos
+from al_questioner.ros.learner import LearnerNode
+from al_questioner.ros.perception import PerceptionNode
+from al_questioner.ros.teacher import TeacherNode
+from al_questioner.simulation import PerceivedWorld, WorldChoice, episode_settings, run_episode
+from al_questioner.teaching import ScriptedTeacher
+from al_questioner.world import load_task
+
+TASK = 'prepare_lunch'
+SYMBOLS = ('main_dish', 'snack', 'fruit', 'beverage')
+SMALL = {'task': TASK, 'seed': 4}
+EPISODE = {**SMALL, 'budget': 6.0, 'turns': 8, 'strategy': 'random_fsq'}
+
+
+def start_robot(graph: Any, **learner: Any) -> None:
+    graph.start(PerceptionNode, **SMALL)
+    graph.start(LearnerNode, **{**EPISODE, **learner})
+
+
+def is_over(states: list[dict[str, Any]]) -> bool:
+    return bool(states) and states[-1]['done']
+
+
+def offline_queries(strategy: str, budget: float, turns: int) -> list[tuple[Any, ...]]:
+    task = load_task(TASK)
+    result = run_episode(
+        WorldChoice(task, 4, 4),
+        episode_settings(task, strategy, budget, turns),
+        ScriptedTeacher(task.symbols, task.relevant_groups, 4),
+    )
+    return [(r.turn, r.kind.value, r.object_id, r.symbol, r.cost, r.outcome.value) for r in result.queries]
+
+
+@pytest.mark.parametrize('strategy', ['dt_task_env', 'u_sampling', 'rarest_demo'])
+def test_graph_asks_what_an_offline_run_asks(graph: Any, strategy: str) -> None:
+    """What is found offline would say nothing about the robot."""
+    states = graph.listen('learner_state')
+    start_robot(graph, strategy=strategy, budget=8.0, turns=14)
+    graph.start(TeacherNode, **SMALL)
+    graph.wait_for(lambda: is_over(states), 'the end of the episode')
+    asked = [
+        tuple(query[key] for key in ('turn', 'kind', 'object_id', 'symbol', 'cost', 'outcome'))
+        for query in states[-1]['queries']
+    ]
+    assert asked == offline_queries(strategy, 8.0, 14)
+    assert states[-1]['spent'] <= 8.0
+
+
+def test_every_topic_tells_the_same_story(graph: Any) -> None:
+    """A page, a bag or RViz would show something else than the learner does."""
+    heard = {kind: graph.listen(kind) for kind in ('episode', 'turn', 'query', 'learner_state')}
+    acks = graph.listen('answer_ack', profile=qos.EVENTS)
+    clouds = graph.listen('objects', PointCloud2)
+    pictures = graph.listen('scene_image', Image)
+    arrays = graph.listen('scene_markers', MarkerArray)
+    decisions = graph.listen('decision', PointCloud2, qos.EVENTS)
+    start_robot(graph, strategy='dt_task_env', turns=4)
+    query = graph.wait_for(lambda: heard['query'] and heard['query'][-1], 'a query')
+    graph.wait_for(lambda: decisions and clouds and arrays and pictures and heard['episode'], 'all latched topics')
+    scene = scene_of_cloud(clouds[-1])
+    decision = decision_of_cloud(decisions[-1], SYMBOLS, query['turn'])
+    chosen = decision.candidates[decision.chosen]
+    assert heard['episode'][-1]['feature_names'] == list(scene.feature_names)
+    assert len(decision.candidates) == len(SYMBOLS) + len(scene) + 2
+    assert decision.utilities[decision.chosen] == max(decision.utilities)
+    weights = heard['episode'][-1]['weights']
+    vector = [weights.get(name, 0.0) for name in DECISION_FEATURES]
+    np.testing.assert_allclose(decision.features @ vector, decision.utilities, atol=1e-12)
+    assert (chosen.kind.value, chosen.object_id, chosen.symbol) == (query['kind'], query['object_id'], query['symbol'])
+    stamp = heard['turn'][-1]['stamp']
+    assert (clouds[-1].header.stamp.sec, clouds[-1].header.stamp.nanosec) == (stamp['sec'], stamp['nanosec'])
+    assert pictures[-1].encoding == 'rgb8'
+    assert len(pictures[-1].data) == pictures[-1].height * pictures[-1].step
+    named = Counter(marker.ns for marker in arrays[-1].markers)
+    assert named['objects'] == named['beliefs'] == len(scene)
+    assert not acks
+
+
+def test_late_nodes_catch_up(graph: Any) -> None:
+    """The order in which nodes are started would matter."""
+    states = graph.listen('learner_state')
+    queries = graph.listen('query')
+    turns = graph.listen('turn')
+    graph.start(LearnerNode, **EPISODE)
+    graph.wait_for(lambda: turns, 'the first turn')
+    graph.start(PerceptionNode, **SMALL)
+    graph.wait_for(lambda: queries, 'the first query')
+    graph.start(TeacherNode, **SMALL)
+    graph.wait_for(lambda: is_over(states), 'the end of the episode')
+
+
+class Person:
+    """Somebody with `ros2 topic pub`, `ros2 topic echo` and patience."""
+
+    def __init__(self, graph: Any) -> None:
+        self.graph = graph
+        self.queries = graph.listen('query')
+        self.acks = graph.listen('answer_ack', profile=qos.EVENTS)
+        self.mouth = graph.ears.create_publisher(String, 'answer', qos.EVENTS)
+
+    def query(self, number: int) -> dict[str, Any]:
+        """The query of this number, once it is asked."""
+        self.graph.wait_for(lambda: self.queries and self.queries[-1]['query_id'] == f'q{number}', f'query {number}')
+        return self.queries[-1]
+
+    def says(self, text: str) -> dict[str, Any]:
+        """Say something, and hear whether it was taken."""
+        before = len(self.acks)
+        self.graph.wait_for(lambda: self.mouth.get_subscription_count(), 'a learner that listens')
+        self.mouth.publish(String(data=text))
+        self.graph.wait_for(lambda: len(self.acks) > before, f'an acknowledgement of {text[:40]!r}')
+        return self.acks[-1]
+
+
+def answer(query: dict[str, Any], content: Any, **changes: Any) -> str:
+    document = {
+        'schema': 'al_questioner/answer/1',
+        'episode_id': query['episode_id'],
+        'query_id': query['query_id'],
+        'answer_id': 'a1',
+        'teacher_id': 'anna',
+        'outcome': 'answered',
+        'content': content,
+        **changes,
+    }
+    return json.dumps(document)
+
+
+PLAIN = {'label': 'snack', 'demonstration': 'none', 'feature_subset': 'colour,size'}
+
+
+def test_plain_words_teach(graph: Any) -> None:
+    """A person with nothing but `ros2 topic pub` could not answer."""
+    states = graph.listen('learner_state')
+    person = Person(graph)
+    start_robot(graph, budget=5.0, turns=4, strategy='random_fsq')
+    for number in (1, 2, 3):
+        query = person.query(number)
+        assert person.says(PLAIN[query['kind']])['accepted']
+    graph.wait_for(lambda: states and len(states[-1]['queries']) == 3, 'three answered queries')
+    assert {query['outcome'] for query in states[-1]['queries']} == {'answered'}
+
+
+def test_unusable_answers_are_refused_and_the_question_stays(graph: Any) -> None:
+    """Nonsense would be learnt, the question lost, or the node ended."""
+    states = graph.listen('learner_state')
+    person = Person(graph)
+    diagnostics = graph.listen('diagnostics', DiagnosticArray, qos.DIAGNOSTICS, '/diagnostics')
+    start_robot(graph, strategy='u_sampling', turns=3)
+    query = person.query(1)
+    refused = {
+        'pudding': 'does not answer',
+        '': 'does not answer',
+        '{"schema"': 'not valid JSON',
+        answer(query, 'pudding'): 'unknown label',
+        answer(query, 3): 'a label is one of',
+        answer(query, None): 'a label is one of',
+        answer(query, 'snack', query_id='q9'): "'q9'",
+        answer(query, 'snack', episode_id='another'): 'episode another',
+        answer(query, 'snack', outcome='unknown'): 'no content',
+        answer(query, 'snack', schema='al_questioner/answer/7'): 'schema',
+    }
+    for text, reason in refused.items():
+        ack = person.says(text)
+        assert not ack['accepted'], text
+        assert reason in ack['reason']
+    assert not states
+    assert person.says(answer(query, 'snack'))['accepted']
+    assert person.says(answer(query, 'snack'))['reason'] == 'already taken'
+    assert not person.says(answer(query, 'fruit'))['accepted']
+    graph.wait_for(lambda: states and len(states[-1]['queries']) == 1, 'the answered query')
+    assert states[-1]['labels']['snack'] == 1
+
+    def shown() -> bool:
+        values = [value for array in diagnostics for status in array.status for value in status.values]
+        return any(value.key == 'refused on answer' and value.value == '11' for value in values)
+
+    graph.wait_for(shown, 'the number of refusals on /diagnostics')
+
+
+def test_demonstration_of_an_object_that_has_gone_is_refused(graph: Any) -> None:
+    """A label would be attached to features that nobody named."""
+    person = Person(graph)
+    start_robot(graph, strategy='rarest_demo', turns=4)
+    query = person.query(1)
+    number = 1
+    while query['kind'] != 'demonstration':
+        assert person.says(PLAIN[query['kind']])['accepted']
+        number += 1
+        query = person.query(number)
+    ack = person.says(answer(query, 9999))
+    assert not ack['accepted']
+    assert 'object 9999 is not in the scene' in ack['reason']
+    assert person.says(answer(query, int(query['choices'][0])))['accepted']
+
+
+def test_unusable_scenes_are_refused_and_the_turn_goes_on(graph: Any) -> None:
+    """One bad frame of a camera would end the episode, or be learnt from."""
+    person = Person(graph)
+    turns = graph.listen('turn')
+    clouds = graph.listen('objects', PointCloud2)
+    diagnostics = graph.listen('diagnostics', DiagnosticArray, qos.DIAGNOSTICS, '/diagnostics')
+    perception = graph.start(PerceptionNode, **SMALL)
+    learner = graph.start(LearnerNode, **EPISODE)
+    graph.wait_for(lambda: clouds and turns, 'a scene')
+    cloud = clouds[-1]
+    graph.stop(perception)
+    graph.stop(learner)
+    turns.clear()
+    person.queries.clear()
+    eyes = graph.ears.create_publisher(PointCloud2, 'objects', qos.LATCHED)
+    graph.start(LearnerNode, **EPISODE)
+    graph.wait_for(lambda: turns, 'the first turn')
+    graph.wait_for(lambda: eyes.get_subscription_count() > 1, 'a learner that looks')
+    cloud.header.stamp.sec += 3600
+    good = bytes(cloud.data)
+    damaged = bytearray(good)
+    damaged[16:20] = np.float32(np.nan).tobytes()
+    for data, width, reason in ((bytes(damaged), cloud.width, 'not finite'), (b'', 0, 'empty')):
+        cloud.data, cloud.width, cloud.row_step = data, width, width * cloud.point_step
+        eyes.publish(cloud)
+        graph.wait_for(
+            lambda reason=reason: any(reason in s.message for array in diagnostics for s in array.status), reason
+        )
+    assert not person.queries
+    cloud.data, cloud.width, cloud.row_step = good, len(good) // cloud.point_step, len(good)
+    eyes.publish(cloud)
+    person.query(1)
+
+
+def test_nodes_of_other_worlds_do_not_answer(graph: Any) -> None:
+    """Perception with another seed would show a scene that the teacher does not know."""
+    diagnostics = graph.listen('diagnostics', DiagnosticArray, qos.DIAGNOSTICS, '/diagnostics')
+    clouds = graph.listen('objects', PointCloud2)
+    graph.start(PerceptionNode, task=TASK, seed=5)
+    graph.start(LearnerNode, **EPISODE)
+    reason = 'the learner has seed 4, this node 5'
+    graph.wait_for(lambda: any(reason in s.message for array in diagnostics for s in array.status), reason)
+    assert not clouds
+
+
+def test_two_robots_in_two_namespaces_do_not_hear_each_other(graph: Any) -> None:
+    """The answers to one robot would teach the other."""
+    states = {}
+    for robot, seed in (('left', 4), ('right', 5)):
+        namespace = f'{graph.namespace}/{robot}'
+        states[robot] = graph.listen(robot, topic=f'/{namespace}/learner_state')
+        graph.start(PerceptionNode, namespace=namespace, task=TASK, seed=seed)
+        graph.start(TeacherNode, namespace=namespace, task=TASK, seed=seed)
+        graph.start(LearnerNode, namespace=namespace, **{**EPISODE, 'seed': seed})
+    for robot, heard in states.items():
+        graph.wait_for(lambda heard=heard: is_over(heard), f'the end of the episode of {robot}')
+        assert len({state['episode_id'] for state in heard}) == 1
+    assert states['left'][-1]['queries'] != states['right'][-1]['queries']
+
+
+def test_erring_teacher_with_delay_ends_the_episode(graph: Any) -> None:
+    """A teacher who does not know, errs, or thinks for a while would stall the learner."""
+    states = graph.listen('learner_state')
+    start_robot(graph, strategy='rarest_demo')
+    graph.start(TeacherNode, **SMALL, wrong_rate=0.3, unknown_rate=0.6, delay=0.02)
+    graph.wait_for(lambda: is_over(states), 'the end of the episode')
+    assert 'unknown' in {query['outcome'] for query in states[-1]['queries']}
+
+
+def test_lost_answers_are_repeated(graph: Any) -> None:
+    """One lost message would stall the episode for ever."""
+    answers = graph.listen('answer', profile=qos.EVENTS)
+    mouth = graph.ears.create_publisher(String, 'query', qos.LATCHED)
+    graph.start(TeacherNode, **SMALL)
+    members = {'query_id': 'q1', 'turn': 1, 'kind': 'feature_subset', 'object_id': None, 'symbol': None}
+    members |= {
+        'choices': ['colour'],
+        'cost': 2,
+        'budget_left': 3,
+        'turns_left': 4,
+        'model_version': 0,
+        'text': 'What?',
+    }
+    mouth.publish(String(data=json.dumps({'schema': 'al_questioner/query/1', 'episode_id': 'e', **members})))
+    graph.wait_for(lambda: len(answers) >= 3, 'the third time of the same answer')
+    assert len({json.dumps(each) for each in answers}) == 1
+
+
+@pytest.mark.parametrize(
+    ('parameters', 'reason'),
+    [
+        ({'task': 'prepare_luch'}, 'unknown task'),
+        ({'strategy': 'clever'}, 'unknown strategy'),
+        ({'budget': -1.0}, 'budget must lie in'),
+        ({'budget': float('nan')}, 'budget must be a finite number'),
+        ({'budget': 'much'}, 'budget must be of type float'),
+        ({'turns': 0}, 'turns must lie in'),
+        ({'turns': 2.5}, 'turns must be of type int'),
+        ({'seed': -3}, 'seed must lie in'),
+        ({'weights_file': '/no/such/file.yaml'}, 'no/such/file'),
+        ({'amplitude': 0.0}, 'amplitude must lie in'),
+    ],
+)
+def test_parameters_that_cannot_be_used_are_named(graph: Any, parameters: dict[str, Any], reason: str) -> None:
+    """An episode with other settings than those asked for would be played."""
+    with pytest.raises(InputError, match=reason) as caught:
+        graph.start(LearnerNode, **{**EPISODE, **parameters})
+    assert '\n' not in str(caught.value)
+
+
+def test_parameters_are_described_and_fixed(graph: Any) -> None:
+    """`ros2 param describe` would tell nothing, or a change in flight would be taken and ignored."""
+    learner = graph.start(LearnerNode, **{**EPISODE, 'budget': 6})
+    for name in ('budget', 'turns', 'strategy', 'turn_period', 'task', 'seed'):
+        descriptor = learner.describe_parameter(name)
+        assert descriptor.description
+        assert descriptor.read_only
+    budget = learner.describe_parameter('budget')
+    assert budget.floating_point_range[0].from_value == 0.0
+    assert 'cost of a label query' in budget.description
+    assert learner.get_parameter('budget').value == 6.0
+
+
+def test_scene_of_the_graph_is_the_scene_offline(graph: Any) -> None:
+    """Features would lose bits on the way, and a later query would differ."""
+    clouds = graph.listen('objects', PointCloud2)
+    start_robot(graph)
+    graph.wait_for(lambda: clouds, 'a scene')
+    seen = scene_of_cloud(clouds[0])
+    offline = PerceivedWorld(WorldChoice(load_task(TASK), 4, 4).open()).scene(1)
+    assert seen.features.tobytes() == offline.features.tobytes()
+    assert seen.object_ids == offline.object_ids
+    episode = Episode(episode_settings(load_task(TASK), 'u_sampling'), generator(4, 'learner'))
+    assert episode.ask(seen).query is not None

@@ -1,0 +1,184 @@
+"""The real thing: processes that start, talk, and end when they are told to."""
+
+from __future__ import annotations
+
+import json
+import os
+import signal
+import subprocess
+import sys
+import time
+import uuid
+from collections.abc import Iterator
+from pathlib import Path
+
+import pytest
+
+ROOT = Path(__file__).resolve().parents[2]
+DEADLINE = 90
+SMALL = ['--task', 'prepare_lunch', '--budget', '6', '--turns', '7', '--seed', '4']
+PAPER = ['--task', 'prepare_lunch', '--budget', '25', '--turns', '40', '--seed', '7']
+STRATEGIES = [
+    'u_sampling',
+    'dt_iros',
+    'dt_task',
+    'dt_task_env',
+    'u_sampling_fsq',
+    'random_fsq',
+    'farthest_fsq',
+    'rarest_demo',
+]
+
+
+def environment() -> dict[str, str]:
+    """Of a child: this checkout, and topics that stay on this machine."""
+    path = os.pathsep.join(filter(None, (str(ROOT), os.environ.get('PYTHONPATH'))))
+    return {**os.environ, 'PYTHONPATH': path, 'ROS_AUTOMATIC_DISCOVERY_RANGE': 'LOCALHOST'}
+
+
+def al_questioner(*arguments: str) -> list[str]:
+    return [sys.executable, '-m', 'al_questioner', *arguments]
+
+
+def run(*arguments: str) -> subprocess.CompletedProcess[str]:
+    return subprocess.run(
+        al_questioner(*arguments), env=environment(), capture_output=True, text=True, timeout=DEADLINE, check=False
+    )
+
+
+def play(tmp_path: Path, name: str, *arguments: str) -> dict[str, object]:
+    path = tmp_path / f'{name}.json'
+    done = run('demo', *arguments, '--out', str(tmp_path / name), '--json', str(path))
+    assert done.returncode == 0, done.stdout + done.stderr
+    return json.loads(path.read_text())
+
+
+def test_three_processes_play_the_offline_episode(tmp_path: Path) -> None:
+    """What is found offline would say nothing about the robot."""
+    graph = play(tmp_path, 'graph', *SMALL, '--strategy', 'dt_task_env')
+    assert graph['queries']
+    assert graph == play(tmp_path, 'offline', *SMALL, '--strategy', 'dt_task_env', '--offline')
+    assert {path.name for path in (tmp_path / 'graph' / 'logs').iterdir()} == {
+        'learner.log',
+        'perception.log',
+        'teacher.log',
+    }
+
+
+def test_one_process_plays_the_offline_episode(tmp_path: Path) -> None:
+    """Nodes composed into one process would behave otherwise."""
+    one = play(tmp_path, 'one', *SMALL, '--strategy', 'random_fsq', '--one-process')
+    assert one == play(tmp_path, 'offline', *SMALL, '--strategy', 'random_fsq', '--offline')
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize('strategy', STRATEGIES)
+def test_every_strategy_asks_the_same_with_and_without_ros(tmp_path: Path, strategy: str) -> None:
+    """Some strategy would behave otherwise on the robot, over a whole episode of the paper's length."""
+    graph = play(tmp_path, 'graph', *PAPER, '--strategy', strategy)
+    assert graph == play(tmp_path, 'offline', *PAPER, '--strategy', strategy, '--offline')
+
+
+class Processes:
+    """Processes in sessions of their own, all gone after the test."""
+
+    def __init__(self, folder: Path) -> None:
+        self.namespace = f'test_{uuid.uuid4().hex[:12]}'
+        self._folder = folder
+        self._running: dict[str, subprocess.Popen[bytes]] = {}
+
+    def start(self, name: str, command: list[str]) -> subprocess.Popen[bytes]:
+        with self.log_path(name).open('wb') as log:
+            self._running[name] = subprocess.Popen(
+                command,
+                env=environment(),
+                stdin=subprocess.DEVNULL,
+                stdout=log,
+                stderr=subprocess.STDOUT,
+                start_new_session=True,
+            )
+        return self._running[name]
+
+    def node(self, name: str, **parameters: object) -> subprocess.Popen[bytes]:
+        arguments = ['--ros-args', '-r', f'__ns:=/{self.namespace}']
+        for key, value in parameters.items():
+            arguments += ['-p', f'{key}:={json.dumps(value)}']
+        return self.start(name, al_questioner(name, *arguments))
+
+    def log_path(self, name: str) -> Path:
+        return self._folder / f'{name}.log'
+
+    def log(self, name: str) -> str:
+        return self.log_path(name).read_text()
+
+    def wait_for_log(self, name: str, text: str) -> None:
+        end = time.monotonic() + DEADLINE
+        while text not in self.log(name):
+            assert time.monotonic() < end, f'{name} never printed {text!r}: {self.log(name)}'
+            assert self._running[name].poll() is None, f'{name} ended: {self.log(name)}'
+            time.sleep(0.05)
+
+    def close(self) -> None:
+        for process in self._running.values():
+            if process.poll() is None:
+                os.killpg(process.pid, signal.SIGKILL)
+            process.wait()
+
+
+@pytest.fixture
+def processes(tmp_path: Path) -> Iterator[Processes]:
+    result = Processes(tmp_path)
+    try:
+        yield result
+    finally:
+        result.close()
+
+
+@pytest.mark.parametrize('interrupts', [1, 2])
+@pytest.mark.parametrize('name', ['perception', 'learner', 'teacher'])
+def test_nodes_end_cleanly_when_interrupted(processes: Processes, name: str, interrupts: int) -> None:
+    """Ctrl-C, which `ros2 launch` sends twice, would leave a traceback or a process behind."""
+    process = processes.node(name, task='prepare_lunch')
+    processes.wait_for_log(name, 'is up')
+    for _ in range(interrupts):
+        os.killpg(process.pid, signal.SIGINT)
+    assert process.wait(DEADLINE) == 0, processes.log(name)
+    assert 'Traceback' not in processes.log(name)
+
+
+@pytest.mark.parametrize(
+    ('name', 'parameter', 'reason'),
+    [
+        ('learner', 'strategy:=clever', 'unknown strategy'),
+        ('learner', 'budget:=-1.0', 'budget must lie in [0, inf] cost of a label query, not -1.0'),
+        ('teacher', 'wrong_rate:=.nan', 'wrong_rate must be a finite number'),
+        ('perception', 'task:=prepare_luch', 'unknown task'),
+    ],
+)
+def test_unusable_parameters_end_with_status_2_and_one_line(name: str, parameter: str, reason: str) -> None:
+    """A mistyped parameter would end in a traceback, or be ignored."""
+    done = run(name, '--ros-args', '-p', parameter)
+    assert done.returncode == 2
+    assert reason in done.stderr
+    assert done.stderr.count('\n') == 1
+
+
+def test_a_robots_own_perception_teaches_the_learner(processes: Processes) -> None:
+    """The example that users copy for their own robot would not work."""
+    example = ROOT / 'docs' / 'examples' / 'own_perception.py'
+    remap = ['--ros-args', '-r', f'__ns:=/{processes.namespace}']
+    processes.start('own_perception', [sys.executable, str(example), *remap])
+    task = str(ROOT / 'docs' / 'examples' / 'blobs.yaml')
+    learner = processes.node('learner', task=task, strategy='random_fsq', view_tolerance=0.5)
+    processes.start('person', [sys.executable, str(Path(__file__).with_name('person.py')), *remap])
+    processes.wait_for_log('learner', 'the episode is over: 6 of 6 spent')
+    os.killpg(learner.pid, signal.SIGINT)
+    assert learner.wait(DEADLINE) == 0
+
+
+def test_a_node_that_cannot_start_ends_the_demo(tmp_path: Path) -> None:
+    """The demo would wait for ever for a process that is not there."""
+    done = run('demo', *SMALL, '--out', str(tmp_path), '--namespace', 'not a namespace')
+    assert done.returncode in (1, 2)
+    assert 'Traceback' not in done.stderr
+    assert 'namespace' in done.stderr
