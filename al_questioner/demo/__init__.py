@@ -1,0 +1,1 @@
+"""One learning episode to watch: live progress, a summary, pictures, and everything as JSON."""

@@ -1,0 +1,133 @@
+"""Pictures of an episode: its learning curve, its timeline, and a scene with what was asked about."""
+
+from __future__ import annotations
+
+from collections import Counter
+from pathlib import Path
+from typing import Any
+
+import matplotlib
+
+matplotlib.use('Agg')
+
+from matplotlib import pyplot as plt
+from matplotlib.colors import to_rgb
+from matplotlib.figure import Figure
+
+from al_questioner.domain import Outcome, QueryKind, QueryRecord
+from al_questioner.simulation import EpisodeResult, PerceivedWorld
+from al_questioner.world.table_image import Mark, draw_scene
+
+KIND_COLOURS = {
+    QueryKind.LABEL: '#2c6fbb',
+    QueryKind.DEMONSTRATION: '#d1622b',
+    QueryKind.FEATURE_SUBSET: '#3a923a',
+}
+_STYLE: dict[Any, Any] = {
+    'axes.spines.top': False,
+    'axes.spines.right': False,
+    'axes.grid': True,
+    'grid.alpha': 0.25,
+    'font.size': 11,
+    'figure.constrained_layout.use': True,
+}
+_DPI = 150
+
+
+def draw_pictures(result: EpisodeResult, world: PerceivedWorld, folder: Path) -> list[Path]:
+    """Write `learning_curve.png`, `timeline.png` and `scene.png`, and return their paths.
+
+    Raises:
+        OSError: the folder cannot be written.
+    """
+    folder.mkdir(parents=True, exist_ok=True)
+    with plt.rc_context(_STYLE):
+        figures = {'learning_curve': _learning_curve(result), 'timeline': _timeline(result, world)}
+        figures['scene'] = _scene(result, world)
+        paths = []
+        for name, figure in figures.items():
+            paths.append(folder / f'{name}.png')
+            figure.savefig(paths[-1], dpi=_DPI)
+            plt.close(figure)
+    return paths
+
+
+def _learning_curve(result: EpisodeResult) -> Figure:
+    figure, axes = plt.subplots(figsize=(7, 4))
+    turns = range(1, len(result.accuracy) + 1)
+    axes.plot(turns, result.accuracy, color='black', linewidth=1.8, zorder=2)
+    chance = 1 / len(result.settings.symbols)
+    axes.axhline(chance, color='gray', linestyle=':', linewidth=1.2)
+    axes.annotate('chance', (turns[-1], chance), xytext=(0, 4), textcoords='offset points', ha='right', color='gray')
+    for kind, colour in KIND_COLOURS.items():
+        asked = [record.turn for record in result.queries if record.kind is kind]
+        if asked:
+            heights = [result.accuracy[turn - 1] for turn in asked]
+            axes.scatter(asked, heights, color=colour, s=26, zorder=3, label=f'{_name(kind)} query')
+    axes.set(xlabel='turn', ylabel='accuracy on held-out images', ylim=(0, 1.02), xlim=(0.5, turns[-1] + 0.5))
+    axes.set_title(_title(result), loc='left', fontsize=11)
+    if result.queries:
+        axes.legend(frameon=False, loc='lower right')
+    return figure
+
+
+def _timeline(result: EpisodeResult, world: PerceivedWorld) -> Figure:
+    figure, (asked, budget) = plt.subplots(2, 1, figsize=(9, 4.6), sharex=True, height_ratios=(3, 2))
+    turns = result.settings.turns
+    for change in world.world.change_turns(turns):
+        for axes in (asked, budget):
+            axes.axvline(change - 0.5, color='gray', linewidth=0.9, alpha=0.7, zorder=1)
+    rows = {kind: row for row, kind in enumerate(reversed(KIND_COLOURS))}
+    for record in result.queries:
+        answered = record.outcome is Outcome.ANSWERED
+        colour = KIND_COLOURS[record.kind]
+        face = colour if answered else 'white'
+        asked.scatter(record.turn, rows[record.kind], s=52, facecolor=face, edgecolor=colour, linewidth=1.4, zorder=3)
+    asked.set_yticks(list(rows.values()), [_name(kind) for kind in rows])
+    asked.set_ylim(-0.6, len(rows) - 0.4)
+    asked.set_title(f'{_title(result)}   (grey lines: the scene changes)', loc='left', fontsize=11)
+    spent = [0.0]
+    by_turn = {record.turn: record.cost for record in result.queries}
+    for turn in range(1, turns + 1):
+        spent.append(spent[-1] + by_turn.get(turn, 0.0))
+    left = [result.settings.budget - amount for amount in spent]
+    budget.step(range(turns + 1), left, where='post', color='black', linewidth=1.6)
+    budget.set(xlabel='turn', ylabel='budget left', xlim=(0, turns + 1), ylim=(0, result.settings.budget * 1.05 or 1))
+    return figure
+
+
+def _scene(result: EpisodeResult, world: PerceivedWorld) -> Figure:
+    """The scene in which most was asked, with the objects that were asked about or shown."""
+    turns = result.settings.turns
+    starts = [1, *world.world.change_turns(turns)]
+    ends = [*(turn - 1 for turn in starts[1:]), turns]
+    about = [
+        [record for record in result.queries if start <= record.turn <= end and record.object_id is not None]
+        for start, end in zip(starts, ends, strict=True)
+    ]
+    best = max(range(len(starts)), key=lambda index: len(about[index]))
+    marks = {record.object_id: _mark(record) for record in about[best] if record.object_id is not None}
+    picture = draw_scene(world.observations(starts[best]), marks).image
+    height, width, _ = picture.shape
+    figure, axes = plt.subplots(figsize=(9, 9 * height / width + 0.45))
+    axes.imshow(picture)
+    axes.set_axis_off()
+    count = Counter(record.kind for record in about[best])
+    told = ', '.join(f'{count[kind]} by {_name(kind)} query' for kind in KIND_COLOURS if count[kind]) or 'nothing'
+    axes.set_title(f'turns {starts[best]} to {ends[best]}: {told}', loc='left', fontsize=11)
+    return figure
+
+
+def _mark(record: QueryRecord) -> Mark:
+    told = record.symbol if record.symbol and record.outcome is Outcome.ANSWERED else '?'
+    red, green, blue = (round(255 * part) for part in to_rgb(KIND_COLOURS[record.kind]))
+    return Mark((red, green, blue), told)
+
+
+def _name(kind: QueryKind) -> str:
+    return kind.value.replace('_', ' ')
+
+
+def _title(result: EpisodeResult) -> str:
+    settings = result.settings
+    return f'{result.task}, {settings.strategy}, budget {settings.budget:g}, {settings.turns} turns, seed {result.seed}'

@@ -1,0 +1,58 @@
+"""An episode in numbers: as JSON, and as a table for people."""
+
+from __future__ import annotations
+
+from collections import Counter
+from typing import Any
+
+from rich.table import Table
+
+from al_questioner import __version__
+from al_questioner.domain import QueryKind
+from al_questioner.messages.documents import record_members
+from al_questioner.simulation import EpisodeResult
+
+
+def episode_document(result: EpisodeResult) -> dict[str, Any]:
+    """The JSON of a learning episode (DESIGN section 5)."""
+    settings = result.settings
+    return {
+        'task': result.task,
+        'strategy': settings.strategy,
+        'seed': result.seed,
+        'budget': settings.budget,
+        'turns': settings.turns,
+        'spent': result.spent,
+        'final_accuracy': result.final_accuracy,
+        'accuracy': list(result.accuracy),
+        'queries': [record_members(record) for record in result.queries],
+        'symbols': list(settings.symbols),
+        'weights': dict(settings.weights),
+        'change_interval': settings.change_interval,
+        'version': __version__,
+    }
+
+
+def labels_told(result: EpisodeResult) -> dict[str, int]:
+    """How often the teacher named each symbol, and `none`; every symbol is there."""
+    told = Counter(record.symbol for record in result.queries if record.object_id is not None and record.symbol)
+    return {symbol: told.pop(symbol, 0) for symbol in result.settings.symbols} | dict(told)
+
+
+def summary(result: EpisodeResult) -> Table:
+    """What a person wants to know at the end."""
+    settings = result.settings
+    kinds = Counter(record.kind for record in result.queries)
+    asked = ', '.join(f'{kinds[kind]} {kind.value.replace("_", " ")}' for kind in QueryKind if kinds[kind])
+    table = Table(
+        title=f'{result.task} · {settings.strategy} · seed {result.seed}', show_header=False, title_justify='left'
+    )
+    table.add_row(
+        'accuracy on held-out images',
+        f'[bold]{result.final_accuracy:.2f}[/bold] (chance {1 / len(settings.symbols):.2f})',
+    )
+    table.add_row('mean accuracy over the turns', f'{sum(result.accuracy) / len(result.accuracy):.2f}')
+    table.add_row('budget spent', f'{result.spent:g} of {settings.budget:g}, in {settings.turns} turns')
+    table.add_row('queries', f'{len(result.queries)}: {asked}' if asked else 'none')
+    table.add_row('told', ', '.join(f'{count} {symbol}' for symbol, count in labels_told(result).items()))
+    return table

@@ -1,0 +1,96 @@
+"""`demo` as its users call it, without ROS: what it writes, and how it refuses."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+
+import cv2
+import pytest
+
+from al_questioner.cli import main
+
+SMALL = ['demo', '--offline', '--task', 'prepare_lunch', '--budget', '6', '--turns', '7', '--seed', '4']
+
+
+def run(tmp_path: Path, *more: str) -> int:
+    return main([*SMALL, '--out', str(tmp_path / 'out'), *more])
+
+
+def test_json_holds_what_the_contract_names(tmp_path: Path) -> None:
+    """Scripts that read an episode would not find their members."""
+    path = tmp_path / 'deep' / 'episode.json'
+    assert run(tmp_path, '--strategy', 'rarest_demo', '--json', str(path)) == 0
+    episode = json.loads(path.read_text())
+    assert (episode['task'], episode['strategy'], episode['seed']) == ('prepare_lunch', 'rarest_demo', 4)
+    assert (episode['budget'], episode['turns']) == (6, 7)
+    assert len(episode['accuracy']) == 7
+    assert episode['final_accuracy'] == episode['accuracy'][-1]
+    assert episode['spent'] == sum(query['cost'] for query in episode['queries']) <= 6
+    for query in episode['queries']:
+        assert {'turn', 'kind', 'object_id', 'symbol', 'cost', 'outcome'} <= set(query)
+
+
+@pytest.mark.parametrize('strategy', ['dt_task_env', 'random_fsq'])
+def test_pictures_are_drawn(tmp_path: Path, strategy: str) -> None:
+    """The demo would end with nothing to look at."""
+    assert run(tmp_path, '--strategy', strategy) == 0
+    for name in ('learning_curve', 'timeline', 'scene'):
+        picture = cv2.imread(str(tmp_path / 'out' / f'{name}.png'))
+        assert picture.shape[1] >= 900
+        assert picture.std() > 5
+
+
+def test_an_episode_without_queries_is_drawn_too(tmp_path: Path) -> None:
+    """A budget of nothing would end in a traceback."""
+    assert run(tmp_path, '--budget', '0') == 0
+
+
+def test_progress_and_summary_are_printed(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    """People would wait before an empty terminal, and not learn how it ended."""
+    run(tmp_path, '--strategy', 'random_fsq')
+    printed = capsys.readouterr().out
+    assert 'What is object' in printed
+    assert 'accuracy on held-out images' in printed
+    assert 'scene.png' in printed
+
+
+@pytest.mark.parametrize(
+    ('arguments', 'reason'),
+    [
+        (['--task', 'prepare_luch'], 'unknown task'),
+        (['--strategy', 'clever'], 'unknown strategy'),
+        (['--budget', '-1'], 'budget'),
+        (['--budget', 'nan'], 'budget'),
+        (['--budget', 'much'], '--budget'),
+        (['--turns', '0'], 'turns'),
+        (['--seed', '-1'], 'seed'),
+        (['--wrong-rate', '2'], 'wrong_rate'),
+        (['--task', 'tabletop'], 'needs a dataset'),
+        (['--task', 'tabletop', '--dataset', '/no/such/folder'], '/no/such/folder'),
+        (['--dataset', '/tmp'], 'takes no dataset'),
+        (['--weights-file', '/no/such/file.yaml'], '/no/such/file.yaml'),
+        (['--json', '/proc/no/such.json'], '/proc/no/such.json'),
+        (['--frobnicate'], '--frobnicate'),
+    ],
+)
+def test_unusable_input_ends_with_status_2_and_one_line(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str], arguments: list[str], reason: str
+) -> None:
+    """A mistyped option would end in a traceback, or in another episode than was meant."""
+    assert run(tmp_path, *arguments) == 2
+    error = capsys.readouterr().err
+    assert reason in error
+    assert error.count('\n') == 1
+
+
+def test_unknown_executable_lists_the_known(capsys: pytest.CaptureFixture[str]) -> None:
+    """A mistyped executable would be met with silence."""
+    assert main(['lerner']) == 2
+    assert 'learner' in capsys.readouterr().err
+
+
+def test_help_lists_the_executables(capsys: pytest.CaptureFixture[str]) -> None:
+    """A newcomer would not learn what there is."""
+    assert main(['--help']) == 0
+    assert 'teacher' in capsys.readouterr().out
