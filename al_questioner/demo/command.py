@@ -80,6 +80,8 @@ def main(arguments: Sequence[str]) -> int:
     if given.json is not None:
         _write(given.json, json.dumps(episode_document(result), indent=1) + '\n')
     console.print(summary(result))
+    if notes := world.world.report():
+        console.print(notes, highlight=False, markup=False)
     for path in (*pictures, *([given.json] if given.json else [])):
         console.print(f'  {path}', highlight=False)
     return 0

@@ -39,13 +39,21 @@ def question_text(action: Action, symbols: Sequence[str]) -> str:
     if action.kind is QueryKind.LABEL:
         return f'What is object {action.object_id}?'
     if action.kind is QueryKind.DEMONSTRATION:
-        symbol = str(action.symbol)
-        article = 'an' if symbol[0].lower() in 'aeiou' else 'a'
-        return f'Can you show me {article} {symbol}?'
+        return f'Can you show me {_with_article(_spoken(str(action.symbol)))}?'
     if action.kind is QueryKind.FEATURE_SUBSET:
-        names = f'{", ".join(symbols[:-1])} and {symbols[-1]}'
+        spoken = [_spoken(symbol) for symbol in symbols]
+        names = f'{", ".join(spoken[:-1])} and {spoken[-1]}'
         return f'Which properties matter for telling {names} apart?'
     raise ValueError('NQ asks nothing')
+
+
+def _spoken(symbol: str) -> str:
+    return symbol.replace('_', ' ')
+
+
+def _with_article(noun: str) -> str:
+    article = 'some' if noun.endswith('s') else 'an' if noun[0].lower() in 'aeiou' else 'a'
+    return f'{article} {noun}'
 
 
 def choices(action: Action, scene: Scene, symbols: Sequence[str], groups: Sequence[str]) -> tuple[str, ...]:

@@ -34,6 +34,8 @@ class PerceptionNode(QuestionerNode):
         self._objects = self.create_publisher(PointCloud2, 'objects', qos.LATCHED)
         self._picture = self.create_publisher(Image, 'scene_image', qos.LATCHED)
         self.on_document('turn', self._look)
+        for line in self._world.world.report().splitlines():
+            self.get_logger().info(line)
         self.does('waiting for a turn')
 
     def _look(self, document: Document) -> None:

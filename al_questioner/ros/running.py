@@ -49,7 +49,8 @@ def run_nodes(
         for make in makers:
             nodes.append(make())
             executor.add_node(nodes[-1])
-            nodes[-1].get_logger().info('is up')
+            if while_spinning is None:
+                nodes[-1].get_logger().info('is up')
         while executor.context.ok() and not (while_spinning and while_spinning()):
             executor.spin_once(timeout_sec=0.1 if while_spinning else None)
     except ExternalShutdownException:

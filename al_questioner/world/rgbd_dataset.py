@@ -131,6 +131,10 @@ class DatasetWorld:
         """What was passed over so far: more may join when a scene or the test draws it."""
         return tuple(self._skipped.values())
 
+    def report(self) -> str:
+        """See `World.report`: how the crops were split, how many were loaded, and which were skipped so far."""
+        return f'{self.split_report}\n{self.load_report()}'
+
     def load_report(self) -> str:
         """What was loaded, and which files were skipped so far, with their number at the end."""
         training, test = (sum(len(draw.crops) for draw in part.values()) for part in (self._training, self._test))

@@ -59,6 +59,10 @@ class World(Protocol):
         """Symbol of each test observation, never 'none'."""
         ...
 
+    def report(self) -> str:
+        """What a user should know of where the observations come from; empty if there is nothing to say."""
+        ...
+
 
 class _Seen(NamedTuple):
     """An object of a scene: its id, and which sight of the training pool shows it."""
@@ -125,6 +129,10 @@ class SimulatedWorld:
     def test_labels(self) -> tuple[str, ...]:
         """See `World.test_labels`."""
         return tuple(sight.symbol for sight in self._sample.test)
+
+    def report(self) -> str:
+        """See `World.report`: a simulated world hides nothing."""
+        return ''
 
     @cached_property
     def _test_observations(self) -> tuple[Observation, ...]:

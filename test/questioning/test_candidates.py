@@ -38,7 +38,8 @@ def test_questions_in_plain_english():
     assert question_text(Action(QueryKind.LABEL, object_id=7), SYMBOLS) == 'What is object 7?'
     assert question_text(Action(QueryKind.DEMONSTRATION, symbol='snack'), SYMBOLS) == 'Can you show me a snack?'
     assert question_text(Action(QueryKind.DEMONSTRATION, symbol='apple'), SYMBOLS) == 'Can you show me an apple?'
-    expected = 'Which properties matter for telling main_dish, snack and fruit apart?'
+    assert question_text(Action(QueryKind.DEMONSTRATION, symbol='cookies'), SYMBOLS) == 'Can you show me some cookies?'
+    expected = 'Which properties matter for telling main dish, snack and fruit apart?'
     assert question_text(Action(QueryKind.FEATURE_SUBSET), SYMBOLS) == expected
     with pytest.raises(ValueError, match='asks nothing'):
         question_text(Action(QueryKind.NO_QUERY), SYMBOLS)
