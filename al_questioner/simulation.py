@@ -28,7 +28,6 @@ from al_questioner.questioning import Episode, new_knowledge, read_weights
 from al_questioner.teaching import Teacher
 from al_questioner.world import Task, World, make_world
 
-DEFAULT_STRATEGY = 'dt_task_env'
 DEFAULT_COSTS = Costs()
 
 
@@ -85,7 +84,7 @@ class PerceivedWorld:
 
 def episode_settings(
     task: Task,
-    strategy: str = DEFAULT_STRATEGY,
+    strategy: str | None = None,
     budget: float | None = None,
     turns: int | None = None,
     change_interval: int | None = None,
@@ -99,14 +98,15 @@ def episode_settings(
     Raises:
         InputError: a value out of range, an unknown strategy, or a weights file that cannot be used.
     """
-    shipped = config_dir() / 'weights' / f'{strategy}.yaml'
+    name = task.episode.strategy if strategy is None else strategy
+    shipped = config_dir() / 'weights' / f'{name}.yaml'
     path = Path(weights_file).expanduser() if weights_file else shipped
     weights = read_weights(path).values if weights_file or shipped.is_file() else {}
     return EpisodeSettings(
         symbols=task.symbols,
         budget=task.episode.budget if budget is None else budget,
         turns=task.episode.turns if turns is None else turns,
-        strategy=strategy,
+        strategy=name,
         weights=weights,
         change_interval=task.scenes.change_interval if change_interval is None else change_interval,
         costs=costs,

@@ -25,7 +25,7 @@ from al_questioner.ros.parameters import Setting, declare, help_text
 from al_questioner.ros.running import run_nodes
 from al_questioner.ros.types import CLOUD_TYPES, MARKER_TYPES, header, nanoseconds, stamp_members
 from al_questioner.ros.worlds import DEFAULT_TASK, WORLD_SETTINGS, declare_world, world_members
-from al_questioner.simulation import DEFAULT_STRATEGY, episode_settings
+from al_questioner.simulation import episode_settings
 from al_questioner.teaching import read_plain_answer
 from al_questioner.world import Task, load_task
 
@@ -33,7 +33,7 @@ from al_questioner.world import Task, load_task
 def settings_of(task: Task) -> tuple[Setting, ...]:
     """The learner's parameters, with the task's values as defaults."""
     return (
-        Setting('strategy', DEFAULT_STRATEGY, f'questioning strategy: {", ".join(sorted(STRATEGIES))}'),
+        Setting('strategy', task.episode.strategy, f'questioning strategy: {", ".join(sorted(STRATEGIES))}'),
         Setting('weights_file', '', 'YAML file with weights of the decision features; empty: those of the strategy'),
         Setting('budget', task.episode.budget, 'query budget', unit='cost of a label query', lower=0.0),
         Setting('turns', task.episode.turns, 'length of the episode', unit='turns', lower=1, upper=1_000_000),

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Iterator, Mapping
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from functools import cached_property
 from pathlib import Path
 from typing import NamedTuple
@@ -106,9 +106,10 @@ class DatasetWorld:
         interval = self._task.scenes.change_interval
         return list(range(1 + interval, turns + 1, interval))
 
-    def training_pool(self) -> tuple[Observation, ...]:
+    def training_pool(self, rows: Sequence[int] | None = None) -> tuple[Observation, ...]:
         """See `World.training_pool`; reads every image of the sample, so that it takes long where that is large."""
-        return tuple(observation for _, observation in self._training_pool)
+        chosen = range(len(self._training_pool)) if rows is None else rows
+        return tuple(self._training_pool[row][1] for row in chosen)
 
     def training_labels(self) -> tuple[str, ...]:
         """See `World.training_labels`."""

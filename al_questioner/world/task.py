@@ -33,10 +33,12 @@ class EpisodeDefaults:
     Attributes:
         budget: query budget, in units of a label query.
         turns: length of the episode.
+        strategy: questioning strategy.
     """
 
     budget: float = setting(number(0), 25.0)
     turns: int = setting(whole(1, 1_000_000), 40)
+    strategy: str = setting(text, 'dt_task_env')
 
 
 @dataclass(frozen=True)

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from functools import cached_property
 from typing import NamedTuple, Protocol
 
@@ -43,8 +43,8 @@ class World(Protocol):
         """The turns up to `turns` that begin with a scene change; the first turn is none."""
         ...
 
-    def training_pool(self) -> tuple[Observation, ...]:
-        """All observations that scenes are drawn from: for calibration alone."""
+    def training_pool(self, rows: Sequence[int] | None = None) -> tuple[Observation, ...]:
+        """The observations that scenes are drawn from, all or those of these rows: for calibration alone."""
         ...
 
     def training_labels(self) -> tuple[str, ...]:
@@ -114,9 +114,10 @@ class SimulatedWorld:
         interval = self._task.scenes.change_interval
         return list(range(1 + interval, turns + 1, interval))
 
-    def training_pool(self) -> tuple[Observation, ...]:
+    def training_pool(self, rows: Sequence[int] | None = None) -> tuple[Observation, ...]:
         """See `World.training_pool`; the ids number the observations."""
-        return tuple(self._observe(sight, i) for i, sight in enumerate(self._sample.training))
+        chosen = range(len(self._sample.training)) if rows is None else rows
+        return tuple(self._observe(self._sample.training[row], row) for row in chosen)
 
     def training_labels(self) -> tuple[str, ...]:
         """See `World.training_labels`."""

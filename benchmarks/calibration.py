@@ -1,0 +1,101 @@
+"""How hard each simulated world is: what labels, features and questions are worth in it.
+
+    python benchmarks/calibration.py [--task TASK ...] [--samples N] [--strategies]
+
+For each task, over N samples (seeds 0 to N - 1), the accuracy on held-out observations of a learner that was told
+all labels, or 25 labels drawn at random, with all features or with those that the scripted teacher calls relevant;
+with --strategies also the final accuracy of each strategy under budget 25 and 40 turns.
+"""
+
+from __future__ import annotations
+
+import argparse
+import statistics
+import time
+from collections.abc import Iterator
+
+import numpy as np
+
+from al_questioner.concepts import Knowledge
+from al_questioner.domain import NO_SYMBOL, Scene, generator
+from al_questioner.perception import perceive
+from al_questioner.questioning import STRATEGIES
+from al_questioner.simulation import WorldChoice, accuracy, episode_settings, run_episode
+from al_questioner.teaching import ScriptedTeacher
+from al_questioner.world import Task, World, load_task
+
+LABELS = 25
+POOL = 400
+"""Observations of a training pool that are looked at, at most; a Gaussian process of thousands takes minutes."""
+
+
+def test_set(world: World) -> tuple[np.ndarray, tuple[str, ...]]:
+    """At most `POOL` test observations, evenly spread."""
+    observations, labels = world.test_observations(), world.test_labels()
+    chosen = range(0, len(labels), max(1, len(labels) // POOL))
+    scenes = [perceive([observations[i]]).features for i in chosen]
+    return np.concatenate(scenes), tuple(labels[i] for i in chosen)
+
+
+def told(task: Task, pool: Scene, labels: list[str], rows: list[int], with_subset: bool) -> Knowledge:
+    """A learner that saw the whole pool and was told the labels of some rows."""
+    knowledge = Knowledge(task.symbols)
+    knowledge.observe(pool)
+    if with_subset:
+        knowledge.restrict_to_groups(task.relevant_groups)
+    for row in rows:
+        knowledge.label(pool.object_ids[row], pool.features[row], labels[row], 1)
+    return knowledge
+
+
+def measure(task: Task, sample: int) -> Iterator[tuple[str, float]]:
+    """Each figure of one sample, by name."""
+    start = time.perf_counter()
+    world = WorldChoice(task, sample, sample).open()
+    all_labels = world.training_labels()
+    chosen = sorted(generator(sample, 'calibration/pool').permutation(len(all_labels))[:POOL].tolist())
+    pool = perceive(world.training_pool(chosen))
+    labels = [all_labels[i] for i in chosen]
+    features, truth = test_set(world)
+    yield 'seconds to make', time.perf_counter() - start
+    some = generator(sample, 'calibration/labels').permutation(len(labels))[:LABELS].tolist()
+    for name, rows in (('all labels', list(range(len(labels)))), (f'{LABELS} labels', some)):
+        for with_subset in (False, True):
+            knowledge = told(task, pool, labels, rows, with_subset)
+            value = accuracy(knowledge.predict_proba(features), truth, task.symbols)
+            yield f'{name}, {"relevant" if with_subset else "all"} features', value
+    yield 'share of clutter', labels.count(NO_SYMBOL) / len(labels)
+
+
+def final_accuracy(task: Task, strategy: str, sample: int) -> float:
+    """Of one episode under budget 25 and 40 turns."""
+    teacher = ScriptedTeacher(task.symbols, task.relevant_groups, sample)
+    settings = episode_settings(task, strategy, budget=25, turns=40)
+    return run_episode(WorldChoice(task, sample, sample), settings, teacher).final_accuracy
+
+
+def main() -> None:
+    """Print a table for each task."""
+    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
+    parser.add_argument('--task', nargs='+', default=['prepare_lunch', 'kitchen_table', 'pack_lunchbox'])
+    parser.add_argument('--samples', type=int, default=5)
+    parser.add_argument(
+        '--strategies', nargs='*', choices=list(STRATEGIES), help='measure these, or all if none is named'
+    )
+    given = parser.parse_args()
+    for name in given.task:
+        task = load_task(name)
+        figures: dict[str, list[float]] = {}
+        for sample in range(given.samples):
+            for figure, value in measure(task, sample):
+                figures.setdefault(figure, []).append(value)
+            for strategy in (given.strategies or STRATEGIES) if given.strategies is not None else ():
+                figures.setdefault(strategy, []).append(final_accuracy(task, strategy, sample))
+        print(f'\n{name}, {given.samples} samples')
+        for figure, values in figures.items():
+            spread = statistics.stdev(values) if len(values) > 1 else 0.0
+            print(f'  {figure:<32} {statistics.mean(values):6.3f}  +/- {spread:.3f}')
+
+
+if __name__ == '__main__':
+    main()

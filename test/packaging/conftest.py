@@ -1,0 +1,113 @@
+"""The package as each route installs it, built from a copy so that nothing is left in the checkout."""
+
+from __future__ import annotations
+
+import os
+import shutil
+import site
+import subprocess
+import sys
+import venv
+from dataclasses import dataclass
+from pathlib import Path
+
+import pytest
+
+CHECKOUT = Path(__file__).resolve().parents[2]
+ROUTES = ('pip', 'colcon', 'colcon --symlink-install')
+
+
+@dataclass(frozen=True)
+class Installation:
+    """Where one route put the package, and how it is used from there.
+
+    Attributes:
+        prefix: what ament calls the package's prefix.
+        environment: of a shell in which the installation is set up.
+    """
+
+    prefix: Path
+    environment: dict[str, str]
+
+    def run(self, *command: str | Path, cwd: Path) -> str:
+        """Run a command in this environment and return what it printed; it must succeed."""
+        done = subprocess.run(
+            command,
+            cwd=cwd,
+            env=self.environment,
+            stdin=subprocess.DEVNULL,
+            capture_output=True,
+            text=True,
+            timeout=120,
+        )
+        assert done.returncode == 0, f'{command} ended with {done.returncode}\n{done.stdout}{done.stderr}'
+        return done.stdout
+
+
+def outer_environment() -> dict[str, str]:
+    """This process's environment without the checkout, and with this interpreter as `python3`."""
+    environment = dict(os.environ)
+    paths = [path for path in environment.pop('PYTHONPATH', '').split(os.pathsep) if path and Path(path) != CHECKOUT]
+    if paths:
+        environment['PYTHONPATH'] = os.pathsep.join(paths)
+    environment['PATH'] = os.pathsep.join([str(Path(sys.executable).parent), environment['PATH']])
+    return environment
+
+
+@pytest.fixture(scope='session')
+def source(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """A copy of all that is shipped, in a folder whose name has a space."""
+    copy = tmp_path_factory.mktemp('work space') / 'al_questioner'
+    not_shipped = {'bags', 'build', 'docs', 'install', 'log', 'out', 'test'}
+
+    def ignored(folder: str, names: list[str]) -> set[str]:
+        generated = {name for name in names if name.startswith('.') or name.endswith(('__pycache__', '.egg-info'))}
+        return generated | (not_shipped if Path(folder) == CHECKOUT else set())
+
+    shutil.copytree(CHECKOUT, copy, symlinks=True, ignore=ignored)
+    return copy
+
+
+def install_with_pip(source: Path, place: Path) -> Installation:
+    """A wheel in a new virtual environment, which sees this interpreter's packages as its dependencies."""
+    environment = outer_environment()
+    pip = (sys.executable, '-m', 'pip', '--quiet', '--disable-pip-version-check')
+    prefix = place / 'venv'
+    venv.create(prefix, symlinks=True)
+    Installation(place, environment).run(
+        *pip, 'wheel', '--no-deps', '--no-index', '--no-build-isolation', '--wheel-dir', place, source, cwd=place
+    )
+    (wheel,) = place.glob('*.whl')
+    python = prefix / 'bin' / 'python3'
+    Installation(place, environment).run(
+        *pip, '--python', python, 'install', '--no-deps', '--no-index', wheel, cwd=place
+    )
+    (site_packages,) = prefix.glob('lib/python3*/site-packages')
+    (site_packages / 'dependencies.pth').write_text('\n'.join(site.getsitepackages()) + '\n', encoding='utf-8')
+    environment['PATH'] = os.pathsep.join([str(python.parent), environment['PATH']])
+    environment['AMENT_PREFIX_PATH'] = str(prefix)
+    return Installation(prefix, environment)
+
+
+def install_with_colcon(source: Path, place: Path, *options: str) -> Installation:
+    """A workspace, built and sourced."""
+    pytest.importorskip('colcon_core', reason='colcon is not installed: pip install .[dev]')
+    outer = Installation(place, outer_environment())
+    folders = ('--build-base', place / 'build', '--install-base', place / 'install')
+    colcon = (sys.executable, '-m', 'colcon', '--log-base', place / 'log')
+    outer.run(*colcon, 'build', '--base-paths', source, *folders, *options, cwd=place)
+    # colcon's setup.bash does not quote the path of the interpreter it runs, which may lie in a folder with a space.
+    outer.environment['COLCON_PYTHON_EXECUTABLE'] = str(Path(sys.base_prefix, 'bin', 'python3'))
+    dump = outer.run('bash', '-c', 'source "$0" && env -0', place / 'install' / 'setup.bash', cwd=place)
+    environment = dict(line.split('=', 1) for line in dump.split('\0') if '=' in line)
+    return Installation(place / 'install' / 'al_questioner', environment)
+
+
+@pytest.fixture(scope='session', params=ROUTES)
+def installation(
+    request: pytest.FixtureRequest, source: Path, tmp_path_factory: pytest.TempPathFactory
+) -> Installation:
+    """The package, installed by each route in turn."""
+    tool, *options = request.param.split()
+    install = {'pip': install_with_pip, 'colcon': install_with_colcon}[tool]
+    return install(source, tmp_path_factory.mktemp(tool), *options)

@@ -1,0 +1,61 @@
+"""Whatever the package imports is named for both package managers, pip and rosdep."""
+
+from __future__ import annotations
+
+import ast
+import sys
+from configparser import ConfigParser
+from pathlib import Path
+from xml.etree import ElementTree
+
+import pytest
+
+CHECKOUT = Path(__file__).resolve().parents[2]
+
+DISTRIBUTIONS = {
+    'cv2': ('opencv-python-headless', 'python3-opencv'),
+    'jsonschema': ('jsonschema', 'python3-jsonschema'),
+    'matplotlib': ('matplotlib', 'python3-matplotlib'),
+    'numpy': ('numpy', 'python3-numpy'),
+    'rich': ('rich', 'python3-rich'),
+    'scipy': ('scipy', 'python3-scipy'),
+    'yaml': ('PyYAML', 'python3-yaml'),
+}
+"""PyPI and rosdep name by imported module, for what is no part of ROS."""
+
+
+def imported_distributions() -> list[str]:
+    """Top-level names of everything the package and its launch files import, but for the standard library and itself."""
+    found = set()
+    for folder in ('al_questioner', 'launch'):
+        for path in (CHECKOUT / folder).rglob('*.py'):
+            for node in ast.walk(ast.parse(path.read_text(encoding='utf-8'))):
+                if isinstance(node, ast.Import):
+                    found |= {alias.name.split('.')[0] for alias in node.names}
+                elif isinstance(node, ast.ImportFrom) and node.level == 0 and node.module:
+                    found.add(node.module.split('.')[0])
+    return sorted(found - set(sys.stdlib_module_names) - {'al_questioner'})
+
+
+def rosdep_keys() -> set[str | None]:
+    """What package.xml asks for at run time."""
+    return {element.text for element in ElementTree.parse(CHECKOUT / 'package.xml').iter('exec_depend')}
+
+
+def requirements(section: str, option: str) -> list[str]:
+    """Lines of a list in setup.cfg."""
+    config = ConfigParser()
+    config.read(CHECKOUT / 'setup.cfg', encoding='utf-8')
+    return config[section][option].split()
+
+
+@pytest.mark.parametrize('module', imported_distributions())
+def test_an_imported_module_is_required(module: str) -> None:
+    pypi, rosdep = DISTRIBUTIONS.get(module, (None, module))
+    assert rosdep in rosdep_keys()
+    assert pypi is None or pypi in requirements('options', 'install_requires')
+
+
+def test_pip_requires_nothing_that_only_ros_can_bring() -> None:
+    """A ROS installation knows its packages under no PyPI name: pip would fetch them a second time."""
+    assert not [name for name in requirements('options', 'install_requires') if name.startswith('ros-')]

@@ -1,0 +1,68 @@
+"""What ROS tools need of an installed package holds for pip and for colcon."""
+
+from __future__ import annotations
+
+import shutil
+import sys
+from pathlib import Path
+
+import pytest
+
+from al_questioner.cli import EXECUTABLES
+
+CHECKOUT = Path(__file__).resolve().parents[2]
+
+
+def test_ament_index_finds_the_package(installation, tmp_path):
+    code = "from ament_index_python.packages import get_package_prefix; print(get_package_prefix('al_questioner'))"
+    found = installation.run('python3', '-c', code, cwd=tmp_path).strip()
+    assert Path(found).resolve() == installation.prefix.resolve()
+
+
+def test_the_installed_package_is_what_runs(installation, source, tmp_path):
+    code = 'import al_questioner; print(al_questioner.__file__)'
+    module = Path(installation.run('python3', '-c', code, cwd=tmp_path).strip()).resolve()
+    assert any(module.is_relative_to(place.resolve()) for place in (installation.prefix, source))
+    assert not module.is_relative_to(CHECKOUT)
+
+
+def test_manifest_configuration_and_launch_files_are_shared(installation):
+    share = installation.prefix / 'share' / 'al_questioner'
+    expected = [Path('package.xml'), Path('launch/demo.launch.py')]
+    expected += [path.relative_to(CHECKOUT) for path in (CHECKOUT / 'config').rglob('*.yaml')]
+    assert [str(path) for path in expected if not (share / path).is_file()] == []
+
+
+def test_the_installed_configuration_is_found(installation, tmp_path):
+    code = 'from al_questioner.configuration import config_dir; print(config_dir())'
+    folder = Path(installation.run('python3', '-c', code, cwd=tmp_path).strip())
+    assert (folder / 'tasks' / 'kitchen_table.yaml').is_file()
+    assert not folder.resolve().is_relative_to(CHECKOUT)
+
+
+def test_every_executable_is_where_ros2_run_looks(installation):
+    assert {path.name for path in (installation.prefix / 'lib' / 'al_questioner').iterdir()} == set(EXECUTABLES)
+
+
+@pytest.mark.parametrize('name', EXECUTABLES)
+def test_executable_runs(installation, name, tmp_path):
+    assert installation.run(installation.prefix / 'lib' / 'al_questioner' / name, '--help', cwd=tmp_path).strip()
+
+
+def test_no_executable_lands_in_the_bin_folder(installation):
+    """Names such as `demo` would shadow other people's commands."""
+    folder = installation.prefix / 'bin'
+    present = {path.name for path in folder.iterdir()} if folder.is_dir() else set()
+    assert present.isdisjoint(EXECUTABLES)
+
+
+@pytest.mark.skipif(sys.version_info < (3, 11), reason='Python 3.10 always looks into the working directory first')
+def test_a_checkout_in_the_working_directory_does_not_shadow_the_installation(installation, tmp_path):
+    (tmp_path / 'al_questioner').mkdir()
+    (tmp_path / 'al_questioner' / '__init__.py').write_text("raise SystemExit('the wrong package')", encoding='utf-8')
+    assert installation.run(installation.prefix / 'lib' / 'al_questioner' / 'demo', '--help', cwd=tmp_path)
+
+
+@pytest.mark.skipif(shutil.which('ros2') is None, reason='no ros2 command on the PATH: only what it needs is tested')
+def test_ros2_run(installation, tmp_path):
+    assert installation.run('ros2', 'run', 'al_questioner', 'learner', '--help', cwd=tmp_path)

@@ -1,0 +1,128 @@
+"""The rules of the house, held against the source text: which module may import which."""
+
+from __future__ import annotations
+
+import ast
+from collections.abc import Iterator
+from pathlib import Path
+from xml.etree import ElementTree
+
+import pytest
+
+import al_questioner
+
+ROOT = Path(__file__).resolve().parent.parent
+PACKAGE = 'al_questioner'
+
+LAYERS = (
+    {'domain'},
+    {'configuration'},
+    {'concepts', 'messages', 'perception', 'world'},
+    {'questioning', 'recording', 'teaching'},
+    {'simulation'},
+    {'experiments', 'imitation', 'ros'},
+    {'demo'},
+    {'cli'},
+    {'__main__'},
+)
+"""Each room may import those further up in this list, and none of its own row."""
+
+RANK = {room: rank for rank, rooms in enumerate(LAYERS) for room in rooms}
+
+
+def imported_modules(source: str, module: str, is_package: bool = False) -> Iterator[str]:
+    """Absolute names of all modules that a source imports, wherever in the text: also in functions, also by a constant name.
+
+    `from a import b` gives `a.b`, as b may be a module.
+    """
+    for node in ast.walk(ast.parse(source)):
+        if isinstance(node, ast.Import):
+            yield from (alias.name for alias in node.names)
+        elif isinstance(node, ast.ImportFrom):
+            ancestors = module.split('.')[: None if is_package else -1]
+            base = ancestors[: len(ancestors) - node.level + 1] if node.level else []
+            prefix = '.'.join([*base, *([node.module] if node.module else [])])
+            yield from (f'{prefix}.{alias.name}' for alias in node.names)
+        elif isinstance(node, ast.Call) and node.args and isinstance(node.args[0], ast.Constant):
+            called = getattr(node.func, 'attr', getattr(node.func, 'id', None))
+            if called in ('import_module', '__import__') and isinstance(node.args[0].value, str):
+                yield node.args[0].value
+
+
+def is_ros(module: str) -> bool:
+    """Whether a module is rclpy, another part of ROS, or a generated message package."""
+    top = module.split('.')[0]
+    return top in ('rclpy', 'ament_index_python', 'launch', 'launch_ros') or top.endswith(('_msgs', '_interfaces'))
+
+
+def violations(source: str, module: str, is_package: bool = False) -> list[str]:
+    """What a module imports against the rules."""
+    room = module.split('.')[1]
+    found = []
+    for imported in imported_modules(source, module, is_package):
+        parts = imported.split('.')
+        if is_ros(imported) and room != 'ros':
+            found.append(f'{module} imports {imported}; only {PACKAGE}.ros may')
+        if parts[0] == PACKAGE and len(parts) > 1 and parts[1] in RANK and parts[1] != room:
+            if RANK[parts[1]] >= RANK[room]:
+                found.append(f'{module} imports {imported}, which does not lie below it')
+    return found
+
+
+def module_name(path: Path) -> str:
+    """Dotted name of a source file of the package."""
+    return '.'.join(path.relative_to(ROOT).with_suffix('').parts).removesuffix('.__init__')
+
+
+def test_every_import_goes_downwards_and_ros_stays_in_its_room() -> None:
+    found = []
+    for path in sorted((ROOT / PACKAGE).rglob('*.py')):
+        module = module_name(path)
+        if module != PACKAGE:
+            found += violations(path.read_text(encoding='utf-8'), module, path.name == '__init__.py')
+    assert not found, '\n'.join(found)
+
+
+def test_every_room_has_its_place_in_the_order() -> None:
+    rooms = {module_name(path).split('.')[1] for path in (ROOT / PACKAGE).rglob('*.py') if module_name(path) != PACKAGE}
+    assert rooms <= RANK.keys(), f'say in LAYERS where these belong: {sorted(rooms - RANK.keys())}'
+
+
+@pytest.mark.parametrize(
+    ('module', 'source'),
+    [
+        ('al_questioner.concepts.models', 'from al_questioner.questioning import Episode'),
+        ('al_questioner.concepts.models', 'from al_questioner import questioning'),
+        ('al_questioner.concepts.models', 'from ..questioning import Episode'),
+        ('al_questioner.concepts.models', 'from .. import questioning'),
+        ('al_questioner.concepts.models', 'def late():\n    import al_questioner.questioning.episode'),
+        ('al_questioner.concepts.models', "importlib.import_module('al_questioner.questioning')"),
+        ('al_questioner.world.scenes', 'from al_questioner.perception import extract'),
+        ('al_questioner.world.scenes', 'from ..concepts.models import ConceptModels'),
+        ('al_questioner.domain', 'from al_questioner import configuration'),
+        ('al_questioner.messages.clouds', 'from sensor_msgs.msg import PointCloud2'),
+        ('al_questioner.demo.progress', 'if True:\n    import rclpy.node'),
+        ('al_questioner.recording.bags', "__import__('rcl_interfaces.msg')"),
+    ],
+)
+def test_the_check_sees_a_forbidden_import(module: str, source: str) -> None:
+    assert len(violations(source, module)) == 1
+
+
+@pytest.mark.parametrize(
+    ('module', 'source', 'is_package'),
+    [
+        ('al_questioner.questioning.episode', 'from ..concepts import models', False),
+        ('al_questioner.questioning', 'from .episode import Episode', True),
+        ('al_questioner.questioning', 'from ..domain import Scene', True),
+        ('al_questioner.questioning.episode', 'from . import candidates', False),
+        ('al_questioner.ros.learner', 'from std_msgs.msg import String', False),
+        ('al_questioner.cli', 'from al_questioner import __version__', False),
+    ],
+)
+def test_the_check_lets_a_permitted_import_pass(module: str, source: str, is_package: bool) -> None:
+    assert violations(source, module, is_package) == []
+
+
+def test_the_ros_manifest_has_the_version_of_the_python_package() -> None:
+    assert ElementTree.parse(ROOT / 'package.xml').findtext('version') == al_questioner.__version__
