@@ -31,7 +31,7 @@ RANK = {room: rank for rank, rooms in enumerate(LAYERS) for room in rooms}
 
 
 def imported_modules(source: str, module: str, is_package: bool = False) -> Iterator[str]:
-    """Absolute names of all modules that a source imports, wherever in the text: also in functions, also by a constant name.
+    """Absolute names of all modules that a source imports, wherever in the text, functions and constant names included.
 
     `from a import b` gives `a.b`, as b may be a module.
     """
@@ -63,9 +63,9 @@ def violations(source: str, module: str, is_package: bool = False) -> list[str]:
         parts = imported.split('.')
         if is_ros(imported) and room != 'ros':
             found.append(f'{module} imports {imported}; only {PACKAGE}.ros may')
-        if parts[0] == PACKAGE and len(parts) > 1 and parts[1] in RANK and parts[1] != room:
-            if RANK[parts[1]] >= RANK[room]:
-                found.append(f'{module} imports {imported}, which does not lie below it')
+        is_other_room = parts[0] == PACKAGE and len(parts) > 1 and parts[1] in RANK and parts[1] != room
+        if is_other_room and RANK[parts[1]] >= RANK[room]:
+            found.append(f'{module} imports {imported}, which does not lie below it')
     return found
 
 

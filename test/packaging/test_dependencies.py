@@ -25,7 +25,7 @@ DISTRIBUTIONS = {
 
 
 def imported_distributions() -> list[str]:
-    """Top-level names of everything the package and its launch files import, but for the standard library and itself."""
+    """Top-level names of all that the package and its launch files import, but the standard library and itself."""
     found = set()
     for folder in ('al_questioner', 'launch'):
         for path in (CHECKOUT / folder).rglob('*.py'):

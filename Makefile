@@ -1,0 +1,39 @@
+# Everything a developer needs, from nothing but python3 and make. The checkout itself is what runs.
+
+PYTHON ?= python3
+VENV := .venv
+RUN := $(VENV)/bin/python -m
+INSTALLED := $(VENV)/installed
+
+.PHONY: setup demo test test-all lint clean
+
+setup: $(INSTALLED)
+
+$(INSTALLED): setup.cfg pyproject.toml | $(VENV)/pyvenv.cfg
+	$(RUN) pip install --quiet --editable '.[ros,dev]'
+	@touch $@
+
+$(VENV)/pyvenv.cfg:
+	@$(PYTHON) -c "import platform as p, sys; v = sys.version_info[:2]; \
+	sys.exit(None if (3, 10) <= v <= (3, 13) and (p.system(), p.machine()) == ('Linux', 'x86_64') else \
+	'make needs Python 3.10 to 3.13 on x86-64 Linux, this is %d.%d on %s %s: choose another with PYTHON=...,' \
+	' or use colcon in a ROS 2 Jazzy installation' % (v + (p.machine(), p.system())))"
+	$(PYTHON) -m venv $(VENV) || { rm -rf $(VENV); exit 1; }
+
+demo: setup
+	$(RUN) al_questioner demo
+
+test: setup
+	$(RUN) pytest -m 'not slow'
+
+test-all: setup
+	$(RUN) pytest
+
+lint: setup
+	$(RUN) ruff format --check .
+	$(RUN) ruff check .
+	$(RUN) mypy
+
+clean:
+	rm -rf $(VENV) build install log *.egg-info .pytest_cache .mypy_cache .ruff_cache .hypothesis
+	find . -name __pycache__ -type d -prune -exec rm -rf {} +
