@@ -38,7 +38,7 @@ def run_nodes(
     _refuse_stray(arguments)
     # Only rclpy's own handler, which shuts the context down, is to act on a signal: a KeyboardInterrupt could hit
     # anywhere, and the second SIGINT of `ros2 launch` would hit the clean-up.
-    signal.signal(signal.SIGINT, lambda *_: None)
+    previous = signal.signal(signal.SIGINT, lambda *_: None)
     try:
         rclpy.init(args=list(arguments))
     except (RuntimeError, ValueError) as error:
@@ -55,6 +55,10 @@ def run_nodes(
             executor.spin_once(timeout_sec=0.1 if while_spinning else None)
     except ExternalShutdownException:
         pass
+    except RuntimeError:
+        # The signal may come between the look at the context and its use.
+        if executor.context.ok():
+            raise
     except NameValidationException as error:
         raise InputError(_one_line(error)) from error
     finally:
@@ -62,6 +66,8 @@ def run_nodes(
             node.destroy_node()
         executor.shutdown()
         try_shutdown()
+        # Python gives a handler of ours back to the system as it exits, where a late SIGINT would kill; not so SIG_IGN.
+        signal.signal(signal.SIGINT, signal.SIG_IGN if while_spinning is None else previous)
     return 0
 
 
