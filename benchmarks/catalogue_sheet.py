@@ -15,9 +15,9 @@ from matplotlib import pyplot as plt
 
 from al_questioner.domain import generator
 from al_questioner.world import load_task
-from al_questioner.world.catalogue import CATALOGUES
 from al_questioner.world.pool import Sight, Thing, observe
-from al_questioner.world.vessels import Look
+from al_questioner.world.things.catalogue import CATALOGUES
+from al_questioner.world.things.vessels import Look
 from al_questioner.world.world import describe
 
 COLUMNS = 9

@@ -5,7 +5,7 @@ from __future__ import annotations
 from pathlib import Path
 
 from al_questioner.domain import InputError
-from al_questioner.world.rgbd_dataset import DatasetWorld
+from al_questioner.world.recorded.dataset import DatasetWorld
 from al_questioner.world.task import Task, load_task
 from al_questioner.world.world import SimulatedWorld, World
 

@@ -8,13 +8,13 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from al_questioner.domain import NO_SYMBOL, Observation, View, generator
-from al_questioner.world.catalogue import kinds_by_symbol
-from al_questioner.world.kinds import Kind
+from al_questioner.world.drawing.rendering import draw_lighting, draw_pose, render
 from al_questioner.world.layout import Place, places
-from al_questioner.world.rendering import draw_lighting, draw_pose, render
 from al_questioner.world.sensors import REFRIGERATOR, read_sensors
 from al_questioner.world.task import Task
-from al_questioner.world.vessels import Look
+from al_questioner.world.things.catalogue import kinds_by_symbol
+from al_questioner.world.things.kinds import Kind
+from al_questioner.world.things.vessels import Look
 
 _PLACES_PER_OBJECT = 3
 """Among so many places an object that stays in the scene is moved about, lest its location give away what it is."""

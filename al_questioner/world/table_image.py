@@ -10,8 +10,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from al_questioner.domain import FloatArray, Observation, View
-from al_questioner.world.images import blurred, resized
-from al_questioner.world.texture import TABLE_TILE_M, table_top
+from al_questioner.world.drawing.images import blurred, resized
+from al_questioner.world.drawing.texture import TABLE_TILE_M, table_top
 
 RGB = tuple[int, int, int]
 

@@ -9,14 +9,14 @@ import pytest
 from numpy.typing import NDArray
 
 from al_questioner.domain import View, generator
-from al_questioner.world.catalogue import CATALOGUES
-from al_questioner.world.geometry import Solid
-from al_questioner.world.kinds import Kind
-from al_questioner.world.projection import Pose
-from al_questioner.world.rendering import Lighting, draw_lighting, draw_pose, render
+from al_questioner.world.drawing.geometry import Solid
+from al_questioner.world.drawing.projection import Pose
+from al_questioner.world.drawing.rendering import Lighting, draw_lighting, draw_pose, render
+from al_questioner.world.drawing.texture import Material
 from al_questioner.world.task import AppearanceParameters, CameraParameters
-from al_questioner.world.texture import Material
-from al_questioner.world.vessels import Look
+from al_questioner.world.things.catalogue import CATALOGUES
+from al_questioner.world.things.kinds import Kind
+from al_questioner.world.things.vessels import Look
 
 PERFECT = CameraParameters(
     color_noise=0, blur_px=0, depth_noise_m=0, disparity_step=0, edge_holes=0, random_holes=0, shiny_holes=0

@@ -7,8 +7,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from al_questioner.world.geometry import Solid, ball_profile, rounded_rectangle, unit_circle
-from al_questioner.world.texture import Color, Decal, Material, label_image, shifted
+from al_questioner.world.drawing.geometry import Solid, ball_profile, rounded_rectangle, unit_circle
+from al_questioner.world.drawing.texture import Color, Decal, Material, label_image, shifted
 
 
 @dataclass(frozen=True)

@@ -7,7 +7,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from al_questioner.domain import FloatArray
-from al_questioner.world.images import resized
+from al_questioner.world.drawing.images import resized
 from al_questioner.world.task import CameraParameters
 
 _BASELINE_M = 0.075

@@ -10,13 +10,13 @@ import numpy as np
 from numpy.typing import NDArray
 
 from al_questioner.domain import Camera, FloatArray, View
-from al_questioner.world.depth_sensor import measure_depth
-from al_questioner.world.geometry import Solid, Stack
-from al_questioner.world.images import blurred, resized
-from al_questioner.world.projection import FINE, SHIFT, Pose, Projection
-from al_questioner.world.shading import Painting, Surface, shade
+from al_questioner.world.drawing.depth_sensor import measure_depth
+from al_questioner.world.drawing.geometry import Solid, Stack
+from al_questioner.world.drawing.images import blurred, resized
+from al_questioner.world.drawing.projection import FINE, SHIFT, Pose, Projection
+from al_questioner.world.drawing.shading import Painting, Surface, shade
+from al_questioner.world.drawing.texture import TABLE_TILE_M, noise_tile, table_top, table_top_count
 from al_questioner.world.task import AppearanceParameters, CameraParameters
-from al_questioner.world.texture import TABLE_TILE_M, noise_tile, table_top, table_top_count
 
 FRAME = (640, 480)
 """Width and height of the camera's frame in pixels."""

@@ -10,8 +10,8 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from al_questioner.world.rgbd_files import CropFiles
-from al_questioner.world.rgbd_split import Draw, draw_sample, split_crops
+from al_questioner.world.recorded.files import CropFiles
+from al_questioner.world.recorded.split import Draw, draw_sample, split_crops
 
 
 def crops(category: str, *views: int) -> tuple[CropFiles, ...]:

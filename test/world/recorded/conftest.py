@@ -8,7 +8,7 @@ import cv2
 import numpy as np
 import pytest
 
-from al_questioner.world.rgbd_files import CropFiles
+from al_questioner.world.recorded.files import CropFiles
 
 
 class Tree:

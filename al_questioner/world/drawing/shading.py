@@ -10,9 +10,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from al_questioner.domain import FloatArray
-from al_questioner.world.images import blurred, resized
-from al_questioner.world.projection import FINE, Projection
-from al_questioner.world.texture import Decal, Material, grain_tile
+from al_questioner.world.drawing.images import blurred, resized
+from al_questioner.world.drawing.projection import FINE, Projection
+from al_questioner.world.drawing.texture import Decal, Material, grain_tile
 
 
 @dataclass(frozen=True, eq=False)

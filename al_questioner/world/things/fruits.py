@@ -7,10 +7,10 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from al_questioner.domain import FloatArray
-from al_questioner.world.fillings import spots_on_disc
-from al_questioner.world.geometry import Solid, turned, unit_circle
-from al_questioner.world.texture import Color, Decal, Material, blush_image, shifted
-from al_questioner.world.vessels import Draw, Look
+from al_questioner.world.drawing.geometry import Solid, turned, unit_circle
+from al_questioner.world.drawing.texture import Color, Decal, Material, blush_image, shifted
+from al_questioner.world.things.fillings import spots_on_disc
+from al_questioner.world.things.vessels import Draw, Look
 
 STALK: Color = (0.35, 0.25, 0.12)
 LEAF: Color = (0.2, 0.5, 0.15)

@@ -5,11 +5,11 @@ from __future__ import annotations
 import numpy as np
 
 from al_questioner.domain import NO_SYMBOL
-from al_questioner.world.fruits import Peel, apple, round_fruit
-from al_questioner.world.geometry import Solid, rounded_rectangle, turned, unit_circle
-from al_questioner.world.kinds import Kind, thing
-from al_questioner.world.texture import Color, Decal, Material, label_image, shifted
-from al_questioner.world.vessels import (
+from al_questioner.world.drawing.geometry import Solid, rounded_rectangle, turned, unit_circle
+from al_questioner.world.drawing.texture import Color, Decal, Material, label_image, shifted
+from al_questioner.world.things.fruits import Peel, apple, round_fruit
+from al_questioner.world.things.kinds import Kind, thing
+from al_questioner.world.things.vessels import (
     STEEL,
     WHITE,
     Draw,

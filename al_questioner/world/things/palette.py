@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from al_questioner.world.texture import Color
+from al_questioner.world.drawing.texture import Color
 
 MAIN, SNACK, FRUIT, DRINK = 'main_dish', 'snack', 'fruit', 'beverage'
 

@@ -4,10 +4,10 @@ from __future__ import annotations
 
 import numpy as np
 
-from al_questioner.world.fillings import spots_on_disc
-from al_questioner.world.geometry import Solid, resample, rounded_rectangle, unit_circle
-from al_questioner.world.texture import Color, Material, shifted
-from al_questioner.world.vessels import Draw, Look
+from al_questioner.world.drawing.geometry import Solid, resample, rounded_rectangle, unit_circle
+from al_questioner.world.drawing.texture import Color, Material, shifted
+from al_questioner.world.things.fillings import spots_on_disc
+from al_questioner.world.things.vessels import Draw, Look
 
 LEAF: Color = (0.2, 0.5, 0.15)
 

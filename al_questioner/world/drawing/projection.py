@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from al_questioner.domain import Camera, FloatArray
-from al_questioner.world.geometry import Solid, turned
+from al_questioner.world.drawing.geometry import Solid, turned
 
 Number = TypeVar('Number', bound=np.generic)
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from al_questioner.world.vessels import Draw
+from al_questioner.world.things.vessels import Draw
 
 
 @dataclass(frozen=True)

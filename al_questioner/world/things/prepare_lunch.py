@@ -2,11 +2,11 @@
 
 from __future__ import annotations
 
-from al_questioner.world.fillings import liquid, noodles, pile
-from al_questioner.world.foods import sandwich
-from al_questioner.world.fruits import apple, bananas, round_fruit
-from al_questioner.world.kinds import Kind, State
-from al_questioner.world.palette import (
+from al_questioner.world.things.fillings import liquid, noodles, pile
+from al_questioner.world.things.foods import sandwich
+from al_questioner.world.things.fruits import apple, bananas, round_fruit
+from al_questioner.world.things.kinds import Kind, State
+from al_questioner.world.things.palette import (
     BISCUIT,
     BLUE,
     BROWN,
@@ -28,7 +28,7 @@ from al_questioner.world.palette import (
     TOMATO,
     YELLOW,
 )
-from al_questioner.world.servings import (
+from al_questioner.world.things.servings import (
     apple_wedges,
     banana_slices,
     cookies,
@@ -38,7 +38,7 @@ from al_questioner.world.servings import (
     orange_slices,
     rice,
 )
-from al_questioner.world.vessels import (
+from al_questioner.world.things.vessels import (
     WHITE,
     Print,
     bag,

@@ -5,9 +5,9 @@ from __future__ import annotations
 import numpy as np
 
 from al_questioner.domain import FloatArray
-from al_questioner.world.geometry import Solid, unit_circle
-from al_questioner.world.texture import Color, Material
-from al_questioner.world.vessels import Draw, Filling, Look
+from al_questioner.world.drawing.geometry import Solid, unit_circle
+from al_questioner.world.drawing.texture import Color, Material
+from al_questioner.world.things.vessels import Draw, Filling, Look
 
 
 def spots_on_disc(n: int, radius: float, rng: np.random.Generator) -> FloatArray:

@@ -10,7 +10,7 @@ import cv2
 import numpy as np
 
 from al_questioner.domain import FloatArray, generator
-from al_questioner.world.images import resized
+from al_questioner.world.drawing.images import resized
 
 Color = tuple[float, float, float]
 """Red, green, blue in [0, 1]; views turn them round to OpenCV's order at the end."""

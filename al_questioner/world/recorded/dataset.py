@@ -11,8 +11,8 @@ import numpy as np
 
 from al_questioner.domain import NO_SYMBOL, Camera, InputError, Observation, View, generator
 from al_questioner.world.layout import places
-from al_questioner.world.rgbd_files import CropError, CropFiles, Skipped, index_crops, read_view
-from al_questioner.world.rgbd_split import CropsByCategory, Draw, draw_sample, split_crops
+from al_questioner.world.recorded.files import CropError, CropFiles, Skipped, index_crops, read_view
+from al_questioner.world.recorded.split import CropsByCategory, Draw, draw_sample, split_crops
 from al_questioner.world.sensors import read_sensors
 from al_questioner.world.task import DatasetParameters, Task
 

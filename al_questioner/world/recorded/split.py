@@ -8,7 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from al_questioner.world.pool import apportion
-from al_questioner.world.rgbd_files import CropFiles
+from al_questioner.world.recorded.files import CropFiles
 
 CropsByCategory = Mapping[str, Sequence[CropFiles]]
 

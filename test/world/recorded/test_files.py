@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 from al_questioner.domain import Camera, InputError
-from al_questioner.world.rgbd_files import CropError, CropFiles, index_crops, read_view
+from al_questioner.world.recorded.files import CropError, CropFiles, index_crops, read_view
 
 if TYPE_CHECKING:
     from conftest import Tree

@@ -2,11 +2,20 @@
 
 from __future__ import annotations
 
-from al_questioner.world.fillings import liquid, noodles, pile
-from al_questioner.world.foods import bar, burger, pizza_slice, roll, sandwich
-from al_questioner.world.fruits import Peel, apple, bananas, berries, bunch_of_grapes, melon_slice, pear, round_fruit
-from al_questioner.world.kinds import Kind, thing
-from al_questioner.world.palette import (
+from al_questioner.world.things.fillings import liquid, noodles, pile
+from al_questioner.world.things.foods import bar, burger, pizza_slice, roll, sandwich
+from al_questioner.world.things.fruits import (
+    Peel,
+    apple,
+    bananas,
+    berries,
+    bunch_of_grapes,
+    melon_slice,
+    pear,
+    round_fruit,
+)
+from al_questioner.world.things.kinds import Kind, thing
+from al_questioner.world.things.palette import (
     BLACK,
     BLUE,
     BROWN,
@@ -31,7 +40,7 @@ from al_questioner.world.palette import (
     TOMATO,
     YELLOW,
 )
-from al_questioner.world.servings import (
+from al_questioner.world.things.servings import (
     cookies,
     curry,
     macaroni,
@@ -41,7 +50,7 @@ from al_questioner.world.servings import (
     rice,
     salad,
 )
-from al_questioner.world.vessels import (
+from al_questioner.world.things.vessels import (
     WHITE,
     Print,
     bag,

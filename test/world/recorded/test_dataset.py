@@ -12,7 +12,7 @@ import pytest
 from al_questioner.domain import NO_SYMBOL, InputError, Observation
 from al_questioner.perception import VIEW_FEATURE_NAMES, perceive
 from al_questioner.world import World, load_task, make_world
-from al_questioner.world.rgbd_dataset import DatasetWorld
+from al_questioner.world.recorded.dataset import DatasetWorld
 from al_questioner.world.task import Task
 
 if TYPE_CHECKING:

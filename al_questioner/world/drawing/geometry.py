@@ -16,7 +16,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from al_questioner.domain import FloatArray
-from al_questioner.world.texture import Material
+from al_questioner.world.drawing.texture import Material
 
 Point = tuple[float, float]
 

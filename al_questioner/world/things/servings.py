@@ -4,9 +4,9 @@ from __future__ import annotations
 
 import numpy as np
 
-from al_questioner.world.fillings import heap, ring_slices, wedges
-from al_questioner.world.geometry import rounded_rectangle, unit_circle
-from al_questioner.world.palette import BISCUIT, BROWN, CREAM, GREEN, LEMON, LIME, ORANGE, PAPER, RED, TOMATO
+from al_questioner.world.drawing.geometry import rounded_rectangle, unit_circle
+from al_questioner.world.things.fillings import heap, ring_slices, wedges
+from al_questioner.world.things.palette import BISCUIT, BROWN, CREAM, GREEN, LEMON, LIME, ORANGE, PAPER, RED, TOMATO
 
 _CRISP = unit_circle(10) * np.array([0.021, 0.016], dtype=np.float32)
 _COOKIE = unit_circle(16) * 0.026
