@@ -49,6 +49,14 @@ def main(arguments: Sequence[str] | None = None) -> int:
         return 2
     try:
         status: int = importlib.import_module(EXECUTABLES[name][0]).main(rest)
+    except ModuleNotFoundError as error:
+        if error.name is None or error.name.startswith('al_questioner'):
+            raise
+        print(
+            f'{name}: {error}; without a ROS 2 installation, pip install ".[ros]" brings what is missing',
+            file=sys.stderr,
+        )
+        return 2
     except InputError as error:
         print(f'{name}: {error}', file=sys.stderr)
         return 2

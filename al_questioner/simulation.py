@@ -7,7 +7,7 @@ and holds them against observations that the learner never sees.
 from __future__ import annotations
 
 import operator
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -21,6 +21,7 @@ from al_questioner.domain import (
     Observation,
     QueryRecord,
     Scene,
+    SettingsError,
     generator,
 )
 from al_questioner.perception import perceive
@@ -60,17 +61,29 @@ class PerceivedWorld:
     """A world as feature vectors; a scene that stays is perceived once."""
 
     def __init__(self, world: World) -> None:
-        self.world = world
+        self._world = world
         self._seen: tuple[Observation, ...] = ()
         self._scene: Scene | None = None
 
+    def truth(self, turn: int) -> Mapping[int, str]:
+        """Symbol, or 'none', by object id: for the scripted teacher alone."""
+        return self._world.truth(turn)
+
+    def change_turns(self, turns: int) -> list[int]:
+        """The turns up to `turns` that begin with a scene change."""
+        return self._world.change_turns(turns)
+
+    def report(self) -> str:
+        """What a user should know of where the observations come from."""
+        return self._world.report()
+
     def observations(self, turn: int) -> tuple[Observation, ...]:
         """What is on the table in a turn."""
-        return self.world.scene(turn)
+        return self._world.scene(turn)
 
     def scene(self, turn: int) -> Scene:
         """The scene of a turn; the very same one as long as nothing changes."""
-        observations = self.world.scene(turn)
+        observations = self._world.scene(turn)
         same = len(observations) == len(self._seen) and all(map(operator.is_, observations, self._seen))
         if self._scene is None or not same:
             self._seen, self._scene = observations, perceive(observations)
@@ -78,8 +91,8 @@ class PerceivedWorld:
 
     def test_set(self) -> tuple[NDArray[np.float32], tuple[str, ...]]:
         """(k, m) features of the held-out observations, and their k symbols."""
-        scenes = [perceive([observation]) for observation in self.world.test_observations()]
-        return np.concatenate([scene.features for scene in scenes]), self.world.test_labels()
+        scenes = [perceive([observation]) for observation in self._world.test_observations()]
+        return np.concatenate([scene.features for scene in scenes]), self._world.test_labels()
 
 
 def episode_settings(
@@ -100,6 +113,8 @@ def episode_settings(
     """
     name = task.episode.strategy if strategy is None else strategy
     shipped = config_dir() / 'weights' / f'{name}.yaml'
+    if weights_file and not shipped.is_file():
+        raise SettingsError(f'strategy {name} uses no weights, but the weights file {weights_file} is given')
     path = Path(weights_file).expanduser() if weights_file else shipped
     weights = read_weights(path).values if weights_file or shipped.is_file() else {}
     return EpisodeSettings(
@@ -138,16 +153,17 @@ class EpisodeResult:
     """How an episode went.
 
     Attributes:
-        task, seed, settings: what was played.
+        choice, settings: what was played.
         queries: every query, in order.
         accuracy: on the held-out observations, after each turn.
+        test_size: number of held-out observations.
     """
 
-    task: str
-    seed: int
+    choice: WorldChoice
     settings: EpisodeSettings
     queries: tuple[QueryRecord, ...]
     accuracy: tuple[float, ...]
+    test_size: int
 
     @property
     def spent(self) -> float:
@@ -164,9 +180,9 @@ class Evaluation:
     """Follows an episode turn by turn and measures, on held-out observations, a learner that was told the same."""
 
     def __init__(self, choice: WorldChoice, settings: EpisodeSettings) -> None:
+        self.choice = choice
+        self.settings = settings
         self.world = PerceivedWorld(choice.open())
-        self._choice = choice
-        self._settings = settings
         self._knowledge = new_knowledge(settings)
         self._features, self._labels = self.world.test_set()
         self._queries: list[QueryRecord] = []
@@ -193,15 +209,13 @@ class Evaluation:
             self._accuracy.append(self._accuracy[-1])
         else:
             probabilities = self._knowledge.predict_proba(self._features)
-            self._accuracy.append(accuracy(probabilities, self._labels, self._settings.symbols))
+            self._accuracy.append(accuracy(probabilities, self._labels, self.settings.symbols))
             self._measured_version = self._knowledge.model_version
         return self._accuracy[-1]
 
     def result(self) -> EpisodeResult:
         """The episode so far."""
-        return EpisodeResult(
-            self._choice.task.name, self._choice.seed, self._settings, tuple(self._queries), tuple(self._accuracy)
-        )
+        return EpisodeResult(self.choice, self.settings, tuple(self._queries), tuple(self._accuracy), len(self._labels))
 
 
 TurnWatcher = Callable[[int, QueryRecord | None, float], None]
@@ -219,14 +233,20 @@ def run_episode(
         teacher: who answers.
         watch: called after each turn.
     """
-    episode = Episode(settings, generator(choice.seed, 'learner'))
     evaluation = Evaluation(choice, settings)
+    play(evaluation, teacher, watch)
+    return evaluation.result()
+
+
+def play(evaluation: Evaluation, teacher: Teacher, watch: TurnWatcher | None = None) -> None:
+    """Play the episode that an evaluation is about to follow, see `run_episode`."""
+    world, settings = evaluation.world, evaluation.settings
+    episode = Episode(settings, generator(evaluation.choice.seed, 'learner'))
     for turn in range(1, settings.turns + 1):
-        decision = episode.ask(evaluation.world.scene(turn))
+        decision = episode.ask(world.scene(turn))
         record = None
         if decision.query is not None:
-            record = episode.tell(teacher.answer(decision.query, evaluation.world.world.truth(turn)))
-        measured = evaluation.next_turn(record)
+            record = episode.tell(teacher.answer(decision.query, world.truth(turn)))
+        accuracy_now = evaluation.next_turn(record)
         if watch is not None:
-            watch(turn, record, measured)
-    return evaluation.result()
+            watch(turn, record, accuracy_now)

@@ -1,6 +1,6 @@
 """One learning episode as a graph of three nodes: perception, learner and the scripted teacher.
 
-A teacher in person needs a terminal, which launch gives no node: start the teacher with `ros2 run` instead.
+A person who wants to teach answers on the topic `answer`, see docs/interfaces.md.
 """
 
 from __future__ import annotations
@@ -8,10 +8,9 @@ from __future__ import annotations
 from pathlib import Path
 
 from ament_index_python.packages import get_package_share_directory
+from launch import LaunchContext, LaunchDescription
 from launch.actions import DeclareLaunchArgument, OpaqueFunction, Shutdown
 from launch_ros.actions import Node
-
-from launch import LaunchContext, LaunchDescription
 
 PACKAGE = 'al_questioner'
 
@@ -45,12 +44,12 @@ def given(context: LaunchContext, arguments: dict[str, tuple[type, str]]) -> dic
 
 
 def nodes(context: LaunchContext) -> list[Node]:
-    """The three nodes; the graph ends when the learner does."""
+    """The three nodes; they stay up after the episode, until Ctrl-C, or until the learner ends."""
     task = context.launch_configurations['task']
     # Name and namespace are both given: only then do these parameters prevail over a file's entries for a single node.
     namespace = context.launch_configurations['namespace']
-    file = Path(get_package_share_directory(PACKAGE), 'config', 'params', f'{Path(task).stem}.yaml')
-    files = [str(file)] if file.is_file() else []
+    file = Path(get_package_share_directory(PACKAGE), 'config', 'params', f'{task}.yaml')
+    files = [str(file)] if file.is_file() and '/' not in task else []
     world = {'task': task, **given(context, WORLD_ARGUMENTS)}
     learner = {**world, **given(context, LEARNER_ARGUMENTS)}
 

@@ -53,7 +53,7 @@ def test_evaluation_believes_what_the_learner_believes(strategy: str) -> None:
         decision = episode.ask(evaluation.world.scene(turn))
         record = None
         if decision.query is not None:
-            record = episode.tell(teacher().answer(decision.query, evaluation.world.world.truth(turn)))
+            record = episode.tell(teacher().answer(decision.query, evaluation.world.truth(turn)))
         measured = evaluation.next_turn(record)
         assert measured == accuracy(episode.knowledge.predict_proba(features), labels, TASK.symbols)
 
@@ -80,7 +80,7 @@ def test_other_seeds_give_other_episodes() -> None:
 def test_scene_that_stays_is_perceived_once() -> None:
     """Every turn would cost a perception of the whole table."""
     world = PerceivedWorld(CHOICE.open())
-    change = world.world.change_turns(40)[0]
+    change = world.change_turns(40)[0]
     assert world.scene(1) is world.scene(change - 1)
     assert world.scene(change) is not world.scene(1)
     assert world.scene(1).features.tobytes() == perceive(world.observations(1)).features.tobytes()
@@ -100,6 +100,12 @@ def test_settings_come_from_the_task_unless_given() -> None:
     assert settings.change_interval == TASK.scenes.change_interval
     assert episode_settings(TASK, budget=0).budget == 0
     assert set(episode_settings(TASK, 'dt_iros').weights) == {'discriminability', 'class_uniformity'}
+
+
+def test_weights_for_a_strategy_without_any_are_refused() -> None:
+    """A user would believe that the weights had an effect."""
+    with pytest.raises(SettingsError, match='uses no weights'):
+        episode_settings(TASK, 'random_fsq', weights_file='mine.yaml')
 
 
 def settings(**changes: object) -> EpisodeSettings:

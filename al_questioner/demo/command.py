@@ -5,7 +5,7 @@ from __future__ import annotations
 import argparse
 import json
 import os
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from pathlib import Path
 from typing import NoReturn
 
@@ -14,18 +14,35 @@ from rich.console import Console
 from al_questioner.demo.pictures import draw_pictures
 from al_questioner.demo.progress import Progress
 from al_questioner.demo.report import episode_document, summary
-from al_questioner.domain import EpisodeSettings, InputError, QueryRecord
+from al_questioner.domain import InputError, QueryRecord
 from al_questioner.questioning import STRATEGIES
 from al_questioner.simulation import (
-    EpisodeResult,
     Evaluation,
     TurnWatcher,
     WorldChoice,
     episode_settings,
-    run_episode,
+    play,
 )
 from al_questioner.teaching import ScriptedTeacher
 from al_questioner.world import load_task
+
+PATIENCE = 30.0
+"""Seconds without progress after which the warning of a node ends the demo."""
+LARGEST_SEED = 2**63 - 1
+"""ROS parameters have 64 bits."""
+
+
+def _number(kind: type[int] | type[float], lower: float, upper: float) -> Callable[[str], float]:
+    """An argument type: a finite number in a range."""
+
+    def read(text: str) -> float:
+        value = kind(text)
+        if not lower <= value <= upper:
+            raise argparse.ArgumentTypeError(f'must be at least {lower:g} and at most {upper:g}, not {text}')
+        return value
+
+    read.__name__ = kind.__name__
+    return read
 
 
 class Parser(argparse.ArgumentParser):
@@ -45,14 +62,17 @@ def parser() -> Parser:
     result.add_argument('--weights-file', help='YAML file with weights of the decision features')
     result.add_argument('--budget', type=float, help="query budget (the task's)")
     result.add_argument('--turns', type=int, help="length of the episode (the task's)")
-    result.add_argument('--seed', type=int, default=0, help='seed of everything drawn at random (%(default)s)')
-    result.add_argument('--sample', type=int, help='sample of observations to draw the scenes from (that of the seed)')
+    seed = _number(int, 0, LARGEST_SEED)
+    result.add_argument('--seed', type=seed, default=0, help='seed of everything drawn at random (%(default)s)')
+    result.add_argument('--sample', type=seed, help='sample of observations to draw the scenes from (that of the seed)')
     result.add_argument('--wrong-rate', type=float, default=0.0, help='share of wrong answers (%(default)s)')
     result.add_argument('--unknown-rate', type=float, default=0.0, help='share of "I do not know" (%(default)s)')
-    result.add_argument('--turn-period', type=float, default=0.0, help='least seconds from turn to turn (%(default)s)')
+    period = _number(float, 0, 3600)
+    period_help = 'least seconds from turn to turn, not offline (%(default)s)'
+    result.add_argument('--turn-period', type=period, default=0.0, help=period_help)
     result.add_argument('--out', type=Path, default=Path('out/demo'), help='folder for the pictures (%(default)s)')
     result.add_argument('--json', type=Path, metavar='FILE', help='write the episode as JSON')
-    result.add_argument('--namespace', help='of the ROS topics (one of its own for each run)')
+    result.add_argument('--namespace', help='of the ROS topics, not offline (one of its own for each run)')
     where = result.add_mutually_exclusive_group()
     where.add_argument('--offline', action='store_true', help='the same episode without ROS')
     where.add_argument('--one-process', action='store_true', help='the ROS nodes in this process, not one process each')
@@ -62,46 +82,60 @@ def parser() -> Parser:
 def main(arguments: Sequence[str]) -> int:
     """Run the demo."""
     given = parser().parse_args(arguments)
-    seed = given.seed
-    choice = WorldChoice(load_task(given.task), seed, seed if given.sample is None else given.sample, given.dataset)
+    choice = WorldChoice(
+        load_task(given.task), given.seed, given.seed if given.sample is None else given.sample, given.dataset
+    )
     settings = episode_settings(choice.task, given.strategy, given.budget, given.turns, weights_file=given.weights_file)
     teacher = ScriptedTeacher(
-        choice.task.symbols, choice.task.relevant_groups, seed, given.wrong_rate, given.unknown_rate
+        choice.task.symbols, choice.task.relevant_groups, given.seed, given.wrong_rate, given.unknown_rate
     )
+    evaluation = Evaluation(choice, settings)
+    _make_folder(given.out)
+    if given.json is not None:
+        _make_folder(given.json.parent)
+        _write(given.json, '', mode='a')
     console = Console()
+    _tell(console, evaluation.world.report())
     with Progress(console, choice.task, settings) as progress:
         if given.offline:
-            result = run_episode(choice, settings, teacher, progress.after_turn)
+            play(evaluation, teacher, progress.after_turn)
         else:
-            result = _run_graph(given, choice, settings, progress.after_turn)
-    world = Evaluation(choice, settings).world
-    pictures = draw_pictures(result, world, given.out)
+            _play_graph(given, evaluation, progress.after_turn)
+    result = evaluation.result()
+    pictures = draw_pictures(result, evaluation.world, given.out)
     if given.json is not None:
-        _write(given.json, json.dumps(episode_document(result), indent=1) + '\n')
+        document = episode_document(result, teacher, evaluation.world)
+        _write(given.json, json.dumps(document, indent=1) + '\n')
     console.print(summary(result))
-    if notes := world.world.report():
-        console.print(notes, highlight=False, markup=False)
+    _tell(console, evaluation.world.report())
     for path in (*pictures, *([given.json] if given.json else [])):
-        console.print(f'  {path}', highlight=False)
+        console.print(f'  {path}', highlight=False, soft_wrap=True)
     return 0
 
 
-def _run_graph(
-    given: argparse.Namespace, choice: WorldChoice, settings: EpisodeSettings, watch: TurnWatcher
-) -> EpisodeResult:
+def _tell(console: Console, notes: str) -> None:
+    """Print where the observations come from, before the episode and, as more was read since, after it."""
+    if notes:
+        console.print(notes, highlight=False, markup=False, soft_wrap=True)
+
+
+def _play_graph(given: argparse.Namespace, evaluation: Evaluation, watch: TurnWatcher) -> None:
     """Have the ROS nodes play the episode, and measure what they report.
 
     Raises:
-        InputError: ROS is not installed.
+        InputError: ROS is not installed, or the namespace is no namespace.
+        EpisodeError: the nodes did not play it to its end.
     """
     try:
         from al_questioner.ros.graph import Graph
+        from al_questioner.ros.worlds import new_episode_id
     except ImportError as error:
         raise InputError(
-            f'ROS 2 cannot be imported ({error}): install it (pip install "al_questioner[ros]"), or use --offline'
+            f'ROS 2 cannot be imported ({error}): install it (pip install ".[ros]"), or use --offline'
         ) from error
+    choice, settings = evaluation.choice, evaluation.settings
     world = {'task': given.task, 'dataset': str(given.dataset or ''), 'seed': choice.seed, 'sample': choice.sample}
-    evaluation = Evaluation(choice, settings)
+    episode_id = new_episode_id(choice)
 
     def follow(turn: int, queries: tuple[QueryRecord, ...]) -> None:
         by_turn = {record.turn: record for record in queries}
@@ -111,7 +145,8 @@ def _run_graph(
             watch(evaluation.turn, record, accuracy)
 
     Graph(
-        namespace=given.namespace or f'demo_{os.getpid()}',
+        namespace=(given.namespace or f'demo_{os.getpid()}').strip('/'),
+        episode_id=episode_id,
         parameters={
             'perception': world,
             'teacher': {**world, 'wrong_rate': given.wrong_rate, 'unknown_rate': given.unknown_rate},
@@ -122,22 +157,35 @@ def _run_graph(
                 'turns': settings.turns,
                 'weights_file': given.weights_file or '',
                 'turn_period': given.turn_period,
+                'episode_id': episode_id,
             },
         },
         one_process=given.one_process,
         log_dir=given.out / 'logs',
+        patience=PATIENCE + given.turn_period,
     ).play(follow)
-    return evaluation.result()
 
 
-def _write(path: Path, text: str) -> None:
-    """Write a file and the folders it lies in.
+def _make_folder(path: Path) -> None:
+    """Make a folder and those it lies in.
+
+    Raises:
+        InputError: it cannot be made.
+    """
+    try:
+        path.mkdir(parents=True, exist_ok=True)
+    except OSError as error:
+        raise InputError(f'{path} cannot be made a folder ({error.strerror})') from error
+
+
+def _write(path: Path, text: str, mode: str = 'w') -> None:
+    """Write a file, or, with mode `a`, see whether one could.
 
     Raises:
         InputError: it cannot be written.
     """
     try:
-        path.parent.mkdir(parents=True, exist_ok=True)
-        path.write_text(text, encoding='utf-8')
+        with path.open(mode, encoding='utf-8') as file:
+            file.write(text)
     except OSError as error:
         raise InputError(f'{path} cannot be written ({error.strerror})') from error

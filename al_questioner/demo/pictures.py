@@ -13,6 +13,7 @@ matplotlib.use('Agg')
 from matplotlib import pyplot as plt
 from matplotlib.colors import to_rgb
 from matplotlib.figure import Figure
+from matplotlib.ticker import MaxNLocator
 
 from al_questioner.domain import Outcome, QueryKind, QueryRecord
 from al_questioner.simulation import EpisodeResult, PerceivedWorld
@@ -53,7 +54,7 @@ def draw_pictures(result: EpisodeResult, world: PerceivedWorld, folder: Path) ->
 
 
 def _learning_curve(result: EpisodeResult) -> Figure:
-    figure, axes = plt.subplots(figsize=(7, 4))
+    figure, axes = plt.subplots(figsize=(7, 4.2))
     turns = range(1, len(result.accuracy) + 1)
     axes.plot(turns, result.accuracy, color='black', linewidth=1.8, zorder=2)
     chance = 1 / len(result.settings.symbols)
@@ -65,16 +66,17 @@ def _learning_curve(result: EpisodeResult) -> Figure:
             heights = [result.accuracy[turn - 1] for turn in asked]
             axes.scatter(asked, heights, color=colour, s=26, zorder=3, label=f'{_name(kind)} query')
     axes.set(xlabel='turn', ylabel='accuracy on held-out images', ylim=(0, 1.02), xlim=(0.5, turns[-1] + 0.5))
+    axes.xaxis.set_major_locator(MaxNLocator(integer=True))
     axes.set_title(_title(result), loc='left', fontsize=11)
     if result.queries:
-        axes.legend(frameon=False, loc='lower right')
+        axes.legend(frameon=False, loc='upper center', bbox_to_anchor=(0.5, -0.14), ncols=len(KIND_COLOURS))
     return figure
 
 
 def _timeline(result: EpisodeResult, world: PerceivedWorld) -> Figure:
     figure, (asked, budget) = plt.subplots(2, 1, figsize=(9, 4.6), sharex=True, height_ratios=(3, 2))
     turns = result.settings.turns
-    for change in world.world.change_turns(turns):
+    for change in world.change_turns(turns):
         for axes in (asked, budget):
             axes.axvline(change - 0.5, color='gray', linewidth=0.9, alpha=0.7, zorder=1)
     rows = {kind: row for row, kind in enumerate(reversed(KIND_COLOURS))}
@@ -91,6 +93,7 @@ def _timeline(result: EpisodeResult, world: PerceivedWorld) -> Figure:
     for turn in range(1, turns + 1):
         spent.append(spent[-1] + by_turn.get(turn, 0.0))
     left = [result.settings.budget - amount for amount in spent]
+    budget.xaxis.set_major_locator(MaxNLocator(integer=True))
     budget.step(range(turns + 1), left, where='post', color='black', linewidth=1.6)
     budget.set(xlabel='turn', ylabel='budget left', xlim=(0, turns + 1), ylim=(0, result.settings.budget * 1.05 or 1))
     return figure
@@ -99,7 +102,7 @@ def _timeline(result: EpisodeResult, world: PerceivedWorld) -> Figure:
 def _scene(result: EpisodeResult, world: PerceivedWorld) -> Figure:
     """The scene in which most was asked, with the objects that were asked about or shown."""
     turns = result.settings.turns
-    starts = [1, *world.world.change_turns(turns)]
+    starts = [1, *world.change_turns(turns)]
     ends = [*(turn - 1 for turn in starts[1:]), turns]
     about = [
         [record for record in result.queries if start <= record.turn <= end and record.object_id is not None]
@@ -113,7 +116,7 @@ def _scene(result: EpisodeResult, world: PerceivedWorld) -> Figure:
     axes.imshow(picture)
     axes.set_axis_off()
     count = Counter(record.kind for record in about[best])
-    told = ', '.join(f'{count[kind]} by {_name(kind)} query' for kind in KIND_COLOURS if count[kind]) or 'nothing'
+    told = ', '.join(_counted(count[kind], kind) for kind in KIND_COLOURS if count[kind]) or 'nothing was asked'
     axes.set_title(f'turns {starts[best]} to {ends[best]}: {told}', loc='left', fontsize=11)
     return figure
 
@@ -124,10 +127,15 @@ def _mark(record: QueryRecord) -> Mark:
     return Mark((red, green, blue), told)
 
 
+def _counted(count: int, kind: QueryKind) -> str:
+    return f'{count} {_name(kind)} {"query" if count == 1 else "queries"}'
+
+
 def _name(kind: QueryKind) -> str:
     return kind.value.replace('_', ' ')
 
 
 def _title(result: EpisodeResult) -> str:
     settings = result.settings
-    return f'{result.task}, {settings.strategy}, budget {settings.budget:g}, {settings.turns} turns, seed {result.seed}'
+    limits = f'budget {settings.budget:g}, {settings.turns} turns'
+    return f'{result.choice.task.name}, {settings.strategy}, {limits}, seed {result.choice.seed}'

@@ -21,7 +21,8 @@ class Progress:
         self._spent = 0.0
         console.print(
             f'[bold]{task.name}[/bold]: learning {", ".join(settings.symbols)} by asking'
-            f' ({settings.strategy}, budget {settings.budget:g}, {settings.turns} turns)'
+            f' ({settings.strategy}, budget {settings.budget:g}, {settings.turns} turns)',
+            soft_wrap=True,
         )
         self._bar = bars.Progress(
             bars.TextColumn('turn {task.completed:.0f}/{task.total:.0f}'),
@@ -30,7 +31,7 @@ class Progress:
             console=console,
             transient=True,
         )
-        self._task = self._bar.add_task('waiting for the first scene', total=settings.turns)
+        self._task = self._bar.add_task('starting the nodes and looking at the first scene', total=settings.turns)
 
     def __enter__(self) -> Progress:
         self._bar.start()
@@ -46,7 +47,9 @@ class Progress:
         if record is not None:
             self._spent += record.cost
             question = question_text(Action(record.kind, record.object_id, record.symbol), self._settings.symbols)
-            self._console.print(f'turn {turn:>3}  {question}  [green]{answer_text(record)}[/green]', highlight=False)
+            self._console.print(
+                f'turn {turn:>3}  {question}  [green]{answer_text(record)}[/green]', highlight=False, soft_wrap=True
+            )
         self._bar.update(
             self._task,
             completed=turn,

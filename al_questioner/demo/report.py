@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections import Counter
+from dataclasses import asdict
 from typing import Any
 
 from rich.table import Table
@@ -10,25 +11,37 @@ from rich.table import Table
 from al_questioner import __version__
 from al_questioner.domain import QueryKind
 from al_questioner.messages.documents import record_members
-from al_questioner.simulation import EpisodeResult
+from al_questioner.simulation import EpisodeResult, PerceivedWorld
+from al_questioner.teaching import ScriptedTeacher
 
 
-def episode_document(result: EpisodeResult) -> dict[str, Any]:
-    """The JSON of a learning episode (DESIGN section 5)."""
-    settings = result.settings
+def episode_document(result: EpisodeResult, teacher: ScriptedTeacher, world: PerceivedWorld) -> dict[str, Any]:
+    """The JSON of a learning episode: its members of DESIGN section 5, and all that it takes to play it again."""
+    choice, settings = result.choice, result.settings
     return {
-        'task': result.task,
+        'task': choice.task.name,
         'strategy': settings.strategy,
-        'seed': result.seed,
+        'seed': choice.seed,
         'budget': settings.budget,
         'turns': settings.turns,
         'spent': result.spent,
         'final_accuracy': result.final_accuracy,
         'accuracy': list(result.accuracy),
         'queries': [record_members(record) for record in result.queries],
+        'test_images': result.test_size,
+        'mean_accuracy': sum(result.accuracy) / len(result.accuracy),
+        'scene_changes': world.change_turns(settings.turns),
+        'sample': choice.sample,
+        'dataset': None if choice.dataset is None else str(choice.dataset),
+        'dataset_report': world.report().splitlines(),
         'symbols': list(settings.symbols),
         'weights': dict(settings.weights),
+        'costs': asdict(settings.costs),
         'change_interval': settings.change_interval,
+        'amplitude': settings.amplitude,
+        'length_scale': settings.length_scale,
+        'wrong_rate': teacher.wrong_rate,
+        'unknown_rate': teacher.unknown_rate,
         'version': __version__,
     }
 
@@ -45,11 +58,14 @@ def summary(result: EpisodeResult) -> Table:
     kinds = Counter(record.kind for record in result.queries)
     asked = ', '.join(f'{kinds[kind]} {kind.value.replace("_", " ")}' for kind in QueryKind if kinds[kind])
     table = Table(
-        title=f'{result.task} · {settings.strategy} · seed {result.seed}', show_header=False, title_justify='left'
+        title=f'{result.choice.task.name} · {settings.strategy} · seed {result.choice.seed}',
+        show_header=False,
+        title_justify='left',
     )
+    chance = 1 / len(settings.symbols)
     table.add_row(
         'accuracy on held-out images',
-        f'[bold]{result.final_accuracy:.2f}[/bold] (chance {1 / len(settings.symbols):.2f})',
+        f'[bold]{result.final_accuracy:.2f}[/bold] on {result.test_size} images (chance {chance:.2f})',
     )
     table.add_row('mean accuracy over the turns', f'{sum(result.accuracy) / len(result.accuracy):.2f}')
     table.add_row('budget spent', f'{result.spent:g} of {settings.budget:g}, in {settings.turns} turns')

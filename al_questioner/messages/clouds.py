@@ -20,10 +20,11 @@ _DATATYPES = {format_: datatype for datatype, format_ in _FORMATS.items()}
 
 _SCENE_HEAD = (('x', 'f4'), ('y', 'f4'), ('z', 'f4'), ('object_id', 'u4'))
 _KINDS = tuple(QueryKind)
-_ABSENT = -1
+_NO_SYMBOL = -1
+_NO_OBJECT = 2**32 - 1
 _DECISION_FIELDS = (
     ('kind', 'u1'),
-    ('object_id', 'i4'),
+    ('object_id', 'u4'),
     ('symbol', 'i4'),
     *((name, 'f8') for name in DECISION_FEATURES),
     ('utility', 'f8'),
@@ -65,8 +66,8 @@ def scene_of_cloud(cloud: Any) -> Scene:
         raise SceneError(f'the objects cloud has no field {", ".join(missing)}')
     features = tuple(name for name in names if name not in {head for head, _ in _SCENE_HEAD})
     ids = points['object_id']
-    if not np.array_equal(ids, ids.astype(np.uint32)):
-        raise SceneError('an object_id of the objects cloud is no uint32')
+    if not np.array_equal(ids, ids.astype(np.uint32)) or (ids == _NO_OBJECT).any():
+        raise SceneError('an object_id of the objects cloud is no uint32 below 2^32 - 1')
     columns = [points[name].astype(np.float32) for name in features]
     return Scene(
         object_ids=tuple(int(object_id) for object_id in ids),
@@ -79,14 +80,14 @@ def scene_of_cloud(cloud: Any) -> Scene:
 def cloud_of_decision(decision: Decision, symbols: tuple[str, ...], header: Any, types: CloudTypes) -> Any:
     """The `decision` cloud: a point per candidate.
 
-    `kind` is the position in (label, demonstration, feature_subset, no_query); `object_id` and `symbol` (the
-    position in the episode's symbols) are -1 where the candidate names none; `chosen` is 1 for one point.
+    `kind` is the position in (label, demonstration, feature_subset, no_query), `symbol` the position in the episode's
+    symbols. Where a candidate names none, `object_id` is 2^32 - 1 and `symbol` -1. `chosen` is 1 for one point.
     """
     points = np.empty(len(decision.candidates), dtype=list(_DECISION_FIELDS))
     for row, action in enumerate(decision.candidates):
         points['kind'][row] = _KINDS.index(action.kind)
-        points['object_id'][row] = _ABSENT if action.object_id is None else action.object_id
-        points['symbol'][row] = _ABSENT if action.symbol is None else symbols.index(action.symbol)
+        points['object_id'][row] = _NO_OBJECT if action.object_id is None else action.object_id
+        points['symbol'][row] = _NO_SYMBOL if action.symbol is None else symbols.index(action.symbol)
     for column, name in enumerate(DECISION_FEATURES):
         points[name] = decision.features[:, column]
     points['utility'] = decision.utilities
@@ -114,8 +115,8 @@ def decision_of_cloud(cloud: Any, symbols: tuple[str, ...], turn: int) -> Decisi
         candidates=tuple(
             Action(
                 _KINDS[int(point['kind'])],
-                None if point['object_id'] == _ABSENT else int(point['object_id']),
-                None if point['symbol'] == _ABSENT else symbols[int(point['symbol'])],
+                None if point['object_id'] == _NO_OBJECT else int(point['object_id']),
+                None if point['symbol'] == _NO_SYMBOL else symbols[int(point['symbol'])],
             )
             for point in points
         ),

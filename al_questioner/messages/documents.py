@@ -18,7 +18,7 @@ from al_questioner.messages.schemas import SCHEMAS
 
 Document = dict[str, Any]
 
-MAXIMAL_LENGTH = 1_000_000
+MAXIMAL_LENGTH = 4_000_000
 """Characters; a longer text is refused unread."""
 
 
@@ -73,13 +73,24 @@ def _shorten(text: str, length: int = 200) -> str:
     return line if len(line) <= length else f'{line[: length - 1]}…'
 
 
+def _is_integer(_: jsonschema.TypeChecker, value: object) -> bool:
+    """JSON Schema's integer, without 2.0, which Python would not take for a number of a turn."""
+    return isinstance(value, int) and not isinstance(value, bool)
+
+
+_BASE = jsonschema.Draft202012Validator
+_TYPES = _BASE.TYPE_CHECKER.redefine('integer', _is_integer)
+_Validator = jsonschema.validators.extend(_BASE, type_checker=_TYPES)  # type: ignore[no-untyped-call]
+
+
 @cache
-def _validator(kind: str) -> jsonschema.Draft202012Validator:
+def _validator(kind: str) -> jsonschema.protocols.Validator:
     schema = SCHEMAS[kind]
     common = {'schema': {'const': schema_name(kind)}, 'episode_id': {'type': 'string', 'minLength': 1}}
-    return jsonschema.Draft202012Validator(
+    validator: jsonschema.protocols.Validator = _Validator(
         {**schema, 'properties': {**common, **schema['properties']}, 'required': [*common, *schema['required']]}
     )
+    return validator
 
 
 def query_members(query: Query) -> Document:

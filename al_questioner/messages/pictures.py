@@ -79,6 +79,7 @@ def markers(
     for row, object_id in enumerate(scene.object_ids):
         x, y, z = (float(value) for value in scene.positions[row])
         best = int(beliefs[row].argmax())
+        believed = f'{symbols[best]} {beliefs[row, best]:.0%}' if np.ptp(beliefs[row]) > 0 else 'unknown'
         red, green, blue = _PENDING_COLOUR if object_id == pending else _COLOURS[best % len(_COLOURS)]
         diameter = 0.08 if object_id == pending else 0.05
         colour = types.colour(r=red, g=green, b=blue, a=0.4 + 0.6 * float(beliefs[row, best]))
@@ -86,7 +87,7 @@ def markers(
             types.marker(
                 header=header,
                 ns='objects',
-                id=object_id,
+                id=row,
                 type=constants.SPHERE,
                 pose=types.pose(position=types.point(x=x, y=y, z=z)),
                 scale=types.vector(x=diameter, y=diameter, z=diameter),
@@ -97,12 +98,12 @@ def markers(
             types.marker(
                 header=header,
                 ns='beliefs',
-                id=object_id,
+                id=row,
                 type=constants.TEXT_VIEW_FACING,
                 pose=types.pose(position=types.point(x=x, y=y, z=z + 0.07)),
                 scale=types.vector(x=0.0, y=0.0, z=0.03),
                 color=types.colour(r=1.0, g=1.0, b=1.0, a=1.0),
-                text=f'{object_id}: {symbols[best]} {beliefs[row, best]:.0%}' + (' ?' if object_id == pending else ''),
+                text=f'{object_id}: {believed}' + (' ?' if object_id == pending else ''),
             )
         )
     return types.array(markers=result)

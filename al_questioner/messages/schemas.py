@@ -8,11 +8,15 @@ from al_questioner.domain import DECISION_FEATURES, Outcome, QueryKind
 
 JsonSchema = dict[str, Any]
 
+LARGEST_TURN = 10_000
+"""Of an episode: each state of the learner tells all queries so far, and must stay a message of a sane size."""
+
 _TEXT: JsonSchema = {'type': 'string', 'minLength': 1, 'maxLength': 10_000}
 _COUNT: JsonSchema = {'type': 'integer', 'minimum': 0}
+_TURN: JsonSchema = {'type': 'integer', 'minimum': 1, 'maximum': LARGEST_TURN}
 _AMOUNT: JsonSchema = {'type': 'number', 'minimum': 0}
 _NAMES: JsonSchema = {'type': 'array', 'items': _TEXT}
-_OBJECT_ID: JsonSchema = {'type': ['integer', 'null'], 'minimum': 0}
+_OBJECT_ID: JsonSchema = {'type': ['integer', 'null'], 'minimum': 0, 'maximum': 2**32 - 2}
 _OPTIONAL_TEXT: JsonSchema = {'type': ['string', 'null']}
 _QUERIES = [kind.value for kind in QueryKind if kind is not QueryKind.NO_QUERY]
 _OUTCOMES = [outcome.value for outcome in Outcome]
@@ -24,10 +28,15 @@ def _record(required: JsonSchema, optional: JsonSchema | None = None) -> JsonSch
 
 
 _WORLD = _record({'task': _TEXT, 'seed': _COUNT, 'sample': _COUNT, 'dataset': _OPTIONAL_TEXT})
-_STAMP = _record({'sec': {'type': 'integer'}, 'nanosec': {'type': 'integer', 'minimum': 0, 'maximum': 999_999_999}})
+_STAMP = _record(
+    {
+        'sec': {'type': 'integer', 'minimum': 0, 'maximum': 2**31 - 1},
+        'nanosec': {'type': 'integer', 'minimum': 0, 'maximum': 999_999_999},
+    }
+)
 _QUERY_RECORD = _record(
     {
-        'turn': {'type': 'integer', 'minimum': 1},
+        'turn': _TURN,
         'kind': {'enum': _QUERIES},
         'object_id': _OBJECT_ID,
         'symbol': _OPTIONAL_TEXT,
@@ -43,7 +52,7 @@ SCHEMAS: dict[str, JsonSchema] = {
             'symbols': {'type': 'array', 'items': _TEXT, 'minItems': 2},
             'feature_names': _NAMES,
             'budget': _AMOUNT,
-            'turns': {'type': 'integer', 'minimum': 1},
+            'turns': _TURN,
             'change_interval': {'type': 'integer', 'minimum': 1},
             'costs': _record({'label': _AMOUNT, 'demonstration': _AMOUNT, 'feature_subset': _AMOUNT}),
             'strategy': _TEXT,
@@ -58,7 +67,7 @@ SCHEMAS: dict[str, JsonSchema] = {
     ),
     'turn': _record(
         {
-            'turn': {'type': 'integer', 'minimum': 1},
+            'turn': _TURN,
             'stamp': _STAMP,
             'world': {'oneOf': [_WORLD, {'type': 'null'}]},
         }
@@ -66,7 +75,7 @@ SCHEMAS: dict[str, JsonSchema] = {
     'query': _record(
         {
             'query_id': _TEXT,
-            'turn': {'type': 'integer', 'minimum': 1},
+            'turn': _TURN,
             'kind': {'enum': _QUERIES},
             'object_id': _OBJECT_ID,
             'symbol': _OPTIONAL_TEXT,
@@ -76,7 +85,8 @@ SCHEMAS: dict[str, JsonSchema] = {
             'turns_left': _COUNT,
             'model_version': _COUNT,
             'text': _TEXT,
-        }
+        },
+        {'world': {'oneOf': [_WORLD, {'type': 'null'}]}},
     ),
     'answer': _record(
         {'query_id': _TEXT, 'answer_id': _TEXT, 'teacher_id': _TEXT, 'outcome': {'enum': _OUTCOMES}},
@@ -93,7 +103,7 @@ SCHEMAS: dict[str, JsonSchema] = {
     'learner_state': _record(
         {
             'turn': _COUNT,
-            'turns': {'type': 'integer', 'minimum': 1},
+            'turns': _TURN,
             'budget': _AMOUNT,
             'spent': _AMOUNT,
             'done': {'type': 'boolean'},

@@ -12,10 +12,12 @@ from collections.abc import Callable, Iterable, Iterator, Mapping
 from dataclasses import dataclass
 from pathlib import Path
 
+from rclpy.exceptions import NameValidationException
 from rclpy.node import Node
 from rclpy.parameter import Parameter
+from rclpy.validate_namespace import validate_namespace
 
-from al_questioner.domain import EpisodeError
+from al_questioner.domain import EpisodeError, InputError
 from al_questioner.ros.learner import LearnerNode
 from al_questioner.ros.observer import ObserverNode, StateWatcher
 from al_questioner.ros.parameters import Value
@@ -37,16 +39,20 @@ class Graph:
     """What the three nodes are started with.
 
     Attributes:
-        namespace: of all their topics.
+        namespace: of all their topics, without a slash at its ends.
+        episode_id: of the episode that is played.
         parameters: of each node, by its name.
         one_process: run the nodes in this process instead of one process each.
         log_dir: where each process leaves what it prints.
+        patience: seconds without progress after which a warning on /diagnostics is taken for the end.
     """
 
     namespace: str
+    episode_id: str
     parameters: Mapping[str, Mapping[str, Value]]
     one_process: bool
     log_dir: Path
+    patience: float
 
     def play(self, watch: StateWatcher) -> None:
         """Play an episode to its end.
@@ -55,13 +61,17 @@ class Graph:
             watch: called on the states of the learner, from a thread of its own.
 
         Raises:
-            InputError: a parameter that cannot be used, if the nodes run in this process.
+            InputError: a namespace or a parameter that cannot be used.
             EpisodeError: a process ended before the episode did, or the episode was interrupted.
         """
+        try:
+            validate_namespace(f'/{self.namespace}')
+        except NameValidationException as error:
+            raise InputError(' '.join(str(error).split())) from error
         observers: list[ObserverNode] = []
 
         def make_observer() -> Node:
-            observers.append(ObserverNode(watch, namespace=self.namespace))
+            observers.append(ObserverNode(self.episode_id, watch, self.patience, namespace=self.namespace))
             return observers[0]
 
         nodes = [self._maker(name) for name in NODES] if self.one_process else []
@@ -69,6 +79,8 @@ class Graph:
 
             def is_over() -> bool:
                 for name, process in processes.items():
+                    if process.poll() == 2:
+                        raise InputError(self._last_line(name))
                     if process.poll() is not None:
                         raise EpisodeError(f'{name} ended with status {process.returncode}: {self._last_line(name)}')
                 if observers[0].failure is not None:

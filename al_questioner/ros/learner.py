@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import dataclasses
 import time
-import uuid
 from collections.abc import Mapping, Sequence
 from typing import Any
 
@@ -12,58 +11,27 @@ from sensor_msgs.msg import PointCloud2
 from std_msgs.msg import String
 from visualization_msgs.msg import MarkerArray
 
-from al_questioner.concepts import VIEW_TOLERANCE
-from al_questioner.domain import Answer, AnswerError, Costs, EpisodeSettings, InputError, Scene, generator
+from al_questioner.domain import Answer, AnswerError, Costs, EpisodeSettings, InputError, Scene, SceneError, generator
 from al_questioner.messages import documents
 from al_questioner.messages.clouds import cloud_of_decision, scene_of_cloud
 from al_questioner.messages.documents import Document
 from al_questioner.messages.pictures import markers
-from al_questioner.questioning import STRATEGIES, Episode
+from al_questioner.questioning import Episode
 from al_questioner.ros import qos
 from al_questioner.ros.node import QuestionerNode
-from al_questioner.ros.parameters import Setting, declare, help_text
+from al_questioner.ros.parameters import declare, help_text, refuse_unknown
 from al_questioner.ros.running import run_nodes
+from al_questioner.ros.settings import DEFAULT_TASK, WORLD_SETTINGS, all_names, learner_settings
 from al_questioner.ros.types import CLOUD_TYPES, MARKER_TYPES, header, nanoseconds, stamp_members
-from al_questioner.ros.worlds import DEFAULT_TASK, WORLD_SETTINGS, declare_world, world_members
+from al_questioner.ros.worlds import declare_world, new_episode_id, world_members
 from al_questioner.simulation import episode_settings
 from al_questioner.teaching import read_plain_answer
 from al_questioner.world import Task, load_task
 
-
-def settings_of(task: Task) -> tuple[Setting, ...]:
-    """The learner's parameters, with the task's values as defaults."""
-    return (
-        Setting('strategy', task.episode.strategy, f'questioning strategy: {", ".join(sorted(STRATEGIES))}'),
-        Setting('weights_file', '', 'YAML file with weights of the decision features; empty: those of the strategy'),
-        Setting('budget', task.episode.budget, 'query budget', unit='cost of a label query', lower=0.0),
-        Setting('turns', task.episode.turns, 'length of the episode', unit='turns', lower=1, upper=1_000_000),
-        Setting(
-            'change_interval', task.scenes.change_interval, 'expected time between scene changes', 'turns', lower=1
-        ),
-        Setting('cost_label', 1.0, 'cost of a label query', unit='budget', lower=0.0),
-        Setting('cost_demonstration', 2.0, 'cost of a demonstration query', unit='budget', lower=0.0),
-        Setting('cost_feature_subset', 2.0, 'cost of a feature subset query', unit='budget', lower=0.0),
-        Setting('amplitude', 4.0, "variance of the Gaussian processes' kernel", lower=1e-3, upper=1e3),
-        Setting(
-            'length_scale', 0.0, 'of the kernel; 0: root of the number of features', 'standard deviations', lower=0.0
-        ),
-        Setting(
-            'view_tolerance',
-            VIEW_TOLERANCE,
-            'change up to which an object is the same view',
-            'standard deviations',
-            lower=0.0,
-        ),
-        Setting(
-            'turn_period',
-            0.0,
-            'least time from turn to turn; 0: as fast as they can go',
-            unit='s',
-            lower=0.0,
-            upper=3600.0,
-        ),
-        Setting('frame_id', 'table', 'frame of the published markers'),
-    )
+SECONDS_FOR_OBJECTS = 10.0
+"""After which the lack of a scene is worth a warning."""
+STALE_CLOUDS = 3
+"""So many clouds from before a turn are no chance any more."""
 
 
 class LearnerNode(QuestionerNode):
@@ -75,13 +43,16 @@ class LearnerNode(QuestionerNode):
     def __init__(self, **node_arguments: Any) -> None:
         super().__init__('learner', **node_arguments)
         world = declare_world(self)
-        self._given = declare(self, settings_of(world.task))
+        self._given = declare(self, learner_settings(world.task))
         self._settings = _episode_settings(world.task, self._given)
         self._episode = Episode(self._settings, generator(world.seed, 'learner'), float(self._given['view_tolerance']))
-        self.episode_id = f'{world.task.name}-{world.seed}-{uuid.uuid4().hex[:8]}'
+        self.episode_id = str(self._given['episode_id']) or new_episode_id(world)
+        refuse_unknown(self, all_names())
         self._world = world_members(world)
         self._last_stamp = 0
+        self._stale_clouds = 0
         self._awaits_scene = False
+        self._frame_id = ''
         self._scene: Scene | None = None
         self._last_answer: Answer | None = None
         self._last_turn_start = 0.0
@@ -102,28 +73,41 @@ class LearnerNode(QuestionerNode):
         self._last_stamp = max(self.get_clock().now().nanoseconds, self._last_stamp + 1)
         self._last_turn_start = time.monotonic()
         self._awaits_scene = True
+        self._stale_clouds = 0
         turn = self._episode.turn + 1
-        self.does(f'turn {turn}: waiting for objects')
+        self.does(f'turn {turn}: waiting for objects', expected_within=SECONDS_FOR_OBJECTS)
         self._publish_turn({'turn': turn, 'stamp': stamp_members(self._last_stamp), 'world': self._world})
 
     def _perceive(self, cloud: PointCloud2) -> None:
         """Decide, once the scene of this turn is there: a cloud with the turn's stamp, or a later one of a camera."""
-        if not self._awaits_scene or nanoseconds(cloud.header.stamp) < self._last_stamp:
+        if not self._awaits_scene:
+            return
+        if nanoseconds(cloud.header.stamp) < self._last_stamp:
+            self._ignore_stale()
             return
         scene = scene_of_cloud(cloud)
         decision = self._episode.ask(scene)
         self._awaits_scene = False
         if self._scene is None:
             self._announce(scene)
-        self._scene = scene
-        stamp = header(self._last_stamp, str(self._given['frame_id']))
+        self._scene, self._frame_id = scene, cloud.header.frame_id
+        if decision.query is not None:
+            self.does(f'turn {decision.turn}: waiting for the answer to {decision.query.query_id}')
+            self.get_logger().info(f'turn {decision.turn}: {decision.query.text}')
+            self._publish_query({**documents.query_members(decision.query), 'world': self._world})
+        stamp = header(self._last_stamp, self._frame_id)
         self._decision.publish(cloud_of_decision(decision, self._settings.symbols, stamp, CLOUD_TYPES))
         self._show()
         if decision.query is None:
             self._end_turn()
-        else:
-            self.does(f'turn {decision.turn}: waiting for the answer to {decision.query.query_id}')
-            self._publish_query(documents.query_members(decision.query))
+
+    def _ignore_stale(self) -> None:
+        """Pass over a scene from before the turn; say so if there is no other, since a clock may be behind."""
+        self._stale_clouds += 1
+        if self._stale_clouds == STALE_CLOUDS:
+            raise SceneError(
+                f'the last {STALE_CLOUDS} clouds are older than the turn: is the clock of their sender behind?'
+            )
 
     def _announce(self, scene: Scene) -> None:
         """Publish what the episode is about, as soon as the features are known."""
@@ -145,24 +129,24 @@ class LearnerNode(QuestionerNode):
 
     def _hear(self, message: String) -> None:
         """Take an answer, and say whether it was taken."""
-        query_id, answer_id, reason = None, None, ''
+        answer = None
         try:
             answer = self._read_answer(message.data)
-            query_id, answer_id = answer.query_id, answer.answer_id
-            if answer == self._last_answer:
-                self._publish_ack(
-                    {'query_id': query_id, 'answer_id': answer_id, 'accepted': True, 'reason': 'already taken'}
-                )
-                return
-            self._episode.tell(answer)
+            is_new = answer != self._last_answer
+            if is_new:
+                self._episode.tell(answer)
         except InputError as error:
-            reason = str(error)
-        self._publish_ack({'query_id': query_id, 'answer_id': answer_id, 'accepted': not reason, 'reason': reason})
-        if reason:
-            raise AnswerError(reason)
-        self._last_answer = answer
-        self._show()
-        self._end_turn()
+            self._acknowledge(answer, accepted=False, reason=str(error))
+            raise
+        self._acknowledge(answer, accepted=True, reason='' if is_new else 'already taken')
+        if is_new:
+            self._last_answer = answer
+            self._show()
+            self._end_turn()
+
+    def _acknowledge(self, answer: Answer | None, accepted: bool, reason: str) -> None:
+        ids = (None, None) if answer is None else (answer.query_id, answer.answer_id)
+        self._publish_ack({'query_id': ids[0], 'answer_id': ids[1], 'accepted': accepted, 'reason': reason})
 
     def _read_answer(self, content: str) -> Answer:
         if content.lstrip().startswith('{'):
@@ -212,7 +196,7 @@ class LearnerNode(QuestionerNode):
             return
         pending = self._episode.pending
         beliefs = self._episode.knowledge.predict_proba(self._scene.features)
-        stamp = header(self._last_stamp, str(self._given['frame_id']))
+        stamp = header(self._last_stamp, self._frame_id)
         asked = pending.action.object_id if pending else None
         self._markers.publish(markers(self._scene, beliefs, self._settings.symbols, asked, stamp, MARKER_TYPES))
 
@@ -234,5 +218,5 @@ def _episode_settings(task: Task, given: Mapping[str, Any]) -> EpisodeSettings:
 
 def main(arguments: Sequence[str]) -> int:
     """Run the node."""
-    settings = (*WORLD_SETTINGS, *settings_of(load_task(DEFAULT_TASK)))
+    settings = (*WORLD_SETTINGS, *learner_settings(load_task(DEFAULT_TASK)))
     return run_nodes([LearnerNode], arguments, help_text(__doc__, settings))

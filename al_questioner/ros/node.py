@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+import math
 import threading
+import time
 import traceback
 from collections import Counter
 from collections.abc import Callable
@@ -27,6 +29,10 @@ DIAGNOSTICS_PERIOD = 1.0
 """Seconds between two messages on /diagnostics."""
 
 
+REFUSAL_SHOWN = 60.0
+"""Seconds for which a refusal makes the node's status a warning; its count stays."""
+
+
 class QuestionerNode(Node):
     """A node whose callbacks only hand messages to its worker.
 
@@ -38,8 +44,10 @@ class QuestionerNode(Node):
         self.episode_id = ''
         self._refused: Counter[str] = Counter()
         self._last_refusal = ''
+        self._refused_at = -math.inf
         self._failure = ''
         self._activity = 'starting'
+        self._overdue = math.inf
         self._worker = Worker(name, self._failed)
         self._diagnostics = self.create_publisher(DiagnosticArray, '/diagnostics', qos.DIAGNOSTICS)
         self.create_timer(DIAGNOSTICS_PERIOD, self._publish_diagnostics, clock=Clock(clock_type=ClockType.STEADY_TIME))
@@ -80,11 +88,13 @@ class QuestionerNode(Node):
         """Count and show input that cannot be used."""
         self._refused[topic] += 1
         self._last_refusal = f'{topic}: {reason}'
+        self._refused_at = time.monotonic()
         self.get_logger().warning(f'refused on {topic}: {reason}')
 
-    def does(self, activity: str) -> None:
-        """Say in a few words what the node is doing, for /diagnostics."""
+    def does(self, activity: str, expected_within: float = math.inf) -> None:
+        """Say in a few words what the node is doing, for /diagnostics; warn there if that lasts longer (seconds)."""
         self._activity = activity
+        self._overdue = time.monotonic() + expected_within
 
     def destroy_node(self) -> None:
         """Stop the worker, then leave the graph."""
@@ -99,7 +109,9 @@ class QuestionerNode(Node):
 
     def _publish_diagnostics(self) -> None:
         level, message = DiagnosticStatus.OK, self._activity
-        if self._refused:
+        if time.monotonic() > self._overdue:
+            level, message = DiagnosticStatus.WARN, f'{self._activity} for too long'
+        if time.monotonic() - self._refused_at < REFUSAL_SHOWN:
             level, message = DiagnosticStatus.WARN, f'{self._activity}; refused {self._last_refusal}'
         if self._failure:
             level, message = DiagnosticStatus.ERROR, self._failure
@@ -108,7 +120,9 @@ class QuestionerNode(Node):
             name=self.get_fully_qualified_name().lstrip('/'),
             message=message,
             hardware_id='al_questioner',
-            values=[KeyValue(key=f'refused on {topic}', value=str(count)) for topic, count in self._refused.items()],
+            values=[
+                KeyValue(key=f'refused on {topic}', value=str(count)) for topic, count in dict(self._refused).items()
+            ],
         )
         array = DiagnosticArray(status=[status])
         array.header.stamp = self.get_clock().now().to_msg()

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import json
 import math
-from collections.abc import Sequence
+from collections.abc import Collection, Sequence
 from dataclasses import dataclass
 
 from rcl_interfaces.msg import FloatingPointRange, IntegerRange, ParameterDescriptor, ParameterType
@@ -79,6 +79,23 @@ class Setting:
             upper = int(self.upper) if math.isfinite(self.upper) else _LARGEST_INTEGER
             descriptor.integer_range = [IntegerRange(from_value=lower, to_value=upper, step=1)]
         return descriptor
+
+
+def refuse_unknown(node: Node, known_elsewhere: Collection[str]) -> None:
+    """Refuse parameters that were set but that no node has: most likely misspelt.
+
+    Args:
+        node: that has declared all of its parameters.
+        known_elsewhere: parameters of the other nodes, which a common file may set.
+
+    Raises:
+        InputError: there is one; the text lists the known ones.
+    """
+    known = set(node.get_parameters_by_prefix(''))
+    # rclpy tells of overrides only through this attribute; it drops those that are not declared in silence.
+    for name in node._parameter_overrides:
+        if name not in known and name not in known_elsewhere and not name.startswith('qos_overrides.'):
+            raise InputError(f'unknown parameter {name}; known: {", ".join(sorted(known))}')
 
 
 def help_text(description: str | None, settings: Sequence[Setting]) -> str:

@@ -12,14 +12,13 @@ from al_questioner.messages.documents import Document
 from al_questioner.messages.pictures import image
 from al_questioner.ros import qos
 from al_questioner.ros.node import QuestionerNode
-from al_questioner.ros.parameters import Setting, declare, help_text
+from al_questioner.ros.parameters import declare, help_text, refuse_unknown
 from al_questioner.ros.running import run_nodes
+from al_questioner.ros.settings import PERCEPTION_SETTINGS, WORLD_SETTINGS, all_names
 from al_questioner.ros.types import CLOUD_TYPES, header, octets, stamp_of
-from al_questioner.ros.worlds import WORLD_SETTINGS, check_world, declare_world
+from al_questioner.ros.worlds import check_world, declare_world
 from al_questioner.simulation import PerceivedWorld
 from al_questioner.world.table_image import draw_scene
-
-SETTINGS = (Setting('frame_id', 'table', 'frame of the objects and of the picture'),)
 
 
 class PerceptionNode(QuestionerNode):
@@ -28,13 +27,14 @@ class PerceptionNode(QuestionerNode):
     def __init__(self, **node_arguments: Any) -> None:
         super().__init__('perception', **node_arguments)
         self._choice = declare_world(self)
-        self._given = declare(self, SETTINGS)
+        self._given = declare(self, PERCEPTION_SETTINGS)
+        refuse_unknown(self, all_names())
         self._world = PerceivedWorld(self._choice.open())
         self._drawn: object = None
         self._objects = self.create_publisher(PointCloud2, 'objects', qos.LATCHED)
         self._picture = self.create_publisher(Image, 'scene_image', qos.LATCHED)
         self.on_document('turn', self._look)
-        for line in self._world.world.report().splitlines():
+        for line in self._world.report().splitlines():
             self.get_logger().info(line)
         self.does('waiting for a turn')
 
@@ -52,4 +52,4 @@ class PerceptionNode(QuestionerNode):
 
 def main(arguments: Sequence[str]) -> int:
     """Run the node."""
-    return run_nodes([PerceptionNode], arguments, help_text(__doc__, (*WORLD_SETTINGS, *SETTINGS)))
+    return run_nodes([PerceptionNode], arguments, help_text(__doc__, (*WORLD_SETTINGS, *PERCEPTION_SETTINGS)))

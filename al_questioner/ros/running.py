@@ -35,12 +35,14 @@ def run_nodes(
     if any(argument in ('-h', '--help') for argument in arguments):
         print(description)
         return 0
-    _refuse_stray(arguments)
     # Only rclpy's own handler, which shuts the context down, is to act on a signal: a KeyboardInterrupt could hit
     # anywhere, and the second SIGINT of `ros2 launch` would hit the clean-up.
     previous = signal.signal(signal.SIGINT, lambda *_: None)
     try:
+        _refuse_stray(arguments)
         rclpy.init(args=list(arguments))
+    except InputError:
+        raise
     except (RuntimeError, ValueError) as error:
         raise InputError(f'unusable ROS arguments: {_one_line(error)}') from error
     nodes: list[Node] = []

@@ -10,21 +10,14 @@ from al_questioner.messages import documents
 from al_questioner.messages.documents import Document
 from al_questioner.ros import qos
 from al_questioner.ros.node import QuestionerNode
-from al_questioner.ros.parameters import Setting, declare, help_text
+from al_questioner.ros.parameters import declare, help_text, refuse_unknown
 from al_questioner.ros.running import run_nodes
-from al_questioner.ros.worlds import WORLD_SETTINGS, declare_world
+from al_questioner.ros.settings import TEACHER_SETTINGS, WORLD_SETTINGS, all_names
+from al_questioner.ros.worlds import check_world, declare_world
 from al_questioner.teaching import ScriptedTeacher
 
 RESEND_PERIOD = 1.0
 """Seconds after which an answer that was not acknowledged is sent again."""
-
-SETTINGS = (
-    Setting('mode', 'scripted', 'who answers: scripted'),
-    Setting('teacher_id', 'scripted', 'name under which the answers are given'),
-    Setting('wrong_rate', 0.0, 'share of wrong answers', lower=0.0, upper=1.0),
-    Setting('unknown_rate', 0.0, 'share of queries answered by "I do not know"', lower=0.0, upper=1.0),
-    Setting('delay', 0.0, 'time the teacher takes to answer', unit='s', lower=0.0, upper=3600.0),
-)
 
 
 class TeacherNode(QuestionerNode):
@@ -32,8 +25,9 @@ class TeacherNode(QuestionerNode):
 
     def __init__(self, **node_arguments: Any) -> None:
         super().__init__('teacher', **node_arguments)
-        choice = declare_world(self)
-        given = declare(self, SETTINGS)
+        choice = self._choice = declare_world(self)
+        given = declare(self, TEACHER_SETTINGS)
+        refuse_unknown(self, all_names())
         if given['mode'] != 'scripted':
             raise InputError(f'parameter mode: unknown mode {given["mode"]!r}; known: scripted')
         self._world = choice.open()
@@ -53,6 +47,7 @@ class TeacherNode(QuestionerNode):
         self.does('waiting for a query')
 
     def _consider(self, document: Document) -> None:
+        check_world(document, self._choice)
         query = documents.query_of(document)
         self.episode_id = document['episode_id']
         answer = self._teacher.answer(query, self._world.truth(query.turn))
@@ -77,4 +72,4 @@ class TeacherNode(QuestionerNode):
 
 def main(arguments: Sequence[str]) -> int:
     """Run the node."""
-    return run_nodes([TeacherNode], arguments, help_text(__doc__, (*WORLD_SETTINGS, *SETTINGS)))
+    return run_nodes([TeacherNode], arguments, help_text(__doc__, (*WORLD_SETTINGS, *TEACHER_SETTINGS)))

@@ -3,25 +3,17 @@
 from __future__ import annotations
 
 import dataclasses
+import uuid
 from pathlib import Path
 
 from rclpy.node import Node
 
 from al_questioner.domain import InputError
 from al_questioner.messages.documents import Document
-from al_questioner.ros.parameters import Setting, declare
+from al_questioner.ros.parameters import declare
+from al_questioner.ros.settings import WORLD_SETTINGS
 from al_questioner.simulation import WorldChoice
 from al_questioner.world import load_task
-
-DEFAULT_TASK = 'kitchen_table'
-WORLD_SETTINGS = (
-    Setting('task', DEFAULT_TASK, 'a name in config/tasks, or the path of a YAML file'),
-    Setting('dataset', '', 'root of a directory of RGB-D crops, for tasks that read one'),
-    Setting('seed', 0, 'seed of everything that is drawn at random', lower=0),
-    Setting(
-        'sample', 0, 'sample of observations that the scenes are drawn from; unless set, that of the seed', lower=0
-    ),
-)
 
 
 def declare_world(node: Node) -> WorldChoice:
@@ -38,6 +30,11 @@ def declare_world(node: Node) -> WorldChoice:
     return WorldChoice(load_task(str(given['task'])), seed, int(sample['sample']), dataset)
 
 
+def new_episode_id(world: WorldChoice) -> str:
+    """An id that no other episode has."""
+    return f'{world.task.name}-{world.seed}-{uuid.uuid4().hex[:8]}'
+
+
 def world_members(world: WorldChoice) -> Document:
     """The `world` member of the documents `episode` and `turn`."""
     return {
@@ -49,12 +46,12 @@ def world_members(world: WorldChoice) -> Document:
 
 
 def check_world(document: Document, world: WorldChoice) -> None:
-    """Hold the world of a `turn` against one's own.
+    """Hold the world of a `turn` or a `query` against one's own; a document that names none is taken.
 
     Raises:
         InputError: the learner speaks of another world.
     """
-    theirs, ours = document['world'], world_members(world)
+    theirs, ours = document.get('world'), world_members(world)
     for name in ('task', 'seed', 'sample'):
         if theirs is not None and theirs[name] != ours[name]:
             raise InputError(f'the learner has {name} {theirs[name]!r}, this node {ours[name]!r}')

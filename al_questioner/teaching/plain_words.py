@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import re
+
 from al_questioner.domain import NO_SYMBOL, Answer, AnswerError, Content, Outcome, Query, QueryKind
 
 UNKNOWN_WORDS = frozenset({'?', 'unknown'})
@@ -11,8 +13,8 @@ SKIP_WORDS = frozenset({'skip'})
 def read_plain_answer(text: str, query: Query, teacher_id: str = 'plain') -> Answer:
     """The answer that a plain word gives.
 
-    `snack` answers a label query, `7` a demonstration query, `colour,weight` a feature subset query; `none` says that
-    a thing belongs to no symbol, or that no such thing is here; `?` is unknown, `skip` skips.
+    `snack` answers a label query, `7`, `#7` or `object 7` a demonstration query, `colour,weight` a feature subset
+    query; `none` says that a thing belongs to no symbol, or that no such thing is here; `?` is unknown, `skip` skips.
 
     Raises:
         AnswerError: the text is no answer to this query; the reason names what would be one.
@@ -31,7 +33,7 @@ def _content(word: str, query: Query) -> Content:
         parts = [part.strip() for part in word.split(',') if part.strip()]
         return tuple(_choice(part, query) for part in parts or [word])
     if query.action.kind is QueryKind.DEMONSTRATION and word.lower() != NO_SYMBOL:
-        return int(_choice(word, query))
+        return int(_choice(re.sub(r'^(object\s*|#)', '', word, flags=re.IGNORECASE), query))
     return _choice(word, query)
 
 
@@ -41,4 +43,5 @@ def _choice(word: str, query: Query) -> str:
     for choice in query.choices + nothing:
         if word.lower() == choice.lower():
             return choice
-    raise AnswerError(f'{word!r} does not answer {query.text!r}; expected one of: {", ".join(query.choices)}')
+    expected = ', '.join((*query.choices, *nothing, '?', 'skip'))
+    raise AnswerError(f'{word!r} does not answer {query.text!r}; expected one of: {expected}')

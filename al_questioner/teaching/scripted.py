@@ -26,7 +26,7 @@ class ScriptedTeacher:
         teacher_id: who answers.
 
     Raises:
-        SettingsError: a rate outside [0, 1], or rates that add up to more than 1.
+        SettingsError: a rate outside [0, 1], rates that add up to more than 1, or an empty id.
     """
 
     symbols: Sequence[str]
@@ -37,6 +37,8 @@ class ScriptedTeacher:
     teacher_id: str = 'scripted'
 
     def __post_init__(self) -> None:
+        if not self.teacher_id:
+            raise SettingsError('teacher_id must not be empty')
         for name in ('wrong_rate', 'unknown_rate'):
             rate = getattr(self, name)
             if not 0.0 <= rate <= 1.0:

@@ -29,5 +29,7 @@ def make_world(task: Task, seed: int, sample: int | None = None, dataset: Path |
             raise InputError(f'task {task.name} is simulated: it takes no dataset')
         return SimulatedWorld(task, seed, sample)
     if dataset is None:
-        raise InputError(f'task {task.name} needs a dataset: give its directory with --dataset DIR')
+        raise InputError(
+            f'task {task.name} needs a dataset: give its directory (--dataset DIR, or the parameter dataset)'
+        )
     return DatasetWorld(task, Path(dataset), seed, sample)

@@ -133,6 +133,10 @@ def _nan(cloud: SimpleNamespace) -> None:
     cloud.data = cloud.data[:16] + np.float32(np.nan).tobytes() + cloud.data[20:]
 
 
+def _sentinel_id(cloud: SimpleNamespace) -> None:
+    cloud.data = cloud.data[:12] + b'\xff' * 4 + cloud.data[16:]
+
+
 def _float_id(cloud: SimpleNamespace) -> None:
     cloud.fields[3].datatype = 7
     cloud.data = cloud.data[:12] + np.float32(1.5).tobytes() + cloud.data[16:]
@@ -152,6 +156,7 @@ def _float_id(cloud: SimpleNamespace) -> None:
         (_overlapping_rows, 'too few'),
         (_nan, 'colour_hue of object 10 is not finite'),
         (_float_id, 'no uint32'),
+        (_sentinel_id, 'no uint32'),
     ],
 )
 def test_damaged_cloud_is_refused(damage: object, reason: str) -> None:

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import os
 import shutil
-import site
 import subprocess
 import sys
 import venv
@@ -38,7 +37,7 @@ class Installation:
             stdin=subprocess.DEVNULL,
             capture_output=True,
             text=True,
-            timeout=120,
+            timeout=600,
         )
         assert done.returncode == 0, f'{command} ended with {done.returncode}\n{done.stdout}{done.stderr}'
         return done.stdout
@@ -69,21 +68,13 @@ def source(tmp_path_factory: pytest.TempPathFactory) -> Path:
 
 
 def install_with_pip(source: Path, place: Path) -> Installation:
-    """A wheel in a new virtual environment, which sees this interpreter's packages as its dependencies."""
+    """A new virtual environment, `pip install .[ros]`: all that the package asks for comes from the package index."""
     environment = outer_environment()
-    pip = (sys.executable, '-m', 'pip', '--quiet', '--disable-pip-version-check')
     prefix = place / 'venv'
-    venv.create(prefix, symlinks=True)
-    Installation(place, environment).run(
-        *pip, 'wheel', '--no-deps', '--no-index', '--no-build-isolation', '--wheel-dir', place, source, cwd=place
-    )
-    (wheel,) = place.glob('*.whl')
+    venv.create(prefix, symlinks=True, with_pip=True)
     python = prefix / 'bin' / 'python3'
-    Installation(place, environment).run(
-        *pip, '--python', python, 'install', '--no-deps', '--no-index', wheel, cwd=place
-    )
-    (site_packages,) = prefix.glob('lib/python3*/site-packages')
-    (site_packages / 'dependencies.pth').write_text('\n'.join(site.getsitepackages()) + '\n', encoding='utf-8')
+    pip = (python, '-m', 'pip', '--quiet', '--disable-pip-version-check')
+    Installation(place, environment).run(*pip, 'install', f'{source}[ros]', cwd=place)
     environment['PATH'] = os.pathsep.join([str(python.parent), environment['PATH']])
     environment['AMENT_PREFIX_PATH'] = str(prefix)
     return Installation(prefix, environment)

@@ -15,7 +15,7 @@ from visualization_msgs.msg import MarkerArray
 
 from al_questioner.domain import DECISION_FEATURES, InputError, generator
 from al_questioner.messages.clouds import decision_of_cloud, scene_of_cloud
-from al_questioner.questioning import Episode
+from al_questioner.questioning import STRATEGIES, Episode
 from al_questioner.ros import qos
 from al_questioner.ros.learner import LearnerNode
 from al_questioner.ros.perception import PerceptionNode
@@ -49,7 +49,7 @@ def offline_queries(strategy: str, budget: float, turns: int) -> list[tuple[Any,
     return [(r.turn, r.kind.value, r.object_id, r.symbol, r.cost, r.outcome.value) for r in result.queries]
 
 
-@pytest.mark.parametrize('strategy', ['dt_task_env', 'u_sampling', 'rarest_demo'])
+@pytest.mark.parametrize('strategy', list(STRATEGIES))
 def test_graph_asks_what_an_offline_run_asks(graph: Any, strategy: str) -> None:
     """What is found offline would say nothing about the robot."""
     states = graph.listen('learner_state')
@@ -244,6 +244,102 @@ def test_unusable_scenes_are_refused_and_the_turn_goes_on(graph: Any) -> None:
     cloud.data, cloud.width, cloud.row_step = good, len(good) // cloud.point_step, len(good)
     eyes.publish(cloud)
     person.query(1)
+
+
+def test_a_teacher_of_another_world_does_not_answer(graph: Any) -> None:
+    """A teacher who looks at another table would teach wrong labels, and nobody would notice."""
+    diagnostics = graph.listen('diagnostics', DiagnosticArray, qos.DIAGNOSTICS, '/diagnostics')
+    answers = graph.listen('answer', profile=qos.EVENTS)
+    start_robot(graph)
+    graph.start(TeacherNode, task=TASK, seed=5)
+    reason = 'the learner has seed 4, this node 5'
+    graph.wait_for(lambda: any(reason in s.message for array in diagnostics for s in array.status), reason)
+    assert not answers
+
+
+def test_a_second_learner_takes_no_scene_of_the_first(graph: Any) -> None:
+    """The latched scene of the last episode's last turn would be taken for the first of the next."""
+    states = graph.listen('learner_state')
+    start_robot(graph, turns=12)
+    graph.start(TeacherNode, **SMALL)
+    for _ in range(2):
+        graph.wait_for(lambda: is_over(states), 'the end of the episode')
+        graph.stop(next(node for node in graph.nodes if node.get_name() == 'learner'))
+        first = [query['object_id'] for query in states[-1]['queries']]
+        states.clear()
+        graph.start(LearnerNode, **{**EPISODE, 'turns': 12})
+    graph.wait_for(lambda: is_over(states), 'the end of the last episode')
+    assert [query['object_id'] for query in states[-1]['queries']] == first
+
+
+def test_turns_are_paced(graph: Any) -> None:
+    """`turn_period` would be ignored, and a person could not follow."""
+    turns = graph.listen('turn')
+    states = graph.listen('learner_state')
+    start_robot(graph, budget=0.0, turns=4, turn_period=0.2)
+    graph.wait_for(lambda: is_over(states), 'the end of the episode')
+    stamps = {turn['turn']: turn['stamp']['sec'] + turn['stamp']['nanosec'] / 1e9 for turn in turns}
+    assert stamps[4] - stamps[min(stamps)] >= 0.2 * (4 - min(stamps)) - 0.01
+
+
+def test_an_acknowledged_answer_is_not_repeated(graph: Any) -> None:
+    """Every answer would be said for ever, and each time refused."""
+    states = graph.listen('learner_state')
+    acks = graph.listen('answer_ack', profile=qos.EVENTS)
+    start_robot(graph, turns=6)
+    teacher = graph.start(TeacherNode, **SMALL)
+    graph.wait_for(lambda: is_over(states), 'the end of the episode')
+    graph.wait_for(lambda: teacher._unacknowledged is None, 'the last acknowledgement')
+    assert all(ack['accepted'] for ack in acks)
+
+
+def test_largest_object_id_passes_through(graph: Any) -> None:
+    """An id that a tracker gives, and PointCloud2 can hold, would stall the learner."""
+    decisions = graph.listen('decision', PointCloud2, qos.EVENTS)
+    clouds = graph.listen('objects', PointCloud2)
+    arrays = graph.listen('scene_markers', MarkerArray)
+    perception = graph.start(PerceptionNode, **SMALL)
+    learner = graph.start(LearnerNode, **EPISODE)
+    cloud = graph.wait_for(lambda: clouds and clouds[-1], 'a scene')
+    graph.wait_for(lambda: decisions, 'a decision')
+    graph.stop(perception)
+    graph.stop(learner)
+    decisions.clear()
+    arrays.clear()
+    data = bytearray(cloud.data)
+    data[12:16] = np.uint32(2**32 - 2).tobytes()
+    cloud.data = bytes(data)
+    cloud.header.frame_id = 'camera'
+    cloud.header.stamp.sec += 3600
+    eyes = graph.ears.create_publisher(PointCloud2, 'objects', qos.LATCHED)
+    eyes.publish(cloud)
+    graph.start(LearnerNode, **EPISODE)
+    graph.wait_for(lambda: decisions and arrays, 'a decision about it')
+    decision = decision_of_cloud(decisions[-1], SYMBOLS, 1)
+    assert 2**32 - 2 in {action.object_id for action in decision.candidates}
+    assert {marker.header.frame_id for marker in arrays[-1].markers} == {'camera'}
+
+
+def test_scenes_older_than_the_turn_are_reported(graph: Any) -> None:
+    """A camera whose clock is behind would be ignored in silence."""
+    diagnostics = graph.listen('diagnostics', DiagnosticArray, qos.DIAGNOSTICS, '/diagnostics')
+    turns = graph.listen('turn')
+    eyes = graph.ears.create_publisher(PointCloud2, 'objects', qos.LATCHED)
+    graph.start(LearnerNode, **EPISODE)
+    graph.wait_for(lambda: turns and eyes.get_subscription_count(), 'a learner that looks')
+
+    def reported() -> bool:
+        eyes.publish(PointCloud2())
+        return any('older than the turn' in s.message for array in diagnostics for s in array.status)
+
+    graph.wait_for(reported, 'a warning')
+
+
+def test_misspelt_parameters_are_refused(graph: Any) -> None:
+    """`-p bugdet:=20` would be ignored in silence."""
+    for node in (LearnerNode, PerceptionNode, TeacherNode):
+        with pytest.raises(InputError, match=r'unknown parameter bugdet; known: .*seed'):
+            graph.start(node, task=TASK, bugdet=20)
 
 
 def test_nodes_of_other_worlds_do_not_answer(graph: Any) -> None:

@@ -8,9 +8,8 @@ import pytest
 
 from al_questioner.configuration import config_dir, read_yaml
 from al_questioner.domain import InputError
-from al_questioner.ros import learner, perception, teacher
 from al_questioner.ros.parameters import Setting, help_text
-from al_questioner.ros.worlds import WORLD_SETTINGS
+from al_questioner.ros.settings import PERCEPTION_SETTINGS, TEACHER_SETTINGS, WORLD_SETTINGS, learner_settings
 from al_questioner.world import load_task
 
 FILES = sorted((config_dir() / 'params').glob('*.yaml'))
@@ -20,19 +19,9 @@ FILES = sorted((config_dir() / 'params').glob('*.yaml'))
 def test_file_lists_every_parameter_at_its_default(path: Path) -> None:
     """A user would change a parameter that does not exist, or miss one that does."""
     content = read_yaml(path)
-    task = load_task(path.stem)
-    declared = {
-        '/**': WORLD_SETTINGS,
-        '/**/perception': perception.SETTINGS,
-        '/**/teacher': teacher.SETTINGS,
-        '/**/learner': learner.settings_of(task),
-    }
-    assert set(content) == set(declared)
-    for node, settings in declared.items():
-        expected = {setting.name: setting.default for setting in settings if setting.name != 'sample'}
-        if node == '/**':
-            expected['task'] = path.stem
-        assert content[node]['ros__parameters'] == expected
+    settings = (*WORLD_SETTINGS, *PERCEPTION_SETTINGS, *TEACHER_SETTINGS, *learner_settings(load_task(path.stem)))
+    expected = {setting.name: setting.default for setting in settings if setting.name != 'sample'}
+    assert content == {'/**': {'ros__parameters': {**expected, 'task': path.stem}}}
 
 
 @pytest.mark.parametrize(
@@ -58,7 +47,7 @@ def test_other_types_are_refused(default: object, value: object) -> None:
 
 def test_help_names_every_parameter() -> None:
     """Without the `ros2` command a user would not learn what can be set."""
-    text = help_text('What it does.', learner.settings_of(load_task('prepare_lunch')))
-    for setting in learner.settings_of(load_task('prepare_lunch')):
+    text = help_text('What it does.', learner_settings(load_task('prepare_lunch')))
+    for setting in learner_settings(load_task('prepare_lunch')):
         assert f'  {setting.name} ' in text
     assert '[cost of a label query]' in text

@@ -26,6 +26,8 @@ def query(kind: QueryKind) -> Query:
         (QueryKind.LABEL, '  Main_Dish\n', 'main_dish'),
         (QueryKind.LABEL, 'none', 'none'),
         (QueryKind.DEMONSTRATION, '7', 7),
+        (QueryKind.DEMONSTRATION, 'object 12', 12),
+        (QueryKind.DEMONSTRATION, '#7', 7),
         (QueryKind.DEMONSTRATION, 'None', 'none'),
         (QueryKind.FEATURE_SUBSET, 'colour,weight', ('colour', 'weight')),
         (QueryKind.FEATURE_SUBSET, 'Size , ', ('size',)),

@@ -1,0 +1,72 @@
+"""The parameters of every node, with their defaults, ranges and units."""
+
+from __future__ import annotations
+
+from al_questioner.concepts import VIEW_TOLERANCE
+from al_questioner.messages.schemas import LARGEST_TURN
+from al_questioner.questioning import STRATEGIES
+from al_questioner.ros.parameters import Setting
+from al_questioner.world import Task, load_task
+
+DEFAULT_TASK = 'kitchen_table'
+WORLD_SETTINGS = (
+    Setting('task', DEFAULT_TASK, 'a name in config/tasks, or the path of a YAML file'),
+    Setting('dataset', '', 'root of a directory of RGB-D crops, for tasks that read one'),
+    Setting('seed', 0, 'seed of everything that is drawn at random', lower=0),
+    Setting(
+        'sample', 0, 'sample of observations that the scenes are drawn from; unless set, that of the seed', lower=0
+    ),
+)
+"""What perception, learner and teacher must agree on to speak of the same world."""
+
+PERCEPTION_SETTINGS = (Setting('frame_id', 'table', 'frame of the objects and of the picture'),)
+
+TEACHER_SETTINGS = (
+    Setting('mode', 'scripted', 'who answers: scripted'),
+    Setting('teacher_id', 'scripted', 'name under which the answers are given'),
+    Setting('wrong_rate', 0.0, 'share of wrong answers', lower=0.0, upper=1.0),
+    Setting('unknown_rate', 0.0, 'share of queries answered by "I do not know"', lower=0.0, upper=1.0),
+    Setting('delay', 0.0, 'time the teacher takes to answer', unit='s', lower=0.0, upper=3600.0),
+)
+
+
+def learner_settings(task: Task) -> tuple[Setting, ...]:
+    """The learner's parameters, with the task's values as defaults."""
+    return (
+        Setting('strategy', task.episode.strategy, f'questioning strategy: {", ".join(sorted(STRATEGIES))}'),
+        Setting('weights_file', '', 'YAML file with weights of the decision features; empty: those of the strategy'),
+        Setting('budget', task.episode.budget, 'query budget', unit='cost of a label query', lower=0.0),
+        Setting('turns', task.episode.turns, 'length of the episode', unit='turns', lower=1, upper=LARGEST_TURN),
+        Setting(
+            'change_interval', task.scenes.change_interval, 'expected time between scene changes', 'turns', lower=1
+        ),
+        Setting('cost_label', 1.0, 'cost of a label query', unit='budget', lower=0.0),
+        Setting('cost_demonstration', 2.0, 'cost of a demonstration query', unit='budget', lower=0.0),
+        Setting('cost_feature_subset', 2.0, 'cost of a feature subset query', unit='budget', lower=0.0),
+        Setting('amplitude', 4.0, "variance of the Gaussian processes' kernel", lower=1e-3, upper=1e3),
+        Setting(
+            'length_scale', 0.0, 'of the kernel; 0: root of the number of features', 'standard deviations', lower=0.0
+        ),
+        Setting(
+            'view_tolerance',
+            VIEW_TOLERANCE,
+            'change up to which an object is the same view',
+            'standard deviations',
+            lower=0.0,
+        ),
+        Setting(
+            'turn_period',
+            0.0,
+            'least time from turn to turn; 0: as fast as they can go',
+            unit='s',
+            lower=0.0,
+            upper=3600.0,
+        ),
+        Setting('episode_id', '', 'of the episode in all documents; empty: one that is not used again'),
+    )
+
+
+def all_names() -> frozenset[str]:
+    """Every parameter of every node: a file for all nodes sets parameters that a single one does not have."""
+    settings = (*WORLD_SETTINGS, *PERCEPTION_SETTINGS, *TEACHER_SETTINGS, *learner_settings(load_task(DEFAULT_TASK)))
+    return frozenset(setting.name for setting in settings)

@@ -1,0 +1,65 @@
+"""Be the teacher: shows each question and publishes what you type, for those without the `ros2` command.
+
+    python3 docs/examples/answer_by_hand.py --ros-args -r __ns:=/my_robot
+
+Type a symbol, `none`, an object's number, feature groups with commas between, `?` or `skip`.
+"""
+
+import json
+import threading
+
+import rclpy
+from rclpy.executors import ExternalShutdownException
+from rclpy.node import Node
+from rclpy.qos import DurabilityPolicy, QoSProfile
+from std_msgs.msg import String
+
+
+class AnswerByHand(Node):
+    """Prints queries and acknowledgements; `say` answers."""
+
+    def __init__(self) -> None:
+        super().__init__('answer_by_hand')
+        latched = QoSProfile(depth=1, durability=DurabilityPolicy.TRANSIENT_LOCAL)
+        self.answers = self.create_publisher(String, 'answer', 10)
+        self.create_subscription(String, 'query', self.show_query, latched)
+        self.create_subscription(String, 'answer_ack', self.show_ack, 10)
+
+    def show_query(self, message: String) -> None:
+        """Print a question and what would answer it."""
+        query = json.loads(message.data)
+        print(f'\n{query["text"]}  [{" ".join(query["choices"])} | none ? skip]')
+
+    def show_ack(self, message: String) -> None:
+        """Print why an answer was not taken."""
+        ack = json.loads(message.data)
+        if not ack['accepted']:
+            print(f'not taken: {ack["reason"]}')
+
+    def say(self, word: str) -> None:
+        """Publish an answer."""
+        self.answers.publish(String(data=word))
+
+
+def spin(node: Node) -> None:
+    """Spin until the end."""
+    try:
+        rclpy.spin(node)
+    except ExternalShutdownException:
+        return
+
+
+def main() -> None:
+    """Read answers until the input ends."""
+    rclpy.init()
+    node = AnswerByHand()
+    threading.Thread(target=spin, args=(node,), daemon=True).start()
+    try:
+        while True:
+            node.say(input())
+    except (EOFError, KeyboardInterrupt):
+        rclpy.try_shutdown()
+
+
+if __name__ == '__main__':
+    main()
