@@ -6,16 +6,12 @@ EU(a) = w . E[phi | a]: the expectation is taken once, whatever the weights.
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
-
 import numpy as np
 
 from al_questioner.domain import DECISION_FEATURES, Action, QueryKind
 from al_questioner.questioning import decision_features as phi
 from al_questioner.questioning.decision_features import Array
-
-if TYPE_CHECKING:
-    from al_questioner.questioning.situation import Situation
+from al_questioner.questioning.situation import Situation
 
 INSTANCE_QUERIES = (QueryKind.LABEL, QueryKind.DEMONSTRATION)
 

@@ -11,7 +11,6 @@ from numpy.typing import NDArray
 from al_questioner.concepts import Knowledge
 from al_questioner.domain import Action, Costs, QueryRecord, Scene
 from al_questioner.questioning.candidates import candidates
-from al_questioner.questioning.expected_utility import expected_features
 
 
 @dataclass(frozen=True, eq=False)
@@ -61,11 +60,6 @@ class Situation:
         """Budget before the action."""
         return max(0.0, self.budget - self.spent)
 
-    @property
-    def turns_since_change(self) -> int:
-        """Turns since the scene was seen to change; 0 in the turn of the change and in the first turn."""
-        return self.turn - self.scene_turn
-
     @cached_property
     def candidates(self) -> tuple[Action, ...]:
         """The affordable actions: DQ by symbol, LQ by object, FSQ, NQ."""
@@ -80,8 +74,3 @@ class Situation:
     def labelled(self) -> NDArray[np.bool_]:
         """(|X|,) whether this view of each object has been labelled already."""
         return self.knowledge.is_labelled(self.scene)
-
-    @cached_property
-    def expected_features(self) -> NDArray[np.float64]:
-        """(C, 7) expected decision features of each candidate."""
-        return expected_features(self)

@@ -12,6 +12,7 @@ from al_questioner.domain import DECISION_FEATURES, QueryKind, SettingsError
 from al_questioner.questioning.choice import Choice, Strategy, choose_best, nothing_considered
 from al_questioner.questioning.controls import Farthest, RandomLabel, RarestDemonstration, UncertainUnlabelled
 from al_questioner.questioning.decision_features import prediction_entropy
+from al_questioner.questioning.expected_utility import expected_features
 from al_questioner.questioning.situation import Situation
 
 IROS_FEATURES = DECISION_FEATURES[:2]
@@ -46,7 +47,7 @@ class DecisionTheoretic:
 
     def choose(self, situation: Situation, rng: np.random.Generator) -> Choice:
         """The best of all candidates; the choice carries their expected features."""
-        features = situation.expected_features
+        features = expected_features(situation)
         return choose_best(situation, features @ self.weights, rng, features)
 
 

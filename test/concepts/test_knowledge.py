@@ -64,6 +64,23 @@ def test_same_view_counts_once_in_the_statistics(scene):
     assert once.model_version == often.model_version == 3
 
 
+def test_what_stays_beside_something_new_is_not_counted_again():
+    """On a table where half of the things stay, the statistics would lean towards those that stay longest."""
+    rng = np.random.default_rng(4)
+    old, new = rng.normal(size=(6, 4)), rng.normal(loc=9, size=(2, 4))
+    gradually = Knowledge(SYMBOLS)
+    gradually.observe(scene_of(old))
+    gradually.observe(scene_of(np.concatenate([old[:4], new]), object_ids=(0, 1, 2, 3, 6, 7)))
+    at_once = Knowledge(SYMBOLS)
+    at_once.observe(scene_of(np.concatenate([old, new])))
+    probe = scene_of(rng.normal(size=(5, 4)))
+    for knowledge in (gradually, at_once):
+        knowledge.label(0, np.asarray(old[0], np.float32), SYMBOLS[0], 1)
+    np.testing.assert_allclose(
+        gradually.predict_proba(probe.features), at_once.predict_proba(probe.features), atol=1e-9
+    )
+
+
 def test_looking_at_the_models_leaves_no_trace(scene):
     """A learner that is watched must stay equal to one that is not, the version of its models included."""
     plain, watched = Knowledge(SYMBOLS), Knowledge(SYMBOLS)

@@ -182,6 +182,9 @@ def test_what_is_settled_is_not_asked_again(toy):
         Action(QueryKind.DEMONSTRATION, symbol='snack'),
         Action(QueryKind.DEMONSTRATION, symbol='main_dish'),
     }
+    assert settled_actions(situation_of(toy, history=history, scene_turn=2)) == settled_actions(
+        situation_of(toy, history=history)
+    ), 'what went unanswered in the very turn of the change'
     assert settled_actions(situation_of(toy, history=history, scene_turn=3)) == {subset}
 
 

@@ -135,7 +135,7 @@ def test_a_dataset_section_must_fit_the_symbols(tmp_path: Path, dataset: dict[st
 def test_source_and_dataset_directory_must_agree(kitchen: Task, tmp_path: Path) -> None:
     with pytest.raises(InputError, match='task kitchen_table is simulated: it takes no dataset'):
         make_world(kitchen, 1, dataset=tmp_path)
-    with pytest.raises(InputError, match='task uw_lunchbox needs a dataset: give its directory with --dataset DIR'):
+    with pytest.raises(InputError, match='task uw_lunchbox needs a dataset: give its directory'):
         make_world(load_task('uw_lunchbox'), 1)
 
 
