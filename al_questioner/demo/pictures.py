@@ -112,7 +112,7 @@ def _scene(result: EpisodeResult, world: PerceivedWorld) -> Figure:
     marks = {record.object_id: _mark(record) for record in about[best] if record.object_id is not None}
     picture = draw_scene(world.observations(starts[best]), marks).image
     height, width, _ = picture.shape
-    figure, axes = plt.subplots(figsize=(9, 9 * height / width + 0.45))
+    figure, axes = plt.subplots(figsize=(9, 9 * height / width + 0.3))
     axes.imshow(picture)
     axes.set_axis_off()
     count = Counter(record.kind for record in about[best])

@@ -14,6 +14,7 @@ from al_questioner.world.drawing.images import blurred, resized
 from al_questioner.world.drawing.texture import TABLE_TILE_M, table_top
 
 RGB = tuple[int, int, int]
+Extent = tuple[int, int, int, int]
 
 
 @dataclass(frozen=True)
@@ -74,9 +75,15 @@ def draw_scene(
     }
     extents = {o.object_id: _paste(image, o.view, pixels[o.object_id], scale) for o in order}
     canvas = np.clip(image, 0, 255).astype(np.uint8)
+    zoom = width_px / 1280
+    marked = {o.object_id: mark for o in order if (mark := (marks or {}).get(o.object_id)) is not None}
+    # Plates last, and those of the answers after all others: nothing may hide what the picture is about.
+    for object_id, mark in marked.items():
+        _ring(canvas, extents[object_id], mark, zoom)
     for o in order:
-        mark = (marks or {}).get(o.object_id)
-        _annotate(canvas, o.object_id, pixels[o.object_id], extents[o.object_id], mark, width_px / 1280)
+        _number(canvas, o.object_id, extents[o.object_id], marked.get(o.object_id), zoom)
+    for object_id, mark in marked.items():
+        _label(canvas, extents[object_id], mark, zoom)
     return TablePicture(canvas, pixels)
 
 
@@ -135,25 +142,25 @@ def _overlap(image: FloatArray, patch: FloatArray, x: int, y: int) -> tuple[Floa
     return image[top:bottom, left:right], patch[top - y : bottom - y, left - x : right - x]
 
 
-def _annotate(
-    canvas: NDArray[np.uint8],
-    object_id: int,
-    middle: tuple[int, int],
-    extent: tuple[int, int, int, int],
-    mark: Mark | None,
-    zoom: float,
-) -> None:
+def _ring(canvas: NDArray[np.uint8], extent: Extent, mark: Mark, zoom: float) -> None:
     left, top, right, bottom = extent
-    if mark is not None:
-        axes = int(0.56 * (right - left)) + 8, int(0.56 * (bottom - top)) + 8
-        center = (left + right) // 2, (top + bottom) // 2
-        cv2.ellipse(canvas, center, axes, 0, 0, 360, (255, 255, 255), round(6 * zoom), cv2.LINE_AA)
-        cv2.ellipse(canvas, center, axes, 0, 0, 360, mark.color, max(1, round(3.5 * zoom)), cv2.LINE_AA)
-        if mark.label:
-            _tag(canvas, mark.label, (center[0], bottom + round(14 * zoom)), mark.color, (255, 255, 255), 0.46 * zoom)
+    axes = int(0.56 * (right - left)) + 8, int(0.56 * (bottom - top)) + 8
+    center = (left + right) // 2, (top + bottom) // 2
+    cv2.ellipse(canvas, center, axes, 0, 0, 360, (255, 255, 255), round(6 * zoom), cv2.LINE_AA)
+    cv2.ellipse(canvas, center, axes, 0, 0, 360, mark.color, max(1, round(3.5 * zoom)), cv2.LINE_AA)
+
+
+def _number(canvas: NDArray[np.uint8], object_id: int, extent: Extent, mark: Mark | None, zoom: float) -> None:
     color = (250, 250, 250) if mark is None else mark.color
     ink = (30, 30, 30) if mark is None else (255, 255, 255)
-    _tag(canvas, str(object_id), (left + round(4 * zoom), top + round(6 * zoom)), color, ink, 0.46 * zoom)
+    corner = extent[0] + round(4 * zoom), extent[1] + round(6 * zoom)
+    _tag(canvas, str(object_id), corner, color, ink, 0.46 * zoom)
+
+
+def _label(canvas: NDArray[np.uint8], extent: Extent, mark: Mark, zoom: float) -> None:
+    if mark.label:
+        below = (extent[0] + extent[2]) // 2, extent[3] + round(14 * zoom)
+        _tag(canvas, mark.label, below, mark.color, (255, 255, 255), 0.46 * zoom)
 
 
 def _tag(canvas: NDArray[np.uint8], text: str, middle: tuple[int, int], ground: RGB, ink: RGB, scale: float) -> None:

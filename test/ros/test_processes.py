@@ -16,6 +16,7 @@ import pytest
 
 ROOT = Path(__file__).resolve().parents[2]
 DEADLINE = 90
+CROPS = ROOT.parent / 'shared' / 'data' / 'tabletop_rgbd' / 'crops' / 'rgbd-dataset'
 SMALL = ['--task', 'prepare_lunch', '--budget', '6', '--turns', '7', '--seed', '4']
 PAPER = ['--task', 'prepare_lunch', '--budget', '25', '--turns', '40', '--seed', '7']
 STRATEGIES = [
@@ -69,6 +70,16 @@ def test_one_process_plays_the_offline_episode(tmp_path: Path) -> None:
     """Nodes composed into one process would behave otherwise."""
     one = play(tmp_path, 'one', *SMALL, '--strategy', 'random_fsq', '--one-process', '--namespace', '/a/robot_1/')
     assert one == play(tmp_path, 'offline', *SMALL, '--strategy', 'random_fsq', '--offline')
+
+
+@pytest.mark.skipif(not CROPS.is_dir(), reason='the real RGB-D crops are not beside this checkout')
+def test_real_crops_are_learnt_through_the_graph(tmp_path: Path) -> None:
+    """The robot would learn from drawings alone."""
+    crops = ['--task', 'tabletop', '--dataset', str(CROPS), '--budget', '15', '--turns', '20', '--seed', '3']
+    graph = play(tmp_path, 'graph', *crops)
+    assert graph == play(tmp_path, 'offline', *crops, '--offline')
+    assert graph['final_accuracy'] > 2 / 5
+    assert graph['dataset_report'][-1] == 'skipped in all: 0'
 
 
 @pytest.mark.slow
