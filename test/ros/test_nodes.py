@@ -13,7 +13,7 @@ from sensor_msgs.msg import Image, PointCloud2
 from std_msgs.msg import String
 from visualization_msgs.msg import MarkerArray
 
-from al_questioner.domain import DECISION_FEATURES, InputError, generator
+from al_questioner.domain import DECISION_FEATURES, generator
 from al_questioner.messages.clouds import decision_of_cloud, scene_of_cloud
 from al_questioner.questioning import STRATEGIES, Episode
 from al_questioner.ros import qos
@@ -335,13 +335,6 @@ def test_scenes_older_than_the_turn_are_reported(graph: Any) -> None:
     graph.wait_for(reported, 'a warning')
 
 
-def test_misspelt_parameters_are_refused(graph: Any) -> None:
-    """`-p bugdet:=20` would be ignored in silence."""
-    for node in (LearnerNode, PerceptionNode, TeacherNode):
-        with pytest.raises(InputError, match=r'unknown parameter bugdet; known: .*seed'):
-            graph.start(node, task=TASK, bugdet=20)
-
-
 def test_nodes_of_other_worlds_do_not_answer(graph: Any) -> None:
     """Perception with another seed would show a scene that the teacher does not know."""
     diagnostics = graph.listen('diagnostics', DiagnosticArray, qos.DIAGNOSTICS, '/diagnostics')
@@ -394,41 +387,6 @@ def test_lost_answers_are_repeated(graph: Any) -> None:
     mouth.publish(String(data=json.dumps({'schema': 'al_questioner/query/1', 'episode_id': 'e', **members})))
     graph.wait_for(lambda: len(answers) >= 3, 'the third time of the same answer')
     assert len({json.dumps(each) for each in answers}) == 1
-
-
-@pytest.mark.parametrize(
-    ('parameters', 'reason'),
-    [
-        ({'task': 'prepare_luch'}, 'unknown task'),
-        ({'strategy': 'clever'}, 'unknown strategy'),
-        ({'budget': -1.0}, 'budget must lie in'),
-        ({'budget': float('nan')}, 'budget must be a finite number'),
-        ({'budget': 'much'}, 'budget must be of type float'),
-        ({'turns': 0}, 'turns must lie in'),
-        ({'turns': 2.5}, 'turns must be of type int'),
-        ({'seed': -3}, 'seed must lie in'),
-        ({'weights_file': '/no/such/file.yaml'}, 'no/such/file'),
-        ({'amplitude': 0.0}, 'amplitude must lie in'),
-    ],
-)
-def test_parameters_that_cannot_be_used_are_named(graph: Any, parameters: dict[str, Any], reason: str) -> None:
-    """An episode with other settings than those asked for would be played."""
-    with pytest.raises(InputError, match=reason) as caught:
-        graph.start(LearnerNode, **{**EPISODE, **parameters})
-    assert '\n' not in str(caught.value)
-
-
-def test_parameters_are_described_and_fixed(graph: Any) -> None:
-    """`ros2 param describe` would tell nothing, or a change in flight would be taken and ignored."""
-    learner = graph.start(LearnerNode, **{**EPISODE, 'budget': 6})
-    for name in ('budget', 'turns', 'strategy', 'turn_period', 'task', 'seed'):
-        descriptor = learner.describe_parameter(name)
-        assert descriptor.description
-        assert descriptor.read_only
-    budget = learner.describe_parameter('budget')
-    assert budget.floating_point_range[0].from_value == 0.0
-    assert 'cost of a label query' in budget.description
-    assert learner.get_parameter('budget').value == 6.0
 
 
 def test_scene_of_the_graph_is_the_scene_offline(graph: Any) -> None:

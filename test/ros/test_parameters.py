@@ -3,15 +3,21 @@
 from __future__ import annotations
 
 from pathlib import Path
+from typing import Any
 
 import pytest
 
 from al_questioner.configuration import config_dir, read_yaml
 from al_questioner.domain import InputError
+from al_questioner.ros.learner import LearnerNode
 from al_questioner.ros.parameters import Setting, help_text
+from al_questioner.ros.perception import PerceptionNode
 from al_questioner.ros.settings import PERCEPTION_SETTINGS, TEACHER_SETTINGS, WORLD_SETTINGS, learner_settings
+from al_questioner.ros.teacher import TeacherNode
 from al_questioner.world import load_task
 
+TASK = 'prepare_lunch'
+EPISODE = {'task': TASK, 'seed': 4, 'budget': 6.0, 'turns': 8, 'strategy': 'random_fsq'}
 FILES = sorted((config_dir() / 'params').glob('*.yaml'))
 
 
@@ -51,3 +57,45 @@ def test_help_names_every_parameter() -> None:
     for setting in learner_settings(load_task('prepare_lunch')):
         assert f'  {setting.name} ' in text
     assert '[cost of a label query]' in text
+
+
+def test_misspelt_parameters_are_refused(graph: Any) -> None:
+    """`-p bugdet:=20` would be ignored in silence."""
+    for node in (LearnerNode, PerceptionNode, TeacherNode):
+        with pytest.raises(InputError, match=r'unknown parameter bugdet; known: .*seed'):
+            graph.start(node, task=TASK, bugdet=20)
+
+
+@pytest.mark.parametrize(
+    ('parameters', 'reason'),
+    [
+        ({'task': 'prepare_luch'}, 'unknown task'),
+        ({'strategy': 'clever'}, 'unknown strategy'),
+        ({'budget': -1.0}, 'budget must lie in'),
+        ({'budget': float('nan')}, 'budget must be a finite number'),
+        ({'budget': 'much'}, 'budget must be of type float'),
+        ({'turns': 0}, 'turns must lie in'),
+        ({'turns': 2.5}, 'turns must be of type int'),
+        ({'seed': -3}, 'seed must lie in'),
+        ({'weights_file': '/no/such/file.yaml'}, 'no/such/file'),
+        ({'amplitude': 0.0}, 'amplitude must lie in'),
+    ],
+)
+def test_parameters_that_cannot_be_used_are_named(graph: Any, parameters: dict[str, Any], reason: str) -> None:
+    """An episode with other settings than those asked for would be played."""
+    with pytest.raises(InputError, match=reason) as caught:
+        graph.start(LearnerNode, **{**EPISODE, **parameters})
+    assert '\n' not in str(caught.value)
+
+
+def test_parameters_are_described_and_fixed(graph: Any) -> None:
+    """`ros2 param describe` would tell nothing, or a change in flight would be taken and ignored."""
+    learner = graph.start(LearnerNode, **{**EPISODE, 'budget': 6})
+    for name in ('budget', 'turns', 'strategy', 'turn_period', 'task', 'seed'):
+        descriptor = learner.describe_parameter(name)
+        assert descriptor.description
+        assert descriptor.read_only
+    budget = learner.describe_parameter('budget')
+    assert budget.floating_point_range[0].from_value == 0.0
+    assert 'cost of a label query' in budget.description
+    assert learner.get_parameter('budget').value == 6.0
