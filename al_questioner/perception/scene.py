@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 import numpy as np
+from numpy.typing import NDArray
 
 from al_questioner.domain import InputError, Observation, Scene, SceneError
 from al_questioner.perception.features import VIEW_FEATURE_NAMES, view_features
@@ -32,7 +33,7 @@ def perceive(observations: Sequence[Observation]) -> Scene:
     )
 
 
-def _features(observation: Observation, sensor_names: tuple[str, ...]) -> np.ndarray:
+def _features(observation: Observation, sensor_names: tuple[str, ...]) -> NDArray[np.float32]:
     sensors = observation.sensors
     if different := sorted(set(sensors) ^ set(sensor_names)):
         raise InputError(

@@ -99,7 +99,9 @@ def render(solid: Solid, pose: Pose, lighting: Lighting, camera: CameraParameter
 def _paint(stacks: Sequence[Stack], placed: Sequence[FloatArray], projection: Projection) -> Painting:
     """Paint the polygons in order; each fine pixel keeps the number of the last polygon that covers it."""
     canvas = np.zeros((FINE * projection.shape[0], FINE * projection.shape[1]), dtype=np.int32)
-    heights, parts, tones = [np.zeros(1, np.float32)], [np.zeros(1, np.intp)], [np.ones(1, np.float32)]
+    heights: list[FloatArray] = [np.zeros(1, np.float32)]
+    tones: list[FloatArray] = [np.ones(1, np.float32)]
+    parts = [np.zeros(1, np.intp)]
     painted = 1
     for stack, points, polygons in zip(stacks, placed, projection.pixels_of_all(placed), strict=True):
         heights.append(points[..., 2].mean(axis=1) + np.float32(0.5 * stack.stroke * projection.pose.size))
@@ -151,7 +153,7 @@ def _table_picture(
     patch = tile[row : row + height, column : column + width]
     picture = resized(patch, (columns, rows))
 
-    shadow = np.zeros((rows // 2 + 1, columns // 2 + 1), dtype=np.float32)
+    shadow: FloatArray = np.zeros((rows // 2 + 1, columns // 2 + 1), dtype=np.float32)
     slope = lighting.toward[:2] / lighting.toward[2]
     casts = []
     for stack, points in zip(stacks, placed, strict=True):

@@ -7,6 +7,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from al_questioner.domain import FloatArray
 from al_questioner.world.drawing.geometry import Solid, ball_profile, rounded_rectangle, unit_circle
 from al_questioner.world.drawing.texture import Color, Decal, Material, label_image, shifted
 
@@ -58,7 +59,7 @@ class Print:
     word: str
     motif: str = 'disc'
 
-    def image(self, look: Look, repeats: int = 2) -> np.ndarray:
+    def image(self, look: Look, repeats: int = 2) -> FloatArray:
         """The label of one thing: the same in all its views."""
         ground, ink, accent = (look.color(c) for c in self.designs[int(look.variant * len(self.designs))])
         return label_image(ground, ink, accent, self.word, look.variant, repeats, self.motif)
