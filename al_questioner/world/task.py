@@ -172,13 +172,11 @@ class DatasetParameters:
         categories: symbol, or 'none' for clutter, by category; other categories are left out.
         weights_kg: nominal weight by category, for the simulated scales.
         test_share: share of the objects of a category (of the views, if there is but one) that is held out.
-        max_views: observations to read per category at most; 0 for all.
     """
 
     categories: Mapping[str, str] = setting(table_of(text))
     weights_kg: Mapping[str, float] = setting(table_of(number(0, 100)), _EMPTY)
     test_share: float = setting(number(0.01, 0.99), 1 / 3)
-    max_views: int = setting(whole(0, 1_000_000), 0)
 
 
 @dataclass(frozen=True)

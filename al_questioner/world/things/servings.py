@@ -6,15 +6,13 @@ import numpy as np
 
 from al_questioner.world.drawing.geometry import rounded_rectangle, unit_circle
 from al_questioner.world.things.fillings import heap, ring_slices, wedges
-from al_questioner.world.things.palette import BISCUIT, BROWN, CREAM, GREEN, LEMON, LIME, ORANGE, PAPER, RED, TOMATO
+from al_questioner.world.things.palette import BISCUIT, BROWN, CREAM, GREEN, ORANGE, PAPER, RED, TOMATO
 
 _CRISP = unit_circle(10) * np.array([0.021, 0.016], dtype=np.float32)
 _COOKIE = unit_circle(16) * 0.026
 _GRAIN = unit_circle(8) * np.array([0.006, 0.003], dtype=np.float32)
 _NUT = unit_circle(8) * np.array([0.011, 0.006], dtype=np.float32)
 _LEAFLET = unit_circle(9) * np.array([0.022, 0.014], dtype=np.float32)
-_STICK = rounded_rectangle(0.055, 0.009, 0.002)
-_CRACKER = rounded_rectangle(0.042, 0.042, 0.005)
 _TRIANGLE = np.array([[0.03, 0], [-0.017, 0.026], [-0.017, -0.026]], dtype=np.float32)
 _CUBE = rounded_rectangle(0.018, 0.016, 0.003)
 _TUBE = rounded_rectangle(0.03, 0.01, 0.004)
@@ -22,8 +20,6 @@ _TUBE = rounded_rectangle(0.03, 0.01, 0.004)
 crisps = heap(((0.93, 0.76, 0.35), (0.97, 0.83, 0.45)), _CRISP, 26, peak=0.028, tilt=0.25)
 cookies = heap((BISCUIT, (0.7, 0.48, 0.24)), _COOKIE, 9, peak=0.024, thickness=0.008, chips=BROWN)
 nuts = heap(((0.66, 0.42, 0.2), (0.8, 0.58, 0.32)), _NUT, 40, peak=0.014, thickness=0.006)
-pretzels = heap(((0.55, 0.29, 0.1), (0.65, 0.38, 0.15)), _STICK, 22, peak=0.022, thickness=0.006)
-crackers = heap(((0.88, 0.66, 0.3), (0.93, 0.74, 0.4)), _CRACKER, 9, peak=0.02, thickness=0.004)
 last_cookies = heap((BISCUIT,), _COOKIE, 2, peak=0.01, thickness=0.008, chips=BROWN)
 popcorn = heap(((0.97, 0.93, 0.78), (0.95, 0.85, 0.55)), unit_circle(7) * 0.009, 46, peak=0.034, thickness=0.007)
 nachos = heap(((0.93, 0.66, 0.2), (0.88, 0.58, 0.16)), _TRIANGLE, 18, peak=0.024, thickness=0.002, tilt=0.3)
@@ -31,12 +27,6 @@ salad = heap((GREEN, (0.45, 0.7, 0.25), TOMATO), _LEAFLET, 34, peak=0.03, tilt=0
 rice = heap((PAPER, CREAM), _GRAIN, 60, peak=0.02, thickness=0.0015, bed=0.9)
 curry = heap(((0.8, 0.5, 0.12), (0.72, 0.38, 0.1)), _CUBE, 20, peak=0.014, thickness=0.008)
 macaroni = heap(((0.95, 0.7, 0.2), (0.97, 0.77, 0.3)), _TUBE, 36, peak=0.022, thickness=0.007, shine=0.3)
-fries = heap(((0.95, 0.76, 0.3), (0.9, 0.68, 0.24)), _STICK, 34, peak=0.034, thickness=0.008)
-fruit_cubes = heap(((0.9, 0.3, 0.25), LEMON, LIME), _CUBE, 26, peak=0.024, thickness=0.012, shine=0.25)
-raisins = heap(((0.25, 0.12, 0.13), (0.33, 0.16, 0.14)), unit_circle(7) * 0.007, 40, peak=0.014, thickness=0.005)
-carrots = heap((ORANGE,), _STICK, 16, peak=0.018, thickness=0.009)
 banana_slices = ring_slices((0.93, 0.83, 0.4), (0.97, 0.92, 0.7), (0.85, 0.76, 0.5), 0.0155)
 orange_slices = ring_slices(ORANGE, (0.97, 0.66, 0.2), CREAM, 0.03, 6)
-kiwi_slices = ring_slices(BROWN, (0.5, 0.7, 0.2), CREAM, 0.022, 7)
 apple_wedges = wedges(RED, (0.96, 0.92, 0.75))
-pear_wedges = wedges(LIME, (0.96, 0.94, 0.82))

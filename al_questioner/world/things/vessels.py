@@ -42,7 +42,6 @@ Filling = Callable[[Solid, float, float, Look, np.random.Generator], None]
 
 WHITE: Color = (0.9, 0.9, 0.88)
 STEEL: Color = (0.62, 0.63, 0.66)
-CARDBOARD: Color = (0.72, 0.58, 0.4)
 
 
 @dataclass(frozen=True)
