@@ -22,15 +22,8 @@ class Standardiser:
     def __init__(self, n_features: int) -> None:
         self.count = 0
         self.mean: Array = np.zeros(n_features)
+        self.scale: Array = np.ones(n_features)
         self._squared_deviations: Array = np.zeros(n_features)
-
-    @property
-    def scale(self) -> Array:
-        """(m,) what a deviation from the mean is divided by."""
-        deviation = np.sqrt(self._squared_deviations / max(self.count, 1))
-        # Observations are float32: a spread below their resolution is rounding, and must not be blown up.
-        varies = deviation > np.finfo(np.float32).eps * np.abs(self.mean)
-        return np.where(varies, deviation, 1.0)
 
     def update(self, features: FloatArray) -> None:
         """Take in (n, m) observations, by the pairwise update of Chan, Golub and LeVeque (1983).
@@ -48,6 +41,10 @@ class Standardiser:
         self._squared_deviations += shift**2 * (self.count * len(batch) / total)
         self.mean = self.mean + shift * (len(batch) / total)
         self.count = total
+        deviation = np.sqrt(self._squared_deviations / total)
+        # Observations are float32: a spread below their resolution is rounding, and must not be blown up.
+        varies = deviation > np.finfo(np.float32).eps * np.abs(self.mean)
+        self.scale = np.where(varies, deviation, 1.0)
 
     def transform(self, features: FloatArray) -> Array:
         """(n, m) float64 standardised features.
