@@ -55,6 +55,7 @@ class Knowledge:
             raise InputError(f'view_tolerance must be a number of 0 or more, not {view_tolerance}')
         self.symbols = tuple(symbols)
         self.feature_names: tuple[str, ...] = ()
+        self.groups: tuple[str, ...] = ()
         self.labelled_views: list[LabelledView] = []
         self._models = ConceptModels(self.symbols, amplitude, length_scale)
         self._computational_selection = computational_selection
@@ -65,11 +66,6 @@ class Knowledge:
         self._version = 0
         self._fitted_version = -1
         self._active: NDArray[np.bool_] = np.ones(0, dtype=bool)
-
-    @property
-    def groups(self) -> tuple[str, ...]:
-        """The feature groups, in the order of the features."""
-        return tuple(dict.fromkeys(group_of(name) for name in self.feature_names))
 
     @property
     def positives(self) -> dict[str, int]:
@@ -104,6 +100,7 @@ class Knowledge:
         """
         if not self.feature_names:
             self.feature_names = scene.feature_names
+            self.groups = tuple(dict.fromkeys(group_of(name) for name in scene.feature_names))
             self._standardiser = Standardiser(len(scene.feature_names))
         elif scene.feature_names != self.feature_names:
             raise SceneError(_layout_difference(self.feature_names, scene.feature_names))
@@ -192,20 +189,18 @@ class Knowledge:
 
     def times_labelled(self, scene: Scene) -> NDArray[np.intp]:
         """(n,) how often this view of each object has been labelled."""
-        times = np.zeros(len(scene), dtype=np.intp)
-        for row, object_id in enumerate(scene.object_ids):
-            known = [view.features for view in self.labelled_views if view.object_id == object_id]
-            times[row] = sum(self._same_view(features, scene.features[row]) for features in known)
-        return times
+        labelled_ids = np.array([view.object_id for view in self.labelled_views], dtype=np.intp)
+        rows, named = np.nonzero(np.array(scene.object_ids)[:, None] == labelled_ids)
+        known = [self.labelled_views[i].features for i in named]
+        features = np.array(known, dtype=np.float32).reshape(len(named), len(self.feature_names))
+        return np.bincount(rows[self._same_views(features, scene.features[rows])], minlength=len(scene))
 
     def is_unchanged(self, before: Scene, after: Scene) -> bool:
         """Whether two scenes show the same views of the same objects."""
         if set(before.object_ids) != set(after.object_ids):
             return False
-        return all(
-            self._same_view(before.features[before.index_of(object_id)], after.features[row])
-            for row, object_id in enumerate(after.object_ids)
-        )
+        rows = [before.index_of(object_id) for object_id in after.object_ids]
+        return bool(self._same_views(before.features[rows], after.features).all())
 
     def distance_to_labelled(self, scene: Scene) -> Array:
         """(n,) distance of each object to the nearest labelled view in the features in use; 0 without labels.
@@ -239,9 +234,11 @@ class Knowledge:
         rows = [view.features for view in self.labelled_views]
         return np.array(rows, dtype=np.float64).reshape(len(rows), len(self.feature_names))
 
-    def _same_view(self, first: FloatArray, second: FloatArray) -> bool:
+    def _same_views(self, first: FloatArray, second: FloatArray) -> NDArray[np.bool_]:
+        """(k,) whether each of (k, m) raw features shows the same view as its counterpart."""
         difference = (first.astype(np.float64) - second) / self._standardiser.scale
-        return bool(np.sqrt(np.mean(difference**2)) <= self._view_tolerance)
+        same: NDArray[np.bool_] = np.sqrt(np.mean(difference**2, axis=1)) <= self._view_tolerance
+        return same
 
 
 def _layout_difference(expected: tuple[str, ...], actual: tuple[str, ...]) -> str:
