@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from al_questioner.domain import DECISION_FEATURES, Action, QueryKind
+from al_questioner.domain import DECISION_FEATURES, QueryKind
 from al_questioner.questioning import decision_features as phi
 from al_questioner.questioning.decision_features import Array
 from al_questioner.questioning.situation import Situation
@@ -29,7 +29,7 @@ def expected_features(situation: Situation) -> Array:
     positives = np.array(list(situation.knowledge.positives.values()))
     expected = np.empty((len(actions), len(DECISION_FEATURES)))
     expected[:, :4] = task_features(q, positives)
-    expected[:, 4:] = [environment_features(situation, action) for action in actions]
+    expected[:, 4:] = environment_features(situation)
 
     if any(action.kind in INSTANCE_QUERIES for action in actions):
         after = task_features(situation.knowledge.look_ahead(scene), positives + np.eye(len(positives), dtype=int))
@@ -67,13 +67,14 @@ def task_features(q: Array, positives: Array) -> Array:
     return np.stack(np.broadcast_arrays(*parts), axis=-1)
 
 
-def environment_features(situation: Situation, action: Action) -> Array:
-    """(3,) budget consumption, remaining time and non-query time after the action."""
-    idle = situation.non_query_turns + 1 if action.kind is QueryKind.NO_QUERY else 0
-    return np.array(
-        [
-            phi.budget_consumption(situation.spent + situation.costs.of(action.kind), situation.budget),
-            phi.remaining_time(situation.turns_left, situation.turns),
-            phi.non_query_time(idle, situation.change_interval),
-        ]
+def environment_features(situation: Situation) -> Array:
+    """(C, 3) budget consumption, remaining time and non-query time after each candidate."""
+    kinds = [action.kind for action in situation.candidates]
+    spent = [situation.spent + situation.costs.of(kind) for kind in kinds]
+    idle = [situation.non_query_turns + 1 if kind is QueryKind.NO_QUERY else 0 for kind in kinds]
+    parts = (
+        phi.budget_consumption(spent, situation.budget),
+        phi.remaining_time(situation.turns_left, situation.turns),
+        phi.non_query_time(idle, situation.change_interval),
     )
+    return np.stack(np.broadcast_arrays(*parts), axis=-1)
