@@ -7,6 +7,7 @@ all come from that one height map, and agree. Lengths are in metres, z is up, th
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterator
 from contextlib import contextmanager
 from dataclasses import dataclass, field
@@ -55,11 +56,13 @@ def unit_circle(corners: int = 28) -> FloatArray:
 def resample(profile: ArrayLike, spacing: float = SPACING) -> FloatArray:
     """Points along a polyline (k, d), at most `spacing` apart, both ends included."""
     points = np.asarray(profile, dtype=float)
-    lengths = np.r_[0, np.cumsum(np.linalg.norm(np.diff(points, axis=0), axis=1))]
-    steps = np.linspace(0, lengths[-1], max(2, int(np.ceil(lengths[-1] / spacing)) + 1))
-    return np.stack([np.interp(steps, lengths, points[:, i]) for i in range(points.shape[1])], axis=1).astype(
-        np.float32
-    )
+    lengths = np.zeros(len(points))
+    np.sqrt(((points[1:] - points[:-1]) ** 2).sum(axis=1)).cumsum(out=lengths[1:])
+    steps = np.linspace(0, lengths[-1], max(2, math.ceil(lengths[-1] / spacing) + 1))
+    along = np.empty((len(steps), points.shape[1]), dtype=np.float32)
+    for axis in range(points.shape[1]):
+        along[:, axis] = np.interp(steps, lengths, points[:, axis])
+    return along
 
 
 def rounded_rectangle(width: float, depth: float, radius: float) -> FloatArray:
@@ -119,7 +122,7 @@ class Solid:
     ) -> None:
         """Add polygons (n, k, 3) as they are, or open lines of the width `stroke`."""
         corners = np.asarray(polygons, dtype=np.float32)
-        tones = np.broadcast_to(np.asarray(tone, dtype=np.float32), corners.shape[:1])
+        tones = np.full(len(corners), tone, dtype=np.float32)
         self.stacks.append(Stack(corners, part, tones, convex, self._opening, stroke))
 
     def lathe(
@@ -209,13 +212,15 @@ class Solid:
         largest = float(radii.max())
         count = max(4, int(np.ceil(2 * largest * flat / SPACING)))
         levels = np.sin(np.linspace(-np.pi / 2, np.pi / 2, count + 1)[1:-1]) * largest
+        # At each level the tube begins and ends where it is wide enough to reach it.
+        reached = radii >= np.abs(levels)[:, None]
+        first, last = reached.argmax(axis=1), len(points) - 1 - reached[:, ::-1].argmax(axis=1)
+        along = np.clip(np.arange(len(points)), first[:, None], last[:, None])
+        width = np.sqrt(np.maximum(radii[along] ** 2 - levels[:, None] ** 2, 0))
+        middles, sides = points[along], normals[along] * width[..., None]
         polygons = np.empty((len(levels), 2 * len(points), 3), dtype=np.float32)
-        for polygon, level in zip(polygons, levels, strict=True):
-            reached = np.flatnonzero(radii >= abs(level))
-            along = np.clip(np.arange(len(points)), reached[0], reached[-1])
-            width = np.sqrt(np.maximum(radii[along] ** 2 - level**2, 0))[:, None]
-            polygon[: len(points), :2] = points[along] + normals[along] * width
-            polygon[len(points) :, :2] = (points[along] - normals[along] * width)[::-1]
+        polygons[:, : len(points), :2] = middles + sides
+        polygons[:, len(points) :, :2] = (middles - sides)[:, ::-1]
         polygons[..., 2] = (low + (levels + largest) * flat)[:, None]
         self.slices(polygons, part, tone, convex=False)
 
@@ -256,7 +261,7 @@ class Solid:
         """
         middles = np.asarray(centers, dtype=np.float32)
         n, k = len(middles), len(outline)
-        c, s = np.cos(np.asarray(angles))[:, None], np.sin(np.asarray(angles))[:, None]
+        c, s = np.cos(angles)[:, None], np.sin(angles)[:, None]
         tops = np.empty((n, 2, k, 3), dtype=np.float32)
         tops[..., 0] = (middles[:, :1] + c * outline[:, 0] - s * outline[:, 1])[:, None]
         tops[..., 1] = (middles[:, 1:2] + s * outline[:, 0] + c * outline[:, 1])[:, None]
