@@ -132,10 +132,13 @@ def blush_image(ground: Color, blush: Color, share: float) -> FloatArray:
     return np.asarray(np.array(ground) * (1 - mix) + np.array(blush) * mix, dtype=np.float32)
 
 
+@lru_cache(maxsize=64)
 def label_image(
     ground: Color, ink: Color, accent: Color, word: str, place: float, repeats: int = 2, motif: str = 'disc'
 ) -> FloatArray:
     """A printed label (96, 128 * repeats, 3), its design repeated: a band, a motif and a word.
+
+    Every view of a thing shows the same one.
 
     Args:
         ground: colour of the paper.
