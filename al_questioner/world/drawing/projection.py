@@ -63,16 +63,24 @@ class Projection:
     shape: tuple[int, int] = (0, 0)
 
     @classmethod
-    def around(cls, solid: Solid, pose: Pose, camera: Camera, margin_px: int) -> tuple[Projection, list[FloatArray]]:
-        """The projection to the crop that shows a solid with a margin, and its stacks' polygons placed on the table."""
+    def around(
+        cls, solid: Solid, pose: Pose, camera: Camera, margin_px: int
+    ) -> tuple[Projection, list[FloatArray], list[NDArray[np.int32]]]:
+        """The projection to the crop that shows a solid with a margin.
+
+        Returns:
+            The projection; the polygons of each of the solid's stacks placed on the table, (n, k, 3) metres; and where
+            they lie in the crop, (n, k, 2) as from `pixels`.
+        """
         corners = np.concatenate([stack.polygons.reshape(-1, 3) for stack in solid.stacks])
         corners = turned(corners, pose.heading) * np.float32(pose.size)
         whole = cls(camera, pose, float(corners[:, 2].max()) / 2)
         columns, rows = whole._frame(corners)
         left, top = int(np.floor(columns.min())) - margin_px, int(np.floor(rows.min())) - margin_px
         shape = int(np.ceil(rows.max())) + margin_px + 1 - top, int(np.ceil(columns.max())) + margin_px + 1 - left
-        placed = _split(corners, [stack.polygons.shape for stack in solid.stacks])
-        return cls(camera, pose, whole.middle, (left, top), shape), placed
+        crop = cls(camera, pose, whole.middle, (left, top), shape)
+        shapes = [stack.polygons.shape[:-1] for stack in solid.stacks]
+        return crop, _split(corners, shapes), _split(crop._fixed_point(columns, rows, FINE), shapes)
 
     @property
     def scale(self) -> float:
@@ -101,20 +109,12 @@ class Projection:
 
     def pixels(self, points: FloatArray, fine: float = FINE) -> NDArray[np.int32]:
         """(..., 2) fixed-point pixels, on a grid `fine` times finer, of points (..., 3) on the table."""
-        columns, rows = self._frame(points)
-        flat = np.empty((*points.shape[:-1], 2), dtype=np.float32)
-        flat[..., 0] = columns
-        flat[..., 1] = rows
-        flat += np.float32(0.5) - np.array(self.origin, dtype=np.float32)
-        flat *= fine
-        flat -= np.float32(0.5)
-        flat *= 1 << SHIFT
-        return np.rint(flat).astype(np.int32)
+        return self._fixed_point(*self._frame(points), fine)
 
     def pixels_of_all(self, polygons: Sequence[FloatArray], fine: float = FINE) -> list[NDArray[np.int32]]:
         """`pixels` of many arrays at once, which is faster than one by one."""
         together = np.concatenate([some.reshape(-1, 3) for some in polygons])
-        return _split(self.pixels(together, fine), [(*some.shape[:-1], 2) for some in polygons])
+        return _split(self.pixels(together, fine), [some.shape[:-1] for some in polygons])
 
     def unproject(self, relief: FloatArray) -> tuple[FloatArray, FloatArray, FloatArray]:
         """Where on the table the pixels look, given the height of what they show.
@@ -149,7 +149,23 @@ class Projection:
         return right * self.pose.distance / self.camera.fx, up * self.pose.distance / self.camera.fy
 
 
+    def _fixed_point(self, columns: FloatArray, rows: FloatArray, fine: float) -> NDArray[np.int32]:
+        """(..., 2) fixed-point pixels of the crop, see `pixels`, from columns and rows (...) of the frame."""
+        flat = np.empty((*columns.shape, 2), dtype=np.int32)
+        for i, (frame, first) in enumerate(zip((columns, rows), self.origin, strict=True)):
+            exact = frame + (np.float32(0.5) - np.float32(first))
+            exact *= fine
+            exact -= np.float32(0.5)
+            exact *= 1 << SHIFT
+            flat[..., i] = np.rint(exact)
+        return flat
+
+
 def _split(points: NDArray[Number], shapes: Sequence[tuple[int, ...]]) -> list[NDArray[Number]]:
-    """Rows (n, d) dealt out to arrays of the given shapes (..., d)."""
-    ends = np.cumsum([math.prod(shape[:-1]) for shape in shapes])[:-1]
-    return [some.reshape(shape) for some, shape in zip(np.split(points, ends), shapes, strict=True)]
+    """Rows (n, d) dealt out to arrays (*shape, d)."""
+    dealt, first = [], 0
+    for shape in shapes:
+        last = first + math.prod(shape)
+        dealt.append(points[first:last].reshape(*shape, -1))
+        first = last
+    return dealt

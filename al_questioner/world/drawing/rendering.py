@@ -75,9 +75,9 @@ def render(solid: Solid, pose: Pose, lighting: Lighting, camera: CameraParameter
         rng: noise and grain.
     """
     intrinsics = Camera(camera.focal_px, camera.focal_px, (FRAME[0] - 1) / 2, (FRAME[1] - 1) / 2)
-    projection, placed = Projection.around(solid, pose, intrinsics, camera.margin_px)
+    projection, placed, polygons = Projection.around(solid, pose, intrinsics, camera.margin_px)
     height, width = projection.shape
-    surface = Surface.of(_paint(solid.stacks, placed, projection), solid.materials)
+    surface = Surface.of(_paint(solid.stacks, placed, polygons, projection), solid.materials)
     points = projection.unproject(surface.relief)
     picture = _table_picture(solid.stacks, placed, lighting, projection, rng)
     glare = shade(picture, surface, points, lighting.toward, projection, rng)
@@ -96,14 +96,19 @@ def render(solid: Solid, pose: Pose, lighting: Lighting, camera: CameraParameter
     return View(color=pixels, depth=depth, mask=mask, camera=intrinsics, origin=projection.origin)
 
 
-def _paint(stacks: Sequence[Stack], placed: Sequence[FloatArray], projection: Projection) -> Painting:
+def _paint(
+    stacks: Sequence[Stack],
+    placed: Sequence[FloatArray],
+    pixels: Sequence[NDArray[np.int32]],
+    projection: Projection,
+) -> Painting:
     """Paint the polygons in order; each fine pixel keeps the number of the last polygon that covers it."""
     canvas = np.zeros((FINE * projection.shape[0], FINE * projection.shape[1]), dtype=np.int32)
     heights: list[FloatArray] = [np.zeros(1, np.float32)]
     tones: list[FloatArray] = [np.ones(1, np.float32)]
     parts = [np.zeros(1, np.intp)]
     painted = 1
-    for stack, points, polygons in zip(stacks, placed, projection.pixels_of_all(placed), strict=True):
+    for stack, points, polygons in zip(stacks, placed, pixels, strict=True):
         heights.append(points[..., 2].mean(axis=1) + np.float32(0.5 * stack.stroke * projection.pose.size))
         parts.append(np.full(len(points), stack.part))
         tones.append(stack.tones)
