@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+
 import cv2
 import numpy as np
 
@@ -17,3 +19,13 @@ def blurred(image: FloatArray, sigma: float, reach: int = 0) -> FloatArray:
     """A Gaussian blur; `reach` pixels wide to either side, or as far as sigma asks for."""
     kernel = (2 * reach + 1, 2 * reach + 1) if reach else (0, 0)
     return np.asarray(cv2.GaussianBlur(image, kernel, sigma), dtype=np.float32)
+
+
+def planes(image: FloatArray) -> FloatArray:
+    """The (c, h, w) channels of an image (h, w, c): numpy is slow on short rows, and pixels are short rows."""
+    return np.stack(cv2.split(image))
+
+
+def merged(channels: Sequence[FloatArray]) -> FloatArray:
+    """The image (h, w, c) of c channels (h, w)."""
+    return np.asarray(cv2.merge(channels), dtype=np.float32)

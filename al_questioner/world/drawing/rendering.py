@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 from al_questioner.domain import Camera, FloatArray, View
 from al_questioner.world.drawing.depth_sensor import measure_depth
 from al_questioner.world.drawing.geometry import Solid, Stack
-from al_questioner.world.drawing.images import blurred, resized
+from al_questioner.world.drawing.images import blurred, merged, planes, resized
 from al_questioner.world.drawing.projection import FINE, SHIFT, Pose, Projection
 from al_questioner.world.drawing.shading import Painting, Surface, shade
 from al_questioner.world.drawing.texture import TABLE_TILE_M, noise_tile, table_top, table_top_count
@@ -82,18 +82,27 @@ def render(solid: Solid, pose: Pose, lighting: Lighting, camera: CameraParameter
     picture = _table_picture(solid.stacks, placed, lighting, projection, rng)
     glare = shade(picture, surface, points, lighting.toward, projection, rng)
 
+    mask = surface.coverage > 0.5
+    color = _photograph(merged(picture), lighting, camera, rng)
+    table = np.broadcast_to(projection.unproject(np.zeros((height, 1), np.float32))[2], projection.shape)
+    depth = measure_depth(points[2], table, mask, glare, camera, rng)
+    return View(color=color, depth=depth, mask=mask, camera=intrinsics, origin=projection.origin)
+
+
+def _photograph(
+    picture: FloatArray, lighting: Lighting, camera: CameraParameters, rng: np.random.Generator
+) -> NDArray[np.uint8]:
+    """(rows, columns, 3) blue-green-red: what the camera makes of a picture in red, green and blue from 0 to 1."""
     if camera.blur_px > 0:
         picture = blurred(picture, camera.blur_px)
-    picture *= 255 * lighting.gains
+    height, width = picture.shape[:2]
+    gains = np.broadcast_to(255 * lighting.gains, (width, 3))
     tile = noise_tile()
     row, column = rng.integers(0, tile.shape[0] - height), rng.integers(0, tile.shape[1] - width)
-    picture += np.float32(camera.color_noise) * tile[row : row + height, column : column + width]
-    pixels = np.clip(picture[..., ::-1], 0, 255).astype(np.uint8)
-
-    mask = surface.coverage > 0.5
-    table = projection.unproject(np.zeros_like(surface.relief))
-    depth = measure_depth(points[2], table[2], mask, glare, camera, rng)
-    return View(color=pixels, depth=depth, mask=mask, camera=intrinsics, origin=projection.origin)
+    exposed = picture.reshape(height, -1) * gains.ravel()
+    exposed += np.float32(camera.color_noise) * tile[row : row + height, column : column + width].reshape(height, -1)
+    levels = np.clip(exposed, 0, 255, out=exposed).astype(np.uint8).reshape(height, width, 3)
+    return np.asarray(cv2.cvtColor(levels, cv2.COLOR_RGB2BGR), dtype=np.uint8)
 
 
 def _paint(
@@ -149,14 +158,14 @@ def _table_picture(
     projection: Projection,
     rng: np.random.Generator,
 ) -> FloatArray:
-    """(rows, columns, 3) the lit table with the thing's shadow, before the thing itself."""
+    """(3, rows, columns) the lit table with the thing's shadow, before the thing itself."""
     rows, columns = projection.shape
     tile = table_top(lighting.table)
     height = min(int(np.ceil(rows / projection.scale / projection.sine / TABLE_TILE_M)) + 1, tile.shape[0])
     width = min(int(np.ceil(columns / projection.scale / TABLE_TILE_M)) + 1, tile.shape[1])
     row, column = rng.integers(0, tile.shape[0] - height + 1), rng.integers(0, tile.shape[1] - width + 1)
     patch = tile[row : row + height, column : column + width]
-    picture = resized(patch, (columns, rows))
+    picture = planes(resized(patch, (columns, rows)))
 
     shadow: FloatArray = np.zeros((rows // 2 + 1, columns // 2 + 1), dtype=np.float32)
     slope = lighting.toward[:2] / lighting.toward[2]
@@ -172,5 +181,5 @@ def _table_picture(
             cv2.fillPoly(shadow, [polygon], 1.0, shift=SHIFT)
     near, far = blurred(shadow, 1.1, 2), blurred(shadow, 2.6, 5)
     shadow = resized(near + far, (columns, rows))
-    picture *= (1 - 0.26 * shadow)[..., None]
+    picture *= 1 - 0.26 * shadow
     return picture

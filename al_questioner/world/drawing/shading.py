@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from al_questioner.domain import FloatArray
-from al_questioner.world.drawing.images import blurred, resized
+from al_questioner.world.drawing.images import blurred, planes, resized
 from al_questioner.world.drawing.projection import FINE, Projection
 from al_questioner.world.drawing.texture import Decal, Material, grain_tile
 
@@ -37,7 +37,7 @@ class Surface:
     Attributes:
         coverage: (h, w) share of the pixel that the thing covers.
         relief: (h, w) height of the visible point in metres; beyond the thing's edge, the height at the edge.
-        color: (h, w, 3) colour under even light, printed pictures aside.
+        color: (3, h, w) colour under even light, printed pictures aside, times the coverage.
         tone: (h, w) factor of the brightness of what is printed.
         part: (h, w) index of the material, -1 for the table.
         materials: the materials.
@@ -59,14 +59,14 @@ class Surface:
         colors = np.array([(0, 0, 0), *(m.color for m in materials)], dtype=np.float32)
         table[:, :3] = colors[painting.parts] * painting.tones[:, None]
         table[:, 3] = painting.heights
-        coarse = resized(table.take(numbers, axis=0), size, cv2.INTER_AREA)
+        coarse = planes(resized(table.take(numbers, axis=0), size, cv2.INTER_AREA))
         coverage = resized((numbers > 0).astype(np.float32), size, cv2.INTER_AREA)
-        heights = blurred(np.ascontiguousarray(coarse[..., 3]), 0.9, 2)
+        heights = blurred(coarse[3], 0.9, 2)
         relief = heights / np.maximum(blurred(coverage, 0.9, 2), 1e-3)
-        color = coarse[..., :3] / np.maximum(coverage, 1e-3)[..., None]
         # The last painted of the four fine pixels lies in front.
         front = np.maximum(numbers[::2, ::2], numbers[1::2, 1::2])
-        return cls(coverage, relief, color, painting.tones.take(front), painting.parts.take(front) - 1, materials)
+        tone, part = painting.tones.take(front), painting.parts.take(front) - 1
+        return cls(coverage, relief, coarse[:3], tone, part, materials)
 
 
 def shade(
@@ -80,7 +80,7 @@ def shade(
     """Paint the lit thing into the picture of the table: diffuse light, sky light, highlights (Blinn 1977).
 
     Args:
-        picture: (h, w, 3) the table; changed in place.
+        picture: (3, h, w) the table; changed in place.
         surface: the thing.
         points: (h, w) x, y and depth of the visible points, from `Projection.unproject`.
         light: (3,) unit vector to the light.
@@ -91,7 +91,7 @@ def shade(
         (h, w) in [0, 1]: how much highlights and transparency would disturb a depth sensor.
     """
     at = np.flatnonzero((surface.coverage > 0) & (surface.part >= 0))
-    part = surface.part.take(at)
+    part, coverage = surface.part.take(at), surface.coverage.take(at)
     x, y, z = points[0].take(at), points[1].take(at), surface.relief.take(at)
     normal = _normals(surface.relief, projection, at)
     halfway = light + np.array([0, -projection.cosine, projection.sine], dtype=np.float32)
@@ -110,27 +110,27 @@ def shade(
     across = ((x + 0.3 * y) * fine).astype(np.intp) + shift[0] & 511
     along = ((0.9 * y + z) * fine).astype(np.intp) + shift[1] & 511
     lit *= 1 + grain.take(part) * tile.take(along * 512 + across)
-    colors = surface.color.reshape(-1, 3).take(at, axis=0)
+    colors = surface.color.reshape(3, -1).take(at, axis=1) / np.maximum(coverage, 1e-3)
     for index, material in enumerate(surface.materials):
         if material.decal is not None:
             here = np.flatnonzero(part == index)
             printed = decal_colors(material.decal, *projection.own(x[here], y[here], z[here]))
-            colors[here] = printed * surface.tone.take(at[here])[:, None]
-    colors *= lit[:, None]
+            colors[:, here] = printed.T * surface.tone.take(at[here])
+    colors *= lit
 
-    behind = picture.reshape(-1, 3)
+    table = picture.reshape(3, -1).take(at, axis=1)
     glare = np.zeros(projection.shape, dtype=np.float32)
     if clear.any():
         through = clear.take(part)
-        colors += through[:, None] * (behind.take(at, axis=0) * 0.92 + 0.04 - colors)
+        colors += through * (table * 0.92 + 0.04 - colors)
         glare.ravel()[at] = through
     mirror = halfway @ normal
     bright = np.flatnonzero(mirror > 0.7)
     glint = shine.take(part[bright]) * mirror[bright] ** sharpness.take(part[bright])
-    colors[bright] += glint[:, None]
+    colors[:, bright] += glint
     glare.ravel()[at[bright]] = np.maximum(glare.ravel()[at[bright]], np.minimum(1.6 * glint, 1))
-    table = behind.take(at, axis=0)
-    behind[at] = table + surface.coverage.take(at)[:, None] * (colors - table)
+    for plane, values in zip(picture, table + coverage * (colors - table), strict=True):
+        plane.ravel()[at] = values
     return glare
 
 
