@@ -7,6 +7,7 @@ bounded resolution, so that an object looks much the same from near and far, and
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import cached_property
 from typing import Any
 
 import cv2
@@ -75,6 +76,11 @@ class _Patch:
 
     color: NDArray[np.uint8]
     mask: NDArray[np.uint8]
+
+    @cached_property
+    def lab(self) -> NDArray[np.uint8]:
+        """(h, w, 3) L* scaled from 100 to 255, a* and b* shifted by 128, as OpenCV stores them."""
+        return np.asarray(cv2.cvtColor(self.color, cv2.COLOR_BGR2Lab), dtype=np.uint8)
 
 
 def view_features(view: View) -> NDArray[np.float32]:
@@ -152,21 +158,20 @@ def _patch(color: NDArray[np.uint8], silhouette: NDArray[np.uint8]) -> _Patch:
         coverage = cv2.resize(silhouette.astype(np.float32), size, interpolation=cv2.INTER_AREA)
         # A pixel belongs to the object if half of it does; of a thinner silhouette, the best covered pixels do.
         mask = (coverage >= min(0.5, float(coverage.max()))).astype(np.uint8)
-        seen = cv2.resize(cut, size, interpolation=cv2.INTER_AREA) / np.where(mask, coverage, 1)[..., None]
+        share = np.where(mask, coverage, 1)
+        seen = cv2.resize(cut, size, interpolation=cv2.INTER_AREA) / cv2.merge([share, share, share])
         cut = np.minimum(np.rint(seen), 255).astype(np.uint8)
-    even = np.empty(cut.shape, np.uint8)
-    even[:] = np.rint(cv2.mean(cut, mask)[:3])
+    even = np.full(cut.shape, np.rint(cv2.mean(cut, mask)[:3]), dtype=np.uint8)
     cv2.copyTo(cut, mask, even)
     return _Patch(even, mask)
 
 
 def _colour(patch: _Patch) -> list[float]:
-    # OpenCV stores L* scaled from 100 to 255, a* and b* shifted by 128.
-    lab, lab_spread = cv2.meanStdDev(cv2.cvtColor(patch.color, cv2.COLOR_BGR2Lab), mask=patch.mask)
+    lab, lab_spread = cv2.meanStdDev(patch.lab, mask=patch.mask)
     lightness, green_red, blue_yellow = (lab.ravel() - (0, 128, 128)) / 255
-    inside = patch.mask > 0
+    inside = np.flatnonzero(patch.mask)
     hsv = cv2.split(cv2.cvtColor(patch.color, cv2.COLOR_BGR2HSV_FULL))
-    hue, saturation, value = (channel[inside] for channel in hsv)
+    hue, saturation, value = (channel.take(inside) for channel in hsv)
     chroma = saturation * (value / 255**2)
     position = hue * (HUES / 256)
     lower = position.astype(np.intp)
@@ -186,7 +191,8 @@ def _size(
     view: View, window: tuple[slice, slice], silhouette: NDArray[np.uint8], outline: NDArray[np.float32]
 ) -> list[float]:
     depth = view.depth[window]
-    readings = np.sort(depth[(silhouette > 0) & (depth > 0)])
+    # Of 16-bit numbers, numpy's stable sort is a radix sort.
+    readings = np.sort(depth[(silhouette > 0) & (depth > 0)], kind='stable')
     if readings.size:
         near, distance, far = readings[[round(share * (readings.size - 1)) for share in (0.05, 0.5, 0.95)]] / 1000.0
     else:
@@ -211,17 +217,18 @@ def _shape(silhouette: NDArray[np.uint8], outline: NDArray[np.float32]) -> list[
 
 
 def _texture(patch: _Patch) -> list[float]:
-    lightness = cv2.cvtColor(patch.color, cv2.COLOR_BGR2Lab)[..., 0] / np.float32(255)
+    lightness = patch.lab[..., 0] / np.float32(255)
     # The rim of the object is shape, not texture.
     inner = cv2.erode(patch.mask, np.ones((3, 3), np.uint8))
     if not inner.any():
         inner = patch.mask
     across = cv2.Sobel(lightness, cv2.CV_32F, 1, 0, scale=1 / 8)
     down = cv2.Sobel(lightness, cv2.CV_32F, 0, 1, scale=1 / 8)
-    edges = cv2.magnitude(across, down)[inner > 0] > EDGE_THRESHOLD
+    within = np.flatnonzero(inner)
+    edges = cv2.magnitude(across, down).take(within) > EDGE_THRESHOLD
     smooth = cv2.GaussianBlur(lightness, (0, 0), 1.0)
     smoother = cv2.GaussianBlur(lightness, (0, 0), 4.0)
-    levels = np.minimum((lightness[inner > 0] * ENTROPY_BINS).astype(np.intp), ENTROPY_BINS - 1)
+    levels = np.minimum((lightness.take(within) * ENTROPY_BINS).astype(np.intp), ENTROPY_BINS - 1)
     shares = np.bincount(levels) / levels.size
     shares = shares[shares > 0]
     return [
