@@ -9,6 +9,7 @@ from __future__ import annotations
 import operator
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
+from functools import lru_cache
 from pathlib import Path
 
 import numpy as np
@@ -24,7 +25,7 @@ from al_questioner.domain import (
     SettingsError,
     generator,
 )
-from al_questioner.perception import perceive
+from al_questioner.perception import perceive, view_features
 from al_questioner.questioning import Episode, new_knowledge, read_weights
 from al_questioner.teaching import Teacher
 from al_questioner.world import Task, World, make_world
@@ -58,10 +59,12 @@ class WorldChoice:
 
 
 class PerceivedWorld:
-    """A world as feature vectors; a scene that stays is perceived once."""
+    """A world as feature vectors; a scene that stays is perceived once, a view that comes back is measured once."""
 
     def __init__(self, world: World) -> None:
         self._world = world
+        # Views are equal if they are the same object; a world keeps those it has shown anyway.
+        self._measure = lru_cache(maxsize=None)(view_features)
         self._seen: tuple[Observation, ...] = ()
         self._scene: Scene | None = None
 
@@ -86,13 +89,12 @@ class PerceivedWorld:
         observations = self._world.scene(turn)
         same = len(observations) == len(self._seen) and all(map(operator.is_, observations, self._seen))
         if self._scene is None or not same:
-            self._seen, self._scene = observations, perceive(observations)
+            self._seen, self._scene = observations, perceive(observations, self._measure)
         return self._scene
 
     def test_set(self) -> tuple[NDArray[np.float32], tuple[str, ...]]:
         """(k, m) features of the held-out observations, and their k symbols."""
-        scenes = [perceive([observation]) for observation in self._world.test_observations()]
-        return np.concatenate([scene.features for scene in scenes]), self._world.test_labels()
+        return perceive(self._world.test_observations()).features, self._world.test_labels()
 
 
 def episode_settings(

@@ -2,17 +2,24 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 
 import numpy as np
 from numpy.typing import NDArray
 
-from al_questioner.domain import InputError, Observation, Scene, SceneError
+from al_questioner.domain import InputError, Observation, Scene, SceneError, View
 from al_questioner.perception.features import VIEW_FEATURE_NAMES, view_features
 
+Measure = Callable[[View], NDArray[np.float32]]
+"""From a view to the entries of `VIEW_FEATURE_NAMES`."""
 
-def perceive(observations: Sequence[Observation]) -> Scene:
+
+def perceive(observations: Sequence[Observation], measure: Measure = view_features) -> Scene:
     """The scene of these n observations: the view's features, then the sensors' readings in the first one's order.
+
+    Args:
+        observations: what is seen.
+        measure: `view_features`, or the same with a memory of the views that come back.
 
     Returns:
         A scene with (n, m) features, m = len(VIEW_FEATURE_NAMES) + number of sensors.
@@ -24,7 +31,7 @@ def perceive(observations: Sequence[Observation]) -> Scene:
     if not observations:
         raise SceneError('the scene is empty: it holds no object')
     sensor_names = tuple(observations[0].sensors)
-    rows = [_features(observation, sensor_names) for observation in observations]
+    rows = [_features(observation, sensor_names, measure) for observation in observations]
     return Scene(
         object_ids=tuple(observation.object_id for observation in observations),
         positions=np.array([observation.position for observation in observations], dtype=np.float32),
@@ -33,7 +40,7 @@ def perceive(observations: Sequence[Observation]) -> Scene:
     )
 
 
-def _features(observation: Observation, sensor_names: tuple[str, ...]) -> NDArray[np.float32]:
+def _features(observation: Observation, sensor_names: tuple[str, ...], measure: Measure) -> NDArray[np.float32]:
     sensors = observation.sensors
     if different := sorted(set(sensors) ^ set(sensor_names)):
         raise InputError(
@@ -41,7 +48,7 @@ def _features(observation: Observation, sensor_names: tuple[str, ...]) -> NDArra
             ' is not known of all of them'
         )
     try:
-        visual = view_features(observation.view)
+        visual = measure(observation.view)
     except InputError as error:
         raise InputError(f'object {observation.object_id}: {error}') from error
     readings = np.array([sensors[name] for name in sensor_names], dtype=np.float32)
