@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-
 import cv2
 import numpy as np
 
@@ -26,6 +24,6 @@ def planes(image: FloatArray) -> FloatArray:
     return np.stack(cv2.split(image))
 
 
-def merged(channels: Sequence[FloatArray]) -> FloatArray:
-    """The image (h, w, c) of c channels (h, w)."""
-    return np.asarray(cv2.merge(channels), dtype=np.float32)
+def merged(channels: FloatArray) -> FloatArray:
+    """The image (h, w, c) of these (c, h, w) channels."""
+    return np.asarray(cv2.merge(list(channels)), dtype=np.float32)

@@ -148,7 +148,6 @@ class Projection:
         right, up = self.pose.offset_px
         return right * self.pose.distance / self.camera.fx, up * self.pose.distance / self.camera.fy
 
-
     def _fixed_point(self, columns: FloatArray, rows: FloatArray, fine: float) -> NDArray[np.int32]:
         """(..., 2) fixed-point pixels of the crop, see `pixels`, from columns and rows (...) of the frame."""
         flat = np.empty((*columns.shape, 2), dtype=np.int32)

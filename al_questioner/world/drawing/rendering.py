@@ -76,7 +76,6 @@ def render(solid: Solid, pose: Pose, lighting: Lighting, camera: CameraParameter
     """
     intrinsics = Camera(camera.focal_px, camera.focal_px, (FRAME[0] - 1) / 2, (FRAME[1] - 1) / 2)
     projection, placed, polygons = Projection.around(solid, pose, intrinsics, camera.margin_px)
-    height, width = projection.shape
     surface = Surface.of(_paint(solid.stacks, placed, polygons, projection), solid.materials)
     points = projection.unproject(surface.relief)
     picture = _table_picture(solid.stacks, placed, lighting, projection, rng)
@@ -84,8 +83,9 @@ def render(solid: Solid, pose: Pose, lighting: Lighting, camera: CameraParameter
 
     mask = surface.coverage > 0.5
     color = _photograph(merged(picture), lighting, camera, rng)
-    table = np.broadcast_to(projection.unproject(np.zeros((height, 1), np.float32))[2], projection.shape)
-    depth = measure_depth(points[2], table, mask, glare, camera, rng)
+    # The bare table lies equally deep along a row.
+    table = projection.unproject(np.zeros((len(mask), 1), dtype=np.float32))[2]
+    depth = measure_depth(points[2], np.broadcast_to(table, mask.shape), mask, glare, camera, rng)
     return View(color=color, depth=depth, mask=mask, camera=intrinsics, origin=projection.origin)
 
 
