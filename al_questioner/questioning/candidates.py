@@ -16,13 +16,14 @@ def candidates(scene: Scene, symbols: Sequence[str], costs: Costs, budget_left: 
     Returns:
         DQ(y) in the order of the symbols, LQ(x) in the order of the scene, FSQ, NQ.
     """
-    actions = (
-        *(Action(QueryKind.DEMONSTRATION, symbol=symbol) for symbol in symbols),
-        *(Action(QueryKind.LABEL, object_id=object_id) for object_id in scene.object_ids),
-        Action(QueryKind.FEATURE_SUBSET),
-        Action(QueryKind.NO_QUERY),
-    )
-    return tuple(action for action in actions if is_affordable(costs.of(action.kind), budget_left))
+    by_kind = {
+        QueryKind.DEMONSTRATION: [Action(QueryKind.DEMONSTRATION, symbol=symbol) for symbol in symbols],
+        QueryKind.LABEL: [Action(QueryKind.LABEL, object_id=object_id) for object_id in scene.object_ids],
+        QueryKind.FEATURE_SUBSET: [Action(QueryKind.FEATURE_SUBSET)],
+        QueryKind.NO_QUERY: [Action(QueryKind.NO_QUERY)],
+    }
+    affordable = (kind for kind in by_kind if is_affordable(costs.of(kind), budget_left))
+    return tuple(action for kind in affordable for action in by_kind[kind])
 
 
 def is_affordable(cost: float, budget_left: float) -> bool:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from itertools import takewhile
 from typing import Protocol
 
 import numpy as np
@@ -82,13 +83,12 @@ def settled_actions(situation: Situation) -> set[Action]:
     That is the feature subset query once it has been asked, and, until the scene changes, what the teacher did not
     answer and the symbols that the teacher said nothing here belongs to.
     """
-    settled = set()
-    for record in situation.history:
+    asked = has_asked(situation, QueryKind.FEATURE_SUBSET)
+    settled = {Action(QueryKind.FEATURE_SUBSET)} if asked else set()
+    for record in takewhile(lambda record: record.turn >= situation.scene_turn, reversed(situation.history)):
         not_here = record.kind is QueryKind.DEMONSTRATION and record.object_id is None
         unanswered = record.outcome is not Outcome.ANSWERED
-        if record.kind is QueryKind.FEATURE_SUBSET:
-            settled.add(Action(record.kind))
-        elif record.turn >= situation.scene_turn and (not_here or unanswered):
+        if record.kind is not QueryKind.FEATURE_SUBSET and (not_here or unanswered):
             settled.add(Action(record.kind, record.object_id, record.symbol))
     return settled
 

@@ -54,7 +54,8 @@ def instance_variation(q: Array) -> Array:
     if n_objects == 1:
         return np.zeros(q.shape[:-2])
     p = object_given_symbol(q)
-    relative = p.std(axis=-2) / p.mean(axis=-2)
+    mean = p.mean(axis=-2, keepdims=True)
+    relative = np.sqrt(((p - mean) ** 2).mean(axis=-2)) / mean[..., 0, :]
     return np.asarray(np.mean(relative / np.sqrt(n_objects - 1), axis=-1))
 
 

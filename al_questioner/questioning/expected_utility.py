@@ -58,23 +58,26 @@ def task_features(q: Array, positives: Array) -> Array:
     Returns:
         (..., 4) in the order of `DECISION_FEATURES`.
     """
-    parts = (
-        phi.discriminability(q),
-        phi.class_uniformity(positives),
-        phi.instance_variation(q),
-        phi.prediction_margin(q),
+    return _side_by_side(
+        phi.discriminability(q), phi.class_uniformity(positives), phi.instance_variation(q), phi.prediction_margin(q)
     )
-    return np.stack(np.broadcast_arrays(*parts), axis=-1)
 
 
 def environment_features(situation: Situation) -> Array:
     """(C, 3) budget consumption, remaining time and non-query time after each candidate."""
     kinds = [action.kind for action in situation.candidates]
-    spent = [situation.spent + situation.costs.of(kind) for kind in kinds]
+    spent = {kind: situation.spent + situation.costs.of(kind) for kind in QueryKind}
     idle = [situation.non_query_turns + 1 if kind is QueryKind.NO_QUERY else 0 for kind in kinds]
-    parts = (
-        phi.budget_consumption(spent, situation.budget),
+    return _side_by_side(
+        phi.budget_consumption([spent[kind] for kind in kinds], situation.budget),
         phi.remaining_time(situation.turns_left, situation.turns),
         phi.non_query_time(idle, situation.change_interval),
     )
-    return np.stack(np.broadcast_arrays(*parts), axis=-1)
+
+
+def _side_by_side(*parts: Array) -> Array:
+    """(..., number of parts) from parts whose shapes broadcast to (...)."""
+    table = np.empty((*np.broadcast_shapes(*(part.shape for part in parts)), len(parts)))
+    for column, part in enumerate(parts):
+        table[..., column] = part
+    return table

@@ -30,7 +30,7 @@ class Situation:
         change_interval: turns between scene changes as the robot expects them: the window of the non-query time.
         non_query_turns: consecutive turns before this one in which nothing was asked.
         scene_turn: turn in which the present scene was first seen.
-        history: the queries so far.
+        history: the queries so far, in order.
     """
 
     turn: int
