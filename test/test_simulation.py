@@ -4,9 +4,10 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
+from numpy.typing import NDArray
 
-from al_questioner.domain import EpisodeSettings, SettingsError, generator
-from al_questioner.perception import perceive
+from al_questioner.domain import EpisodeSettings, SettingsError, View, generator
+from al_questioner.perception import perceive, view_features
 from al_questioner.questioning import STRATEGIES, Episode
 from al_questioner.simulation import (
     Evaluation,
@@ -84,6 +85,23 @@ def test_scene_that_stays_is_perceived_once() -> None:
     assert world.scene(1) is world.scene(change - 1)
     assert world.scene(change) is not world.scene(1)
     assert world.scene(1).features.tobytes() == perceive(world.observations(1)).features.tobytes()
+
+
+def test_view_that_comes_back_is_measured_once(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Scenes draw on a pool: half of what a long episode measures it has measured before."""
+    measured: list[View] = []
+
+    def counting(view: View) -> NDArray[np.float32]:
+        measured.append(view)
+        return view_features(view)
+
+    monkeypatch.setattr('al_questioner.simulation.view_features', counting)
+    world = PerceivedWorld(CHOICE.open())
+    turns = [1, *world.change_turns(150)]
+    seen = [observation.view for turn in turns for observation in world.observations(turn)]
+    for turn in turns:
+        world.scene(turn)
+    assert len(measured) == len(set(seen)) < len(seen)
 
 
 def test_a_teacher_who_never_knows_teaches_nothing() -> None:

@@ -107,6 +107,14 @@ def test_labelled_views_are_recognised(taught, scene):
     assert taught.times_labelled(scene).tolist() == [2, 1, 1, 0, 0, 0]
 
 
+def test_labels_of_a_view_are_counted(taught, scene):
+    """Only labels of this object count, and only those of how it looks now."""
+    taught.label(1, scene.features[1], 'fruit', turn=4)
+    taught.label(1, scene.features[3], 'fruit', turn=5)
+    taught.label(9, scene.features[3], 'fruit', turn=6)
+    assert taught.times_labelled(scene).tolist() == [1, 2, 1, 0, 0, 0]
+
+
 def test_view_tolerance_forgives_the_noise_of_a_camera(scene):
     """Tolerances are in standard deviations of the features."""
     noisy = scene_of(scene.features + 0.05 * scene.features.std(axis=0))
