@@ -225,7 +225,8 @@ def _texture(patch: _Patch) -> list[float]:
     across = cv2.Sobel(lightness, cv2.CV_32F, 1, 0, scale=1 / 8)
     down = cv2.Sobel(lightness, cv2.CV_32F, 0, 1, scale=1 / 8)
     within = np.flatnonzero(inner)
-    edges = cv2.magnitude(across, down).take(within) > EDGE_THRESHOLD
+    # Not cv2.magnitude: it rounds by where in memory the images lie, so that a pixel at the threshold comes and goes.
+    edges = np.sqrt(across**2 + down**2).take(within) > EDGE_THRESHOLD
     smooth = cv2.GaussianBlur(lightness, (0, 0), 1.0)
     smoother = cv2.GaussianBlur(lightness, (0, 0), 4.0)
     levels = np.minimum((lightness.take(within) * ENTROPY_BINS).astype(np.intp), ENTROPY_BINS - 1)
