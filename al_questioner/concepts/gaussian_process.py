@@ -9,6 +9,7 @@ from __future__ import annotations
 
 import numpy as np
 from numpy.typing import NDArray
+from scipy.spatial.distance import cdist
 from scipy.special import erf, expit
 
 from al_questioner.domain import FloatArray
@@ -44,10 +45,8 @@ def rbf_kernel(first: FloatArray, second: FloatArray, amplitude: float, length_s
         (n, k) covariances.
     """
     # Differences, not |a|^2 + |b|^2 - 2ab: rounding there would give duplicated points a distance.
-    squared = np.zeros((len(first), len(second)))
-    for a, b in zip(np.asarray(first, float).T, np.asarray(second, float).T, strict=True):
-        squared += np.subtract.outer(a, b) ** 2
-    covariance: Array = amplitude * np.exp(-0.5 * squared / length_scale**2)
+    squared = cdist(first, second, 'sqeuclidean')
+    covariance: Array = amplitude * np.exp(squared * (-0.5 / length_scale**2))
     return covariance
 
 
@@ -105,7 +104,7 @@ def predict_probabilities(
     mean = np.einsum('hn,hnk->hk', targets - probability, cross[owners])
     scaled = root[:, :, None] * cross[owners]
     explained = np.einsum('hnk,hnk->hk', scaled, np.linalg.solve(_well_conditioned(kernels[owners], root), scaled))
-    return _expected_logistic(mean, amplitude - explained)
+    return expected_logistic(mean, amplitude - explained)
 
 
 def _well_conditioned(kernel: Array, root: Array) -> Array:
@@ -151,10 +150,18 @@ def _log_posterior(alpha: Array, latent: Array, targets: Array) -> Array:
     return log_prior + log_likelihood
 
 
-def _expected_logistic(mean: Array, variance: Array) -> Array:
-    """Mean of the logistic function of a normal variable, by the five-term approximation of Williams and Barber."""
+def expected_logistic(mean: Array, variance: Array) -> Array:
+    """Mean of the logistic function of normal variables, by the five-term approximation of Williams and Barber.
+
+    Args:
+        mean: (...) means.
+        variance: (...) variances; rounding below 0 counts as 0.
+
+    Returns:
+        (...) probabilities, inside (0, 1).
+    """
     # E[erf(s z)] = erf(s mean / sqrt(1 + 2 s^2 variance)) for z normal, and each logistic term is (1 + erf) / 2.
-    slope = LOGISTIC_SLOPES[:, None, None]
+    slope = LOGISTIC_SLOPES.reshape(-1, *[1] * mean.ndim)
     terms = erf(slope * mean / np.sqrt(1 + 2 * slope**2 * np.maximum(variance, 0)))
     expected: Array = 0.5 * (np.tensordot(LOGISTIC_COEFFICIENTS, terms, axes=1) + LOGISTIC_COEFFICIENTS.sum())
     return np.clip(expected, PROBABILITY_MARGIN, 1 - PROBABILITY_MARGIN)

@@ -32,7 +32,7 @@ class Knowledge:
     """What was seen and what was told, as concept models: a deterministic function of the events, in their order.
 
     The features are standardised with what was seen, restricted to what the teacher called relevant, and, if so
-    wished, to what a computational selector picks from the labels so far. Models are fitted when they are next used.
+    wished, to what a computational selector picks from the labels so far. Models are fitted at every event.
 
     Args:
         symbols: the concepts to ground.
@@ -64,7 +64,6 @@ class Knowledge:
         self._told_relevant: NDArray[np.bool_] | None = None
         self._last_views: dict[int, bytes] = {}
         self._version = 0
-        self._fitted_version = -1
         self._active: NDArray[np.bool_] = np.ones(0, dtype=bool)
 
     @property
@@ -89,7 +88,6 @@ class Knowledge:
     @property
     def active_features(self) -> NDArray[np.bool_]:
         """(m,) the features that the models use."""
-        self._refresh()
         return self._active.copy()
 
     def observe(self, scene: Scene) -> None:
@@ -109,7 +107,7 @@ class Knowledge:
         if any(new):
             self._standardiser.update(scene.features[new])
             self._last_views.update(zip(scene.object_ids, views, strict=True))
-            self._version += 1
+            self._learn_anew()
 
     def label(self, object_id: int, features: FloatArray, symbol: str, turn: int) -> None:
         """Learn that an object is an example of a symbol, or of none.
@@ -131,7 +129,7 @@ class Knowledge:
         if not np.isfinite(vector).all():
             raise InputError(f'the features of object {object_id} are not all finite')
         self.labelled_views.append(LabelledView(object_id, vector, symbol, turn))
-        self._version += 1
+        self._learn_anew()
 
     def learn(self, record: QueryRecord, scene: Scene) -> None:
         """Learn what came of a query about a scene; an answer that names nothing teaches nothing.
@@ -159,16 +157,14 @@ class Knowledge:
             if group not in self.groups:
                 raise InputError(f'unknown feature group {group!r}; known: {", ".join(self.groups)}')
         self._told_relevant = np.array([group_of(name) in chosen for name in self.feature_names])
-        self._version += 1
+        self._learn_anew()
 
     def predict_proba(self, features: FloatArray) -> Array:
         """(k, |Y|) q_y(x) of (k, m) raw features."""
-        self._refresh()
         return self._models.predict_proba(self._standardiser.transform(features)[:, self._active])
 
     def look_ahead(self, scene: Scene) -> Array:
         """(|X|, |Y|, |X|, |Y|): [i, j] is the prediction for the scene had its i-th object been labelled symbol j."""
-        self._refresh()
         return self._models.look_ahead(self._standardiser.transform(scene.features)[:, self._active])
 
     def predict_after_selection(self, scene: Scene) -> Array:
@@ -176,11 +172,9 @@ class Knowledge:
 
         Stands in for the answer to a feature subset query, which the learner cannot know (DESIGN section 4).
         """
-        self._refresh()
         table = self._standardiser.transform(self._labelled_features())
         chosen = select_features(table, self._labels())
-        models = ConceptModels(self.symbols, self._models.amplitude, self._models.length_scale)
-        models.fit(table[:, chosen], self._labels())
+        models = self._models.refitted(table[:, chosen])
         return models.predict_proba(self._standardiser.transform(scene.features)[:, chosen])
 
     def is_labelled(self, scene: Scene) -> NDArray[np.bool_]:
@@ -207,7 +201,6 @@ class Knowledge:
 
         In standard deviations, as root mean square over the features.
         """
-        self._refresh()
         if not self.labelled_views:
             return np.zeros(len(scene))
         points = self._standardiser.transform(scene.features)[:, self._active]
@@ -215,17 +208,19 @@ class Knowledge:
         squared: Array = np.mean((points[:, None] - labelled[None]) ** 2, axis=2)
         return np.asarray(np.sqrt(np.min(squared, axis=1)))
 
-    def _refresh(self) -> None:
-        """Fit the models if an event has called for it since they were fitted."""
-        if self._fitted_version == self._version:
-            return
+    def _learn_anew(self) -> None:
+        """Fit the models to what is known now.
+
+        At once after every event, never on demand: a fit starts from the last one, so that fits at other moments would
+        give other last digits, and ties could be broken otherwise.
+        """
+        self._version += 1
         table, labels = self._standardiser.transform(self._labelled_features()), self._labels()
         told = self._told_relevant
         self._active = np.ones(len(self.feature_names), dtype=bool) if told is None else told.copy()
         if self._computational_selection:
             self._active[self._active] = select_features(table[:, self._active], labels)
         self._models.fit(table[:, self._active], labels)
-        self._fitted_version = self._version
 
     def _labels(self) -> list[str]:
         return [view.label for view in self.labelled_views]

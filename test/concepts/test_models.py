@@ -9,6 +9,7 @@ from sklearn.gaussian_process._gpc import COEFS, LAMBDAS
 from sklearn.gaussian_process.kernels import RBF, ConstantKernel
 
 from al_questioner.concepts import ConceptModels, models
+from al_questioner.concepts.look_ahead import PROBABILITY_TOLERANCE
 from al_questioner.domain import NO_SYMBOL, InputError
 
 SYMBOLS = ('main_dish', 'snack', 'fruit', 'beverage')
@@ -101,7 +102,7 @@ def test_one_example_by_hand():
     """One positive example: the mode solves f = amplitude (1 - logistic(f)), checked by substituting it back."""
     amplitude = 4.0
     classifier = ConceptModels(['a', 'b'], amplitude, 1.0).fit([[0.0]], ['a'])
-    positive, negative = classifier._modes[:, 0]
+    positive, negative = classifier._posterior.modes[:, 0]
     assert positive == pytest.approx(amplitude * (1 - expit(positive)), abs=1e-10)
     assert negative == pytest.approx(-positive, abs=1e-10)
     q = classifier.predict_proba([[0.0], [100.0]])
@@ -128,7 +129,7 @@ def test_look_ahead_is_what_fitting_again_gives(n, amplitude):
     for i in range(5):
         for j, symbol in enumerate(SYMBOLS):
             again = ConceptModels(SYMBOLS, amplitude).fit(np.vstack([features, scene[i]]), [*labels, symbol])
-            np.testing.assert_allclose(ahead[i, j], again.predict_proba(scene), rtol=0, atol=1e-9)
+            np.testing.assert_allclose(ahead[i, j], again.predict_proba(scene), rtol=0, atol=PROBABILITY_TOLERANCE)
 
 
 def test_look_ahead_does_not_depend_on_the_size_of_its_chunks(monkeypatch):
@@ -137,8 +138,8 @@ def test_look_ahead_does_not_depend_on_the_size_of_its_chunks(monkeypatch):
     fitted = ConceptModels(SYMBOLS).fit(rng.normal(size=(9, 4)), list(rng.choice(SYMBOLS, size=9)))
     scene = rng.normal(size=(7, 4))
     whole = fitted.look_ahead(scene)
-    monkeypatch.setattr(models, 'MAX_BATCH_NUMBERS', 1)
-    np.testing.assert_allclose(fitted.look_ahead(scene), whole, rtol=0, atol=1e-10)
+    monkeypatch.setattr(models, 'CHUNK_NUMBERS', 1)
+    np.testing.assert_allclose(fitted.look_ahead(scene), whole, rtol=0, atol=1e-8)
 
 
 def test_without_examples_everything_is_one_half():
