@@ -3,10 +3,13 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from functools import partial
 from typing import Any
 
 from sensor_msgs.msg import Image, PointCloud2
+from std_msgs.msg import Header
 
+from al_questioner.domain import Observation, Scene
 from al_questioner.messages.clouds import cloud_of_scene
 from al_questioner.messages.documents import Document
 from al_questioner.messages.pictures import image
@@ -16,13 +19,17 @@ from al_questioner.ros.parameters import declare, help_text, refuse_unknown
 from al_questioner.ros.running import run_nodes
 from al_questioner.ros.settings import PERCEPTION_SETTINGS, WORLD_SETTINGS, all_names
 from al_questioner.ros.types import CLOUD_TYPES, header, octets, stamp_of
+from al_questioner.ros.worker import Worker
 from al_questioner.ros.worlds import check_world, declare_world
 from al_questioner.simulation import PerceivedWorld
 from al_questioner.world.table_image import draw_scene
 
 
 class PerceptionNode(QuestionerNode):
-    """Answers every `turn` with the `objects` of that turn, under the turn's stamp."""
+    """Answers every `turn` with the `objects` of that turn, under the turn's stamp.
+
+    The picture for people is drawn by a worker of its own, so that the next turn need not wait for it.
+    """
 
     def __init__(self, **node_arguments: Any) -> None:
         super().__init__('perception', **node_arguments)
@@ -30,7 +37,8 @@ class PerceptionNode(QuestionerNode):
         self._given = declare(self, PERCEPTION_SETTINGS)
         refuse_unknown(self, all_names())
         self._world = PerceivedWorld(self._choice.open())
-        self._drawn: object = None
+        self._pictured: Scene | None = None
+        self._painter = Worker('painter', self._failed)
         self._objects = self.create_publisher(PointCloud2, 'objects', qos.LATCHED)
         self._picture = self.create_publisher(Image, 'scene_image', qos.LATCHED)
         self.on_document('turn', self._look)
@@ -45,9 +53,19 @@ class PerceptionNode(QuestionerNode):
         stamp = header(stamp_of(document['stamp']), str(self._given['frame_id']))
         self._objects.publish(cloud_of_scene(scene, stamp, CLOUD_TYPES))
         self.does(f'turn {turn}: {len(scene)} objects')
-        if scene is not self._drawn:
-            self._picture.publish(image(draw_scene(self._world.observations(turn)).image, stamp, Image, octets))
-            self._drawn = scene
+        if scene is not self._pictured:
+            self._pictured = scene
+            self._painter.submit(partial(self._draw, scene, self._world.observations(turn), stamp))
+
+    def _draw(self, scene: Scene, observations: Sequence[Observation], stamp: Header) -> None:
+        """Publish the picture of a scene, unless another scene is there by now."""
+        if scene is self._pictured:
+            self._picture.publish(image(draw_scene(observations).image, stamp, Image, octets))
+
+    def destroy_node(self) -> None:
+        """Stop the painter too."""
+        self._painter.stop()
+        super().destroy_node()
 
 
 def main(arguments: Sequence[str]) -> int:

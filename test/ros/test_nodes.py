@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import threading
 from collections import Counter
 from typing import Any
 
@@ -15,6 +16,7 @@ from visualization_msgs.msg import MarkerArray
 
 from al_questioner.domain import DECISION_FEATURES, generator
 from al_questioner.messages.clouds import decision_of_cloud, scene_of_cloud
+from al_questioner.messages.documents import write
 from al_questioner.questioning import STRATEGIES, Episode
 from al_questioner.ros import qos
 from al_questioner.ros.learner import LearnerNode
@@ -23,10 +25,12 @@ from al_questioner.ros.teacher import TeacherNode
 from al_questioner.simulation import PerceivedWorld, WorldChoice, episode_settings, run_episode
 from al_questioner.teaching import ScriptedTeacher
 from al_questioner.world import load_task
+from al_questioner.world.table_image import draw_scene
 
 TASK = 'prepare_lunch'
 SYMBOLS = ('main_dish', 'snack', 'fruit', 'beverage')
 SMALL = {'task': TASK, 'seed': 4}
+DEADLINE = 60.0
 EPISODE = {**SMALL, 'budget': 6.0, 'turns': 8, 'strategy': 'random_fsq'}
 
 
@@ -92,6 +96,51 @@ def test_every_topic_tells_the_same_story(graph: Any) -> None:
     named = Counter(marker.ns for marker in arrays[-1].markers)
     assert named['objects'] == named['beliefs'] == len(scene)
     assert not acks
+
+
+def test_the_turn_does_not_wait_for_the_picture(graph: Any, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Each new scene would hold the learner up, and pictures of scenes long gone would pile up."""
+    may_draw = threading.Event()
+    drawn: list[Any] = []
+
+    def draw_slowly(observations: Any) -> Any:
+        drawn.append([observation.object_id for observation in observations])
+        may_draw.wait(DEADLINE)
+        return draw_scene(observations)
+
+    monkeypatch.setattr('al_questioner.ros.perception.draw_scene', draw_slowly)
+    clouds = graph.listen('objects', PointCloud2)
+    pictures = graph.listen('scene_image', Image)
+    graph.start(PerceptionNode, **SMALL)
+    mouth = graph.ears.create_publisher(String, 'turn', qos.LATCHED)
+    world = PerceivedWorld(WorldChoice(load_task(TASK), 4, 4).open())
+    turns = world.change_turns(1000)[:3]
+    for seen, turn in enumerate(turns, start=1):
+        stamp = {'sec': turn, 'nanosec': 0}
+        mouth.publish(String(data=write('turn', 'e', {'turn': turn, 'stamp': stamp, 'world': None})))
+        graph.wait_for(lambda seen=seen: len(clouds) == seen, f'the objects of turn {turn}')
+        graph.wait_for(lambda: drawn, 'the first picture')
+    assert not pictures
+    may_draw.set()
+    graph.wait_for(lambda: len(pictures) == 2, 'the pictures')
+    assert [picture.header.stamp.sec for picture in pictures] == [turns[0], turns[2]]
+    assert drawn == [[observation.object_id for observation in world.observations(turn)] for turn in turns[::2]]
+
+
+def test_last_markers_show_what_was_believed_in_the_end(graph: Any) -> None:
+    """People would see a question that nobody asks any more, or beliefs from before the last answer."""
+    states = graph.listen('learner_state')
+    arrays = graph.listen('scene_markers', MarkerArray)
+    start_robot(graph)
+    graph.start(TeacherNode, **SMALL)
+    graph.wait_for(lambda: is_over(states), 'the end of the episode')
+    beliefs = states[-1]['beliefs']
+    expected = {f'{i}: {max(q, key=q.get)} {max(q.values()):.0%}' for i, q in beliefs.items()}
+
+    def shown() -> set[str]:
+        return {marker.text for marker in arrays[-1].markers if marker.text}
+
+    graph.wait_for(lambda: arrays and shown() == expected, f'markers that say {expected}')
 
 
 def test_late_nodes_catch_up(graph: Any) -> None:
