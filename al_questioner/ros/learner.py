@@ -7,8 +7,10 @@ import time
 from collections.abc import Mapping, Sequence
 from typing import Any
 
+import numpy as np
+from numpy.typing import NDArray
 from sensor_msgs.msg import PointCloud2
-from std_msgs.msg import String
+from std_msgs.msg import Header, String
 from visualization_msgs.msg import MarkerArray
 
 from al_questioner.domain import Answer, AnswerError, Costs, EpisodeSettings, InputError, Scene, SceneError, generator
@@ -52,7 +54,7 @@ class LearnerNode(QuestionerNode):
         self._last_stamp = 0
         self._stale_clouds = 0
         self._awaits_scene = False
-        self._frame_id = ''
+        self._header = Header()
         self._scene: Scene | None = None
         self._last_answer: Answer | None = None
         self._last_turn_start = 0.0
@@ -90,16 +92,16 @@ class LearnerNode(QuestionerNode):
         self._awaits_scene = False
         if self._scene is None:
             self._announce(scene)
-        self._scene, self._frame_id = scene, cloud.header.frame_id
+        self._scene, self._header = scene, header(self._last_stamp, cloud.header.frame_id)
         if decision.query is not None:
             self.does(f'turn {decision.turn}: waiting for the answer to {decision.query.query_id}')
             self.get_logger().info(f'turn {decision.turn}: {decision.query.text}')
             self._publish_query({**documents.query_members(decision.query), 'world': self._world})
-        stamp = header(self._last_stamp, self._frame_id)
-        self._decision.publish(cloud_of_decision(decision, self._settings.symbols, stamp, CLOUD_TYPES))
-        self._show()
+        self._decision.publish(cloud_of_decision(decision, self._settings.symbols, self._header, CLOUD_TYPES))
         if decision.query is None:
             self._end_turn()
+        else:
+            self._show(scene, self._beliefs(scene))
 
     def _ignore_stale(self) -> None:
         """Pass over a scene from before the turn; say so if there is no other, since a clock may be behind."""
@@ -141,7 +143,6 @@ class LearnerNode(QuestionerNode):
         self._acknowledge(answer, accepted=True, reason='' if is_new else 'already taken')
         if is_new:
             self._last_answer = answer
-            self._show()
             self._end_turn()
 
     def _acknowledge(self, answer: Answer | None, accepted: bool, reason: str) -> None:
@@ -159,25 +160,32 @@ class LearnerNode(QuestionerNode):
         return read_plain_answer(content, self._episode.pending)
 
     def _end_turn(self) -> None:
-        self._publish_state(self._state())
+        """Tell what is known now, and begin the next turn unless this was the last."""
+        scene = self._scene
+        if scene is None:
+            return
+        beliefs = self._beliefs(scene)
         if self._episode.done:
+            self._show(scene, beliefs)
+            self._publish_state(self._state(scene, beliefs))
             self.does('the episode is over')
             self.get_logger().info(f'the episode is over: {self._episode.spent:g} of {self._settings.budget:g} spent')
             return
-        elapsed = time.monotonic() - self._last_turn_start
-        self.after(float(self._given['turn_period']) - elapsed, self._begin_turn)
+        self._publish_state(self._state(scene, beliefs))
+        pause = float(self._given['turn_period']) - (time.monotonic() - self._last_turn_start)
+        if pause > 0:
+            self.after(pause, self._begin_turn)
+        else:
+            self._begin_turn()
+        # Only now, while perception looks: markers take longer to write than all documents together.
+        self._show(scene, beliefs)
 
-    def _state(self) -> Document:
-        episode, scene = self._episode, self._scene
-        beliefs = {}
-        if scene is not None:
-            probabilities = episode.knowledge.predict_proba(scene.features)
-            beliefs = {
-                str(object_id): {
-                    symbol: round(float(p), 6) for symbol, p in zip(episode.settings.symbols, row, strict=True)
-                }
-                for object_id, row in zip(scene.object_ids, probabilities, strict=True)
-            }
+    def _beliefs(self, scene: Scene) -> NDArray[np.float64]:
+        """(n, |Y|) q_y(x) of a scene."""
+        return self._episode.knowledge.predict_proba(scene.features)
+
+    def _state(self, scene: Scene, beliefs: NDArray[np.float64]) -> Document:
+        episode = self._episode
         return {
             'turn': episode.turn,
             'turns': episode.settings.turns,
@@ -187,18 +195,19 @@ class LearnerNode(QuestionerNode):
             'queries': [documents.record_members(record) for record in episode.records],
             'labels': dict(episode.positives),
             'model_version': episode.knowledge.model_version,
-            'beliefs': beliefs,
+            'beliefs': {
+                str(object_id): {
+                    symbol: round(float(p), 6) for symbol, p in zip(episode.settings.symbols, row, strict=True)
+                }
+                for object_id, row in zip(scene.object_ids, beliefs, strict=True)
+            },
         }
 
-    def _show(self) -> None:
+    def _show(self, scene: Scene, beliefs: NDArray[np.float64]) -> None:
         """Publish the scene, the beliefs and the pending query for people who watch."""
-        if self._scene is None:
-            return
         pending = self._episode.pending
-        beliefs = self._episode.knowledge.predict_proba(self._scene.features)
-        stamp = header(self._last_stamp, self._frame_id)
         asked = pending.action.object_id if pending else None
-        self._markers.publish(markers(self._scene, beliefs, self._settings.symbols, asked, stamp, MARKER_TYPES))
+        self._markers.publish(markers(scene, beliefs, self._settings.symbols, asked, self._header, MARKER_TYPES))
 
 
 def _episode_settings(task: Task, given: Mapping[str, Any]) -> EpisodeSettings:

@@ -79,7 +79,10 @@ class QuestionerNode(Node):
         self.on_message(String, kind, lambda message: job(documents.read(kind, message.data)), profile)
 
     def after(self, seconds: float, job: Callable[[], None]) -> None:
-        """Have the worker do a job once, some time from now by the steady clock."""
+        """Have the worker do a job once, some time from now by the steady clock; as its next if no time is left."""
+        if seconds <= 0:
+            self._worker.submit(job)
+            return
         timer = threading.Timer(seconds, self._worker.submit, args=(job,))
         timer.daemon = True
         timer.start()
