@@ -1,0 +1,137 @@
+"""The episode through three ROS processes, and every message that they send."""
+
+from __future__ import annotations
+
+import threading
+import time
+from collections.abc import Iterator, Mapping
+from contextlib import contextmanager
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from measuring import Seconds
+from rclpy.context import Context
+from rclpy.executors import ExternalShutdownException, SingleThreadedExecutor
+from rclpy.node import Node
+from rclpy.qos import DurabilityPolicy, QoSProfile, ReliabilityPolicy
+from rclpy.serialization import deserialize_message
+from turn_parts.topics import TYPES, VOLATILE
+
+from al_questioner.domain import QueryRecord
+from al_questioner.messages import documents
+from al_questioner.ros.graph import Graph
+from al_questioner.ros.types import NANOSECONDS, stamp_of
+
+
+@contextmanager
+def spinning(name: str, namespace: str) -> Iterator[tuple[Node, SingleThreadedExecutor]]:
+    """A node in a context of its own, with its executor in a thread."""
+    context = Context()
+    context.init()
+    executor = SingleThreadedExecutor(context=context)
+    node = Node(name, namespace=namespace, context=context)
+    executor.add_node(node)
+
+    def spin() -> None:
+        try:
+            executor.spin()
+        except ExternalShutdownException:
+            return
+
+    thread = threading.Thread(target=spin, daemon=True)
+    thread.start()
+    try:
+        yield node, executor
+    finally:
+        executor.shutdown()
+        thread.join(5.0)
+        node.destroy_node()
+        context.try_shutdown()
+
+
+@contextmanager
+def recorder(namespace: str) -> Iterator[dict[str, list[bytes]]]:
+    """The serialised messages of each topic, unopened, so that listening takes the graph little time."""
+    heard: dict[str, list[bytes]] = {topic: [] for topic in TYPES}
+    with spinning('recorder', namespace) as (node, executor):
+        for topic, message_type in TYPES.items():
+            durability = DurabilityPolicy.VOLATILE if topic in VOLATILE else DurabilityPolicy.TRANSIENT_LOCAL
+            profile = QoSProfile(depth=1000, reliability=ReliabilityPolicy.RELIABLE, durability=durability)
+            node.create_subscription(message_type, topic, heard[topic].append, profile, raw=True)
+        executor.wake()
+        yield heard
+
+
+@dataclass(frozen=True, eq=False)
+class GraphEpisode:
+    """An episode that three processes played.
+
+    Attributes:
+        starting: seconds from the start of the processes to the end of the learner's first turn.
+        walls: seconds from the start of a turn to that of the next, by turn (1-based), as the learner stamps them; not
+            of the last.
+        whole: seconds from the start of the processes to the last state of the learner.
+        records: the queries, in order.
+        heard: the serialised messages of each topic.
+    """
+
+    starting: float
+    walls: Mapping[int, float]
+    whole: float
+    records: tuple[QueryRecord, ...]
+    heard: Mapping[str, list[bytes]]
+
+    def settled_walls(self) -> tuple[list[int], Seconds]:
+        """The turns after the first, which waits for discovery, and their seconds."""
+        turns = [turn for turn in sorted(self.walls) if turn > 1]
+        return turns, np.array([self.walls[turn] for turn in turns])
+
+
+def play_graph(
+    namespace: str, parameters: Mapping[str, Mapping[str, Any]], log_dir: Path, patience: float
+) -> GraphEpisode:
+    """Play an episode through three processes.
+
+    Args:
+        namespace: of their topics.
+        parameters: of each node, see `Graph`.
+        log_dir: where they leave what they print.
+        patience: seconds without progress that count as the end.
+
+    Raises:
+        InputError, EpisodeError: as `Graph.play`.
+    """
+    last: tuple[float, tuple[QueryRecord, ...]] = (0.0, ())
+
+    def watch(_: int, records: tuple[QueryRecord, ...]) -> None:
+        nonlocal last
+        last = time.perf_counter(), records
+
+    with recorder(namespace) as heard:
+        begun, start = time.time(), time.perf_counter()
+        Graph(
+            namespace=namespace,
+            episode_id=str(parameters['learner']['episode_id']),
+            parameters=parameters,
+            one_process=False,
+            log_dir=log_dir,
+            patience=patience,
+        ).play(watch)
+    begins = turn_begins(documents.read('turn', text.data) for text in opened(heard, 'turn'))
+    walls = {turn: begins[turn + 1] - begin for turn, begin in begins.items() if turn + 1 in begins}
+    # The recorder may be discovered too late to hear the first turns, so count from the end.
+    first = min((turn for turn in begins if turn > 1), default=2)
+    starting = begins.get(first, begun) - begun - (first - 2) * float(np.median(list(walls.values()) or [0.0]))
+    return GraphEpisode(starting, walls, last[0] - start, last[1], heard)
+
+
+def opened(heard: Mapping[str, list[bytes]], topic: str) -> list[Any]:
+    """The messages of a topic."""
+    return [deserialize_message(octets, TYPES[topic]) for octets in heard[topic]]
+
+
+def turn_begins(turns: Iterator[documents.Document]) -> dict[int, float]:
+    """Seconds since the epoch at which the learner began each turn, from its `turn` documents."""
+    return {document['turn']: stamp_of(document['stamp']) / NANOSECONDS for document in turns}

@@ -1,0 +1,23 @@
+"""The topics of a turn and their message types."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+
+from sensor_msgs.msg import Image, PointCloud2
+from std_msgs.msg import String
+from visualization_msgs.msg import MarkerArray
+
+TYPES: Mapping[str, type] = {
+    'turn': String,
+    'objects': PointCloud2,
+    'scene_image': Image,
+    'query': String,
+    'decision': PointCloud2,
+    'scene_markers': MarkerArray,
+    'answer': String,
+    'answer_ack': String,
+    'learner_state': String,
+}
+"""In the order of their first message; `episode` comes once in an episode."""
+VOLATILE = ('answer', 'answer_ack', 'decision')

@@ -1,0 +1,15 @@
+"""The benchmarks are scripts: their folder is where they import from."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import pytest
+
+ROOT = Path(__file__).resolve().parents[2]
+BENCHMARKS = ROOT / 'benchmarks'
+
+
+@pytest.fixture(autouse=True)
+def _as_in_a_script(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.syspath_prepend(str(BENCHMARKS))

@@ -1,0 +1,36 @@
+"""What every benchmark relies on."""
+
+from __future__ import annotations
+
+import math
+
+import pytest
+
+
+def test_every_call_but_the_first_is_timed() -> None:
+    """Loading and caching would count as work."""
+    from measuring import time_calls
+
+    calls: list[int] = []
+    seconds = time_calls(lambda: calls.append(1), 5)
+    assert len(calls) == 6
+    assert seconds.shape == (5,)
+    assert (seconds >= 0).all()
+
+
+def test_median_and_spread_ignore_an_outlier() -> None:
+    """One interrupted call would decide the figure."""
+    from measuring import median_and_spread
+
+    assert median_and_spread([1.0, 2.0, 3.0, 4.0, 1000.0]) == (3.0, 2.0)
+    assert all(math.isnan(value) for value in median_and_spread([]))
+
+
+def test_no_cell_is_cut_however_wide(capsys: pytest.CaptureFixture[str]) -> None:
+    """A piped table would lose its figures at the eightieth column."""
+    from measuring import print_table
+
+    print_table('title', ['name', *(f'a long heading {i}' for i in range(6))], [['x', *['1.5'] * 6], [], ['y'] * 7])
+    printed = capsys.readouterr().out
+    assert all(f'a long heading {i}' in printed for i in range(6))
+    assert '…' not in printed
