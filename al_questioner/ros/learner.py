@@ -95,8 +95,8 @@ class LearnerNode(QuestionerNode):
         self._scene, self._header = scene, header(self._last_stamp, cloud.header.frame_id)
         if decision.query is not None:
             self.does(f'turn {decision.turn}: waiting for the answer to {decision.query.query_id}')
-            self.get_logger().info(f'turn {decision.turn}: {decision.query.text}')
             self._publish_query({**documents.query_members(decision.query), 'world': self._world})
+            self.get_logger().info(f'turn {decision.turn}: {decision.query.text}')
         self._decision.publish(cloud_of_decision(decision, self._settings.symbols, self._header, CLOUD_TYPES))
         if decision.query is None:
             self._end_turn()

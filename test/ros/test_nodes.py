@@ -12,7 +12,7 @@ import pytest
 from diagnostic_msgs.msg import DiagnosticArray
 from sensor_msgs.msg import Image, PointCloud2
 from std_msgs.msg import String
-from visualization_msgs.msg import MarkerArray
+from visualization_msgs.msg import Marker, MarkerArray
 
 from al_questioner.domain import DECISION_FEATURES, generator
 from al_questioner.messages.clouds import decision_of_cloud, scene_of_cloud
@@ -141,6 +141,10 @@ def test_last_markers_show_what_was_believed_in_the_end(graph: Any) -> None:
         return {marker.text for marker in arrays[-1].markers if marker.text}
 
     graph.wait_for(lambda: arrays and shown() == expected, f'markers that say {expected}')
+    drawn = [(marker.ns, marker.id) for marker in arrays[-1].markers[1:]]
+    assert sorted(drawn) == [(ns, row) for ns in ('beliefs', 'objects') for row in range(len(beliefs))]
+    assert arrays[-1].markers[0].action == Marker.DELETEALL
+    assert len({(m.pose.position.x, m.pose.position.y) for m in arrays[-1].markers[1:]}) == len(beliefs)
 
 
 def test_late_nodes_catch_up(graph: Any) -> None:
