@@ -238,10 +238,12 @@ def report_graph(
     mean = {name: 1e3 * float(np.mean(of)) for name, of in lines.items()}
     whole = mean['a turn of the graph']
     cells = {name: [name, *typical(of), f'{mean[name]:.2f}', f'{mean[name] / whole:.1%}'] for name, of in lines.items()}
+    waiting = 1e3 * float(np.mean([episode.waiting for episode in episodes]))
+    waiting_cells = ['all threads wait for a core', '', '', f'{waiting:.2f}', f'{waiting / whole:.1%}']
     print_table(
         f'Graph: three processes, {len(walls)} turns of {len(episodes)} episodes, without the first turn of each',
         ('', 'median ms a turn', 'spread', 'mean ms', 'share'),
-        [*(cells[name] for name in parts), [], cells['a turn of the graph'], [], cells[ALONE]],
+        [*(cells[name] for name in parts), [], cells['a turn of the graph'], [], cells[ALONE], waiting_cells],
     )
     starting = float(np.median([episode.starting for episode in episodes]))
     of_episode = float(np.median([episode.whole for episode in episodes]))
@@ -250,11 +252,13 @@ def report_graph(
     print(f'{starting:.3f} s of it before the second turn: three Python processes start, make the world, and discover')
     print('each other. The means add up, the medians do not.')
     print('What remains holds packing and unpacking, the middleware, the wake-ups of executors and workers, cold')
-    print('caches, and waiting for a core and for what the learner writes beside the turn: decision and markers.\n')
+    print('caches, and waiting: for a core, and for what the learner writes beside the turn, decision and markers.')
+    print('It is a difference of times measured one after the other: on a busy machine it says little.\n')
     return {
         'parts': {
             name: dict(zip(('median', 'spread'), in_ms(of), strict=True), mean=mean[name]) for name, of in lines.items()
         },
+        'waiting_for_a_core': waiting,
         'starting_s': starting,
         'episode_s': of_episode,
         'turns_heard': len(walls),
@@ -268,12 +272,14 @@ def report_hops(hops: Mapping[str, Any], graph: Figures) -> Figures:
         rows.append([topic, *typical(hop.there), *typical(hop.publishing), role(topic)])
         figures[topic] = {'there': in_ms(hop.there)[0], 'publishing': in_ms(hop.publishing)[0]}
     print_table(
-        'Transport alone: an idle process sends a message of this size back; half a round trip',
+        'Transport alone: half a round trip of such a message, to an idle process',
         ('topic', 'median ms', 'spread', 'publish', 'spread', 'the turn'),
         rows,
     )
-    remains, alone = (graph['parts'][name]['mean'] for name in (REMAINS, ALONE))
-    print(f'A turn needs {alone:.2f} ms of this; of its wall time remain {remains:.2f} ms: {remains / alone:.2f} x.')
+    remains, alone = (graph['parts'][name]['median'] for name in (REMAINS, ALONE))
+    print(f'The median turn needs {alone:.2f} ms of this; in the median {remains:.2f} ms of its wall time remain,')
+    print(f'{remains / alone:.2f} x that. Meanwhile the threads of the nodes, also those that no turn waits for, wait')
+    print(f'{graph["waiting_for_a_core"]:.2f} ms a turn for a core.')
     return figures
 
 

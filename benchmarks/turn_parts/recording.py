@@ -2,10 +2,10 @@
 
 from __future__ import annotations
 
+import contextlib
 import threading
 import time
 from collections.abc import Iterator, Mapping
-from contextlib import contextmanager
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -25,7 +25,7 @@ from al_questioner.ros.graph import Graph
 from al_questioner.ros.types import NANOSECONDS, stamp_of
 
 
-@contextmanager
+@contextlib.contextmanager
 def spinning(name: str, namespace: str) -> Iterator[tuple[Node, SingleThreadedExecutor]]:
     """A node in a context of its own, with its executor in a thread."""
     context = Context()
@@ -51,7 +51,7 @@ def spinning(name: str, namespace: str) -> Iterator[tuple[Node, SingleThreadedEx
         context.try_shutdown()
 
 
-@contextmanager
+@contextlib.contextmanager
 def recorder(namespace: str) -> Iterator[dict[str, list[bytes]]]:
     """The serialised messages of each topic, unopened, so that listening takes the graph little time."""
     heard: dict[str, list[bytes]] = {topic: [] for topic in TYPES}
@@ -72,6 +72,8 @@ class GraphEpisode:
         starting: seconds from the start of the processes to the end of the learner's first turn.
         walls: seconds from the start of a turn to that of the next, by turn (1-based), as the learner stamps them; not
             of the last.
+        waiting: seconds a turn that the threads of the three processes waited for a core, all together; NaN where the
+            system does not tell.
         whole: seconds from the start of the processes to the last state of the learner.
         records: the queries, in order.
         heard: the serialised messages of each topic.
@@ -79,6 +81,7 @@ class GraphEpisode:
 
     starting: float
     walls: Mapping[int, float]
+    waiting: float
     whole: float
     records: tuple[QueryRecord, ...]
     heard: Mapping[str, list[bytes]]
@@ -104,10 +107,14 @@ def play_graph(
         InputError, EpisodeError: as `Graph.play`.
     """
     last: tuple[float, tuple[QueryRecord, ...]] = (0.0, ())
+    waited: dict[int, float] = {}
+    turns = parameters['learner']['turns']
 
-    def watch(_: int, records: tuple[QueryRecord, ...]) -> None:
+    def watch(turn: int, records: tuple[QueryRecord, ...]) -> None:
         nonlocal last
         last = time.perf_counter(), records
+        if turn == turns or not waited:
+            waited[turn] = children_waited()
 
     with recorder(namespace) as heard:
         begun, start = time.time(), time.perf_counter()
@@ -124,7 +131,19 @@ def play_graph(
     # The recorder may be discovered too late to hear the first turns, so count from the end.
     first = min((turn for turn in begins if turn > 1), default=2)
     starting = begins.get(first, begun) - begun - (first - 2) * float(np.median(list(walls.values()) or [0.0]))
-    return GraphEpisode(starting, walls, last[0] - start, last[1], heard)
+    waiting = (max(waited.values()) - min(waited.values())) / max(1, turns - min(waited))
+    return GraphEpisode(starting, walls, waiting, last[0] - start, last[1], heard)
+
+
+def children_waited() -> float:
+    """Seconds that the living threads of the child processes have been ready to run without a core; NaN if unknown."""
+    known = []
+    for children in Path('/proc/self/task').glob('*/children'):
+        for pid in children.read_text().split():
+            for statistics in Path(f'/proc/{pid}/task').glob('*/schedstat'):
+                with contextlib.suppress(OSError):  # a thread may just have ended
+                    known.append(int(statistics.read_text().split()[1]) / NANOSECONDS)
+    return sum(known) if known else float('nan')
 
 
 def opened(heard: Mapping[str, list[bytes]], topic: str) -> list[Any]:
