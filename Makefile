@@ -5,6 +5,9 @@ VENV := .venv
 RUN := $(VENV)/bin/python -m
 INSTALLED := $(VENV)/installed
 
+# As the executables do for themselves, see al_questioner/__main__.py.
+export OMP_NUM_THREADS ?= 1
+
 .PHONY: setup demo test test-all lint clean
 
 setup: $(INSTALLED)

@@ -68,9 +68,8 @@ def find_shift(
         tolerance: `error` at which the search ends.
     """
     inverse_root = 1 / posterior.root[:, None]
-    modes, p = posterior.modes[:, None], expit(posterior.modes)[:, None]
-    linear_mean = mean
-    latent = np.zeros_like(mean)
+    modes, p = posterior.modes[:, None], expit(posterior.modes)[:, None] * inverse_root
+    linear_mean, latent = mean, np.zeros_like(mean)
     for _ in range(FIRST_SITE_STEPS):
         latent = _site_step(latent, linear_mean, variance, targets)
     bend, previous = np.zeros(()), None
@@ -80,18 +79,19 @@ def find_shift(
         if step > 1:
             change -= np.matmul(bend, posterior.covariance)
         shifted = expit(modes + change * inverse_root)
-        image = (shifted - p) * inverse_root - change
-        residual = image - bend
-        error = np.sqrt(dot(residual, residual))
-        if step == steps or error.max(initial=0.0) <= tolerance:
+        image = shifted * inverse_root
+        image -= p
+        image -= change
+        iterate = Iterate.of(image, bend)
+        if step == steps or iterate.squared.max(initial=0.0) <= tolerance**2:
             break
-        bend = image if previous is None else anderson(image, residual, *previous)
-        previous = image, residual
+        bend = iterate.following(previous)
+        previous = iterate
         linear_mean = mean - dot(solved, bend)
         latent = _site_step(latent, linear_mean, variance, targets)
     relative = shifted * (1 - shifted) * inverse_root**2 - 1
     # The new example's own equation is part of the mode's: what its Newton steps left open counts as well.
-    error = error + np.abs(latent - linear_mean - variance * pull)
+    error = np.sqrt(iterate.squared) + np.abs(latent - linear_mean - variance * pull)
     # A step in the old posterior's metric is one in the new one's up to the change of the curvatures.
     error /= 1 + np.minimum(relative.min(axis=2, initial=0.0), 0)
     return Shift(change, latent, pull, image, relative, error)
@@ -107,11 +107,36 @@ def _site_step(latent: Array, mean: Array, variance: Array, targets: Array) -> A
     return latent - step
 
 
-def anderson(image: Array, residual: Array, previous_image: Array, previous_residual: Array) -> Array:
-    """Next guess at a fixed point: the combination of two images of least residual (Anderson 1965)."""
-    change = residual - previous_residual
-    share = dot(change, residual) / np.maximum(dot(change, change), np.finfo(np.float64).tiny)
-    return image - share[:, :, None] * (image - previous_image)
+@dataclass(frozen=True, eq=False)
+class Iterate:
+    """A step of a fixed point iteration for many problems at once, accelerated with a memory of one (Anderson 1965).
+
+    Attributes:
+        image: (..., n) what the iterated function makes of the guess.
+        residual: (..., n) its difference from the guess.
+        squared: (...) length of the residual, squared.
+    """
+
+    image: Array
+    residual: Array
+    squared: Array
+
+    @classmethod
+    def of(cls, image: Array, guess: Array) -> Iterate:
+        """The step from a guess to its image."""
+        residual = image - guess
+        return cls(image, residual, dot(residual, residual))
+
+    def following(self, previous: Iterate | None) -> Array:
+        """(..., n) the next guess: of all on the line through the last two images, that of least residual."""
+        if previous is None:
+            return self.image
+        common = dot(self.residual, previous.residual)
+        change = self.squared - 2 * common + previous.squared
+        share = (self.squared - common) / np.maximum(change, np.finfo(np.float64).tiny)
+        step = self.image - previous.image
+        step *= share[..., None]
+        return np.subtract(self.image, step, out=step)
 
 
 def dot(first: Array, second: Array) -> Array:

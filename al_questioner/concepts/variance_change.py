@@ -10,7 +10,7 @@ from __future__ import annotations
 import numpy as np
 
 from al_questioner.concepts.gaussian_process import Array, Index
-from al_questioner.concepts.mode_shift import anderson, dot
+from al_questioner.concepts.mode_shift import Iterate, dot
 from al_questioner.concepts.quadrature import Single, resolvent_forms
 
 VARIANCE_TOLERANCE = 4e-6
@@ -98,10 +98,10 @@ def covariance_tangent(
     for step in range(1, MAX_TANGENT_STEPS + 1):
         tangent = new - np.matmul(bend, covariance)
         image = relative * tangent
-        residual = image - bend
-        error = scale * np.sqrt(dot(residual, residual))
+        iterate = Iterate.of(image, bend)
+        error = scale * np.sqrt(iterate.squared)
         if step == MAX_TANGENT_STEPS or error.max() <= TANGENT_TOLERANCE:
             break
-        bend = image if previous is None else anderson(image, residual, *previous)
-        previous = image, residual
+        bend = iterate.following(previous)
+        previous = iterate
     return tangent, error
