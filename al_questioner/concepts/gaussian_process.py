@@ -8,14 +8,11 @@ their `owners` entry, so that |Y| classifiers on the same data hold one matrix b
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.spatial.distance import cdist
 from scipy.special import erf, expit
 
+from al_questioner.concepts.arrays import Array, Index
 from al_questioner.domain import FloatArray
-
-Array = NDArray[np.float64]
-Index = NDArray[np.intp]
 
 STEP_TOLERANCE = 1e-5
 """Newton has converged once a full step moves no latent value by more; the next one would move it by the square."""

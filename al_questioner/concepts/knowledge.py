@@ -8,7 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from al_questioner.concepts.gaussian_process import Array
+from al_questioner.concepts.arrays import Array
 from al_questioner.concepts.models import ConceptModels
 from al_questioner.concepts.selection import select_features
 from al_questioner.concepts.standardiser import Standardiser

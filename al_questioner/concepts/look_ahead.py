@@ -10,12 +10,13 @@ from __future__ import annotations
 import numpy as np
 from scipy.special import expit
 
-from al_questioner.concepts.gaussian_process import Array, Index, expected_logistic, find_modes, predict_probabilities
-from al_questioner.concepts.mode_shift import MAX_MODE_STEPS, find_shift
+from al_questioner.concepts.arrays import Array, Index
+from al_questioner.concepts.gaussian_process import expected_logistic, find_modes, predict_probabilities
+from al_questioner.concepts.mode_shift import MOST_MODE_STEPS, find_shift
 from al_questioner.concepts.posterior import Marginals, Posterior
 from al_questioner.concepts.variance_change import covariance_tangent, spectrum_bounds, variance_drops
 
-PROBABILITY_TOLERANCE = 5e-7
+PROBABILITY_TOLERANCE = 9e-7
 """A probability whose error bound is larger is computed by refitting."""
 
 SLOPE_IN_MEAN = 0.25
@@ -60,11 +61,11 @@ def _predict(
     """Probabilities as `predict_each`, and (|Y|, 2e) a bound on the error of each hypothesis, if `exact`."""
     both = np.concatenate([things, things])
     twice = np.tile(np.arange(len(things)), 2)
-    targets = np.repeat([0.0, 1.0], len(things))
-    new = marginals.solved[:, :, both].transpose(0, 2, 1)
+    new = np.ascontiguousarray(marginals.solved[:, :, both].transpose(0, 2, 1))
     variance = amplitude - marginals.explained
     cross = marginals.covariance(things, prior)[:, twice]
-    steps = MAX_MODE_STEPS if exact else 1
+    targets = np.broadcast_to(np.repeat([0.0, 1.0], len(things)), (len(variance), len(both)))
+    steps = MOST_MODE_STEPS if exact else 1
     shift = find_shift(posterior, new, variance[:, both], marginals.mean[:, both], targets, steps)
     mean = marginals.mean[:, None] + cross * shift.pull[:, :, None] - np.matmul(shift.bend, marginals.solved)
 

@@ -9,17 +9,16 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from scipy.special import expit
 
-from al_questioner.concepts.gaussian_process import Array
+from al_questioner.concepts.arrays import Array
+from al_questioner.concepts.compiled import compiled
 from al_questioner.concepts.posterior import Posterior
 
 MODE_TOLERANCE = 2e-7
-"""The search for the modes ends when none is farther from the true one, in posterior standard deviations."""
+"""The search for a mode ends when it is no farther from the true one, in posterior standard deviations."""
 
-MAX_MODE_STEPS = 10
-FIRST_SITE_STEPS = 6
-"""Newton steps to the first guess at the new example's own mode; each later guess takes one from the last."""
+MOST_MODE_STEPS = 12
+MOST_SITE_STEPS = 50
 
 
 @dataclass(frozen=True, eq=False)
@@ -49,97 +48,119 @@ def find_shift(
     variance: Array,
     mean: Array,
     targets: Array,
-    steps: int = MAX_MODE_STEPS,
+    steps: int = MOST_MODE_STEPS,
     tolerance: float = MODE_TOLERANCE,
 ) -> Shift:
     """Modes of the posteriors with one more example, as a change of the present ones.
 
     Solves g = c rho - T h(g) for the change g of the modes at the old examples, where c is their covariance with the
     new one: a fixed point iteration that contracts by the relative change of W, accelerated by Anderson's method with
-    a memory of one step.
+    a memory of one step (Anderson 1965).
 
     Args:
         posterior: without the example.
         solved: (|Y|, h, n) covariance of each new example with the old ones, scaled.
         variance: (|Y|, h) posterior variance of each new example.
         mean: (|Y|, h) posterior mean of each new example.
-        targets: (h,) or (|Y|, h) 1 for a positive, 0 for a negative example.
+        targets: (|Y|, h) 1 for a positive, 0 for a negative example.
         steps: most evaluations of h.
-        tolerance: `error` at which the search ends.
+        tolerance: error at which the search for a mode ends.
     """
-    inverse_root = 1 / posterior.root[:, None]
-    modes, p = posterior.modes[:, None], expit(posterior.modes)[:, None] * inverse_root
-    linear_mean, latent = mean, np.zeros_like(mean)
-    for _ in range(FIRST_SITE_STEPS):
-        latent = _site_step(latent, linear_mean, variance, targets)
-    bend, previous = np.zeros(()), None
+    change, bend, relative = np.empty_like(solved), np.empty_like(solved), np.empty_like(solved)
+    latent, pull, error = np.zeros_like(mean), np.empty_like(mean), np.empty_like(mean)
+    for y in range(len(solved)):
+        _find_shifts(
+            posterior.covariance[y],
+            posterior.modes[y],
+            posterior.root[y],
+            solved[y],
+            variance[y],
+            mean[y],
+            targets[y],
+            steps,
+            tolerance,
+            (change[y], latent[y], pull[y], bend[y], relative[y], error[y]),
+        )
+    return Shift(change, latent, pull, bend, relative, error)
+
+
+@compiled
+def _find_shifts(
+    covariance: Array,
+    modes: Array,
+    root: Array,
+    solved: Array,
+    variance: Array,
+    mean: Array,
+    targets: Array,
+    steps: int,
+    tolerance: float,
+    results: tuple[Array, ...],
+) -> None:
+    """`find_shift` for one classifier; a hypothesis that has converged takes no part in further steps."""
+    change, latent, pull, bend, relative, error = results
+    n_hypotheses, n = solved.shape
+    p = 1 / (1 + np.exp(-modes))
+    guess, spread = np.zeros((n_hypotheses, n)), np.zeros((n_hypotheses, n))
+    image, residual = np.zeros((n_hypotheses, n)), np.zeros((n_hypotheses, n))
+    squared = np.zeros(n_hypotheses)
+    active = np.arange(n_hypotheses)
     for step in range(1, steps + 1):
-        pull = targets - expit(latent)
-        change = solved * pull[:, :, None]
         if step > 1:
-            change -= np.matmul(bend, posterior.covariance)
-        shifted = expit(modes + change * inverse_root)
-        image = shifted * inverse_root
-        image -= p
-        image -= change
-        iterate = Iterate.of(image, bend)
-        if step == steps or iterate.squared.max(initial=0.0) <= tolerance**2:
+            spread = np.dot(guess[: len(active)], covariance)
+        n_left = 0
+        for a in range(len(active)):
+            h = active[a]
+            linear_mean = mean[h]
+            for i in range(n):
+                linear_mean -= solved[h, i] * guess[a, i]
+            latent[h] = _new_site(latent[h], linear_mean, variance[h], targets[h])
+            pull[h] = targets[h] - 1 / (1 + np.exp(-latent[h]))
+            length, common = 0.0, 0.0
+            for i in range(n):
+                change[h, i] = solved[h, i] * pull[h] - spread[a, i]
+                relative[h, i] = 1 / (1 + np.exp(-modes[i] - change[h, i] / root[i]))
+                bend[h, i] = (relative[h, i] - p[i]) / root[i] - change[h, i]
+                difference = bend[h, i] - guess[a, i]
+                length += difference * difference
+                common += difference * residual[a, i]
+            if step == steps or length <= tolerance * tolerance:
+                lowest = 0.0
+                for i in range(n):
+                    relative[h, i] = relative[h, i] * (1 - relative[h, i]) / (root[i] * root[i]) - 1
+                    lowest = min(lowest, relative[h, i])
+                # A step in the old posterior's metric is one in the new one's up to the change of the curvatures. What
+                # the new example's own equation leaves open counts as well.
+                open_site = abs(latent[h] - linear_mean - variance[h] * pull[h])
+                error[h] = (np.sqrt(length) + open_site) / (1 + lowest)
+                continue
+            # Of all on the line through the last two images, the next guess is that of least residual.
+            share = 0.0
+            if step > 1:
+                share = (length - common) / max(length - 2 * common + squared[a], 1e-300)
+            for i in range(n):
+                difference = bend[h, i] - guess[a, i]
+                guess[n_left, i] = bend[h, i] - share * (bend[h, i] - image[a, i])
+                image[n_left, i] = bend[h, i]
+                residual[n_left, i] = difference
+            squared[n_left] = length
+            active[n_left] = h
+            n_left += 1
+        active = active[:n_left]
+        if n_left == 0:
             break
-        bend = iterate.following(previous)
-        previous = iterate
-        linear_mean = mean - dot(solved, bend)
-        latent = _site_step(latent, linear_mean, variance, targets)
-    relative = shifted * (1 - shifted) * inverse_root**2 - 1
-    # The new example's own equation is part of the mode's: what its Newton steps left open counts as well.
-    error = np.sqrt(iterate.squared) + np.abs(latent - linear_mean - variance * pull)
-    # A step in the old posterior's metric is one in the new one's up to the change of the curvatures.
-    error /= 1 + np.minimum(relative.min(axis=2, initial=0.0), 0)
-    return Shift(change, latent, pull, image, relative, error)
 
 
-def _site_step(latent: Array, mean: Array, variance: Array, targets: Array) -> Array:
-    """Newton's step to the solution x of x = mean + variance (target - logistic(x)).
+@compiled
+def _new_site(latent: float, mean: float, variance: float, target: float) -> float:
+    """The solution x of x = mean + variance (target - logistic(x)), by Newton's method from `latent`.
 
-    Steps that begin at 0, where the logistic function has its point of inflection, approach it from one side.
+    From 0, where the logistic function has its point of inflection, the method approaches it from one side.
     """
-    p = expit(latent)
-    step: Array = (latent - mean - variance * (targets - p)) / (1 + variance * p * (1 - p))
-    return latent - step
-
-
-@dataclass(frozen=True, eq=False)
-class Iterate:
-    """A step of a fixed point iteration for many problems at once, accelerated with a memory of one (Anderson 1965).
-
-    Attributes:
-        image: (..., n) what the iterated function makes of the guess.
-        residual: (..., n) its difference from the guess.
-        squared: (...) length of the residual, squared.
-    """
-
-    image: Array
-    residual: Array
-    squared: Array
-
-    @classmethod
-    def of(cls, image: Array, guess: Array) -> Iterate:
-        """The step from a guess to its image."""
-        residual = image - guess
-        return cls(image, residual, dot(residual, residual))
-
-    def following(self, previous: Iterate | None) -> Array:
-        """(..., n) the next guess: of all on the line through the last two images, that of least residual."""
-        if previous is None:
-            return self.image
-        common = dot(self.residual, previous.residual)
-        change = self.squared - 2 * common + previous.squared
-        share = (self.squared - common) / np.maximum(change, np.finfo(np.float64).tiny)
-        step = self.image - previous.image
-        step *= share[..., None]
-        return np.subtract(self.image, step, out=step)
-
-
-def dot(first: Array, second: Array) -> Array:
-    """Inner product along the last axis."""
-    product: Array = np.einsum('...n,...n->...', first, second)
-    return product
+    for _ in range(MOST_SITE_STEPS):
+        p = 1 / (1 + np.exp(-latent))
+        step = (latent - mean - variance * (target - p)) / (1 + variance * p * (1 - p))
+        latent -= step
+        if abs(step) <= 1e-12 * (1 + abs(latent)):
+            break
+    return latent

@@ -8,7 +8,8 @@ from collections.abc import Iterator, Sequence
 import numpy as np
 from numpy.typing import ArrayLike
 
-from al_questioner.concepts.gaussian_process import Array, expected_logistic, rbf_kernel
+from al_questioner.concepts.arrays import Array
+from al_questioner.concepts.gaussian_process import expected_logistic, rbf_kernel
 from al_questioner.concepts.look_ahead import predict_each
 from al_questioner.concepts.mode_shift import find_shift
 from al_questioner.concepts.posterior import Marginals, Posterior, laplace_posterior
@@ -206,7 +207,7 @@ class ConceptModels:
         marginals = self._posterior.at(kernel[:n, n:])
         shift = find_shift(
             self._posterior,
-            marginals.solved.transpose(0, 2, 1),
+            np.ascontiguousarray(marginals.solved.transpose(0, 2, 1)),
             self.amplitude - marginals.explained,
             marginals.mean,
             targets,

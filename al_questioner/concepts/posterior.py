@@ -12,7 +12,8 @@ import numpy as np
 from scipy.linalg import lapack
 from scipy.special import expit
 
-from al_questioner.concepts.gaussian_process import Array, Index, find_modes
+from al_questioner.concepts.arrays import Array, Index
+from al_questioner.concepts.gaussian_process import find_modes
 
 NEWTON_TOLERANCE = 1e-7
 """Largest step from a mode that is taken for found; W is that of the point before the step."""
@@ -132,11 +133,10 @@ def _scaled_covariance(weighted: Array) -> Array:
     diagonal = np.arange(n)
     weighted[diagonal, diagonal] += 1
     # LAPACK is called directly: the wrappers' checks cost more than the factorisation of a few dozen examples.
-    factor, failed = lapack.dpotrf(weighted.T, lower=1, overwrite_a=1, clean=0)
+    factor, failed = lapack.dpotrf(weighted.T, lower=1, overwrite_a=1, clean=1)
     if failed:
         raise ArithmeticError('the kernel matrix is not a covariance')
-    inverse, _ = lapack.dpotri(factor, lower=1, overwrite_c=1)
-    negative = -np.tril(inverse)
-    covariance: Array = negative + np.tril(negative, -1).T
-    covariance[diagonal, diagonal] += 1
+    lower, _ = lapack.dpotri(factor, lower=1, overwrite_c=1)
+    covariance: Array = -(lower + lower.T)
+    covariance[diagonal, diagonal] = 1 - lower[diagonal, diagonal]
     return covariance

@@ -9,16 +9,11 @@ Quadrature (1993).
 
 from __future__ import annotations
 
-from collections.abc import Callable
-
 import numpy as np
-from numpy.typing import NDArray
 
-from al_questioner.concepts.gaussian_process import Array
+from al_questioner.concepts.arrays import Array, Single
+from al_questioner.concepts.compiled import compiled
 
-Single = NDArray[np.float32]
-
-LEAST_STEPS = 2
 MOST_STEPS = 6
 """Single precision keeps Lanczos' vectors orthogonal for about so many steps."""
 
@@ -27,76 +22,80 @@ ROUNDING = 1e-6
 
 
 def resolvent_forms(
-    start: Single,
-    change: Single,
-    spread: Callable[[Single, NDArray[np.intp]], Single],
-    lower: Array,
-    upper: Array,
-    tolerance: float,
+    matrix: Single, change: Single, points: Single, lower: Array, upper: Array, tolerance: float
 ) -> tuple[Array, Array]:
-    """Forms v' (I + S)^-1 v with S = T^1/2 E T^1/2 and v = T^1/2 u, for many E and u at once.
-
-    A row that is within its tolerance after `LEAST_STEPS` takes no part in the further ones.
+    """Forms v' (I + S)^-1 v with S = T^1/2 E T^1/2 and v = T^1/2 E c, for every E and every c.
 
     Args:
-        start: (R, n) u.
-        change: (R, n) diagonals of E.
-        spread: from (Q, n) vectors and (Q,) the rows they stand for, ascending, to T times each.
-        lower: (R,) a bound of the eigenvalues of S from below, in (-1, 0].
-        upper: (R,) a bound from above, 0 or more.
-        tolerance: error at which a row is done.
+        matrix: (n, n) T, between 0 and I.
+        change: (h, n) diagonals of E.
+        points: (k, n) c.
+        lower: (h,) bounds of the eigenvalues of each S from below, in (-1, 0].
+        upper: (h,) bounds from above, 0 or more.
+        tolerance: error at which a form is done.
 
     Returns:
-        (R,) the forms and (R,) bounds on their errors; a bound is not finite where single precision overflows.
+        (h, k) the forms and (h, k) bounds on their errors; a bound is not finite where single precision overflows.
     """
-    rows: NDArray[np.intp] = np.arange(len(start))
-    value, error = np.zeros(len(start)), np.full(len(start), np.inf)
-    vector, previous = start, np.zeros_like(start)
-    total = norm = np.zeros(len(start))
-    means: list[Array] = []
-    couplings: list[Array] = []
-    for step in range(1, MOST_STEPS + 1):
-        image = spread(vector, rows)
-        squared = np.maximum(_dot(vector, image), 0)
-        if step == 1:
-            total = squared
-        else:
-            couplings.append(_ratio(squared, norm))
-        norm = squared
-        following = change * image
-        means.append(_ratio(_dot(image, following), norm))
-        low, high = _bounds(means, couplings, lower, upper)
-        value[rows] = total * low
-        error[rows] = total * (high - low + ROUNDING * high**2)
-        if step >= LEAST_STEPS:
-            left = np.flatnonzero(~(error[rows] <= tolerance))
-            if len(left) == 0:
-                break
-            rows, total, norm = rows[left], total[left], norm[left]
-            lower, upper, change = lower[left], upper[left], change[left]
-            following, vector, previous = following[left], vector[left], previous[left]
-            means, couplings = [mean[left] for mean in means], [coupling[left] for coupling in couplings]
-        following -= means[-1].astype(np.float32)[:, None] * vector
-        if couplings:
-            following -= couplings[-1].astype(np.float32)[:, None] * previous
-        vector, previous = following, vector
+    shape = len(change), len(points)
+    value, error = np.zeros(shape), np.zeros(shape)
+    _resolvent_forms(matrix, change, points, lower, upper, tolerance, value, error)
     return value, error
 
 
-def _bounds(means: list[Array], couplings: list[Array], lower: Array, upper: Array) -> tuple[Array, Array]:
-    """The continued fraction with the least and with the largest that its rest can be."""
-    last = np.clip(means[-1], lower, upper)
-    low, high = 1 / (1 + last), (1 + lower + upper - last) / ((1 + lower) * (1 + upper))
-    for mean, coupling in zip(means[-2::-1], couplings[::-1], strict=True):
-        low, high = 1 / (1 + mean - coupling * low), 1 / (1 + mean - coupling * high)
-    return low, high
-
-
-def _dot(first: Single, second: Single) -> Array:
-    product: Array = np.einsum('rn,rn->r', first, second).astype(np.float64)
-    return product
-
-
-def _ratio(numerator: Array, denominator: Array) -> Array:
-    """Their ratio; 0 where the denominator is 0, which ends the fraction there."""
-    return numerator / np.where(denominator > 0, denominator, 1.0) * (denominator > 0)
+@compiled
+def _resolvent_forms(
+    matrix: Single,
+    change: Single,
+    points: Single,
+    lower: Array,
+    upper: Array,
+    tolerance: float,
+    value: Array,
+    error: Array,
+) -> None:
+    """Lanczos' method in the inner product of T, where the operator is E T; forms that are done leave."""
+    n_points, n = points.shape
+    active = np.arange(len(change) * n_points)
+    vector, previous = np.empty((len(active), n), np.float32), np.zeros((len(active), n), np.float32)
+    for r in active:
+        vector[r] = change[r // n_points] * points[r % n_points]
+    mean, coupling = np.zeros((MOST_STEPS, len(active))), np.zeros((MOST_STEPS, len(active)))
+    norm, total = np.zeros(len(active)), np.zeros(len(active))
+    for step in range(MOST_STEPS):
+        image = np.dot(vector[: len(active)], matrix)
+        n_left = 0
+        for a in range(len(active)):
+            h, k = active[a] // n_points, active[a] % n_points
+            length, moment = np.float32(0), np.float32(0)
+            for i in range(n):
+                length += vector[a, i] * image[a, i]
+                moment += image[a, i] * image[a, i] * change[h, i]
+            squared = max(float(length), 0.0)
+            if step == 0:
+                total[a] = squared
+            elif norm[a] > 0:
+                coupling[step, a] = squared / norm[a]
+            norm[a] = squared
+            mean[step, a] = moment / norm[a] if norm[a] > 0 else 0.0
+            last = min(max(mean[step, a], lower[h]), upper[h])
+            low = 1 / (1 + last)
+            high = (1 + lower[h] + upper[h] - last) / ((1 + lower[h]) * (1 + upper[h]))
+            for level in range(step - 1, -1, -1):
+                low = 1 / (1 + mean[level, a] - coupling[level + 1, a] * low)
+                high = 1 / (1 + mean[level, a] - coupling[level + 1, a] * high)
+            value[h, k] = total[a] * low
+            error[h, k] = total[a] * (high - low + ROUNDING * high * high)
+            if error[h, k] <= tolerance:
+                continue
+            alpha, beta = np.float32(mean[step, a]), np.float32(coupling[step, a])
+            for i in range(n):
+                following = change[h, i] * image[a, i] - alpha * vector[a, i] - beta * previous[a, i]
+                previous[n_left, i] = vector[a, i]
+                vector[n_left, i] = following
+            mean[:, n_left], coupling[:, n_left] = mean[:, a], coupling[:, a]
+            norm[n_left], total[n_left], active[n_left] = norm[a], total[a], active[a]
+            n_left += 1
+        active = active[:n_left]
+        if n_left == 0:
+            break

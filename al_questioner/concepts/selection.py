@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.special import fdtrc
 
-from al_questioner.concepts.gaussian_process import Array
+from al_questioner.concepts.arrays import Array
 from al_questioner.domain import FloatArray, InputError
 
 

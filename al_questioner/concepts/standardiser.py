@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from al_questioner.concepts.gaussian_process import Array
+from al_questioner.concepts.arrays import Array
 from al_questioner.domain import FloatArray, InputError
 
 

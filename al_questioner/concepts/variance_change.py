@@ -9,15 +9,15 @@ from __future__ import annotations
 
 import numpy as np
 
-from al_questioner.concepts.gaussian_process import Array, Index
-from al_questioner.concepts.mode_shift import Iterate, dot
-from al_questioner.concepts.quadrature import Single, resolvent_forms
+from al_questioner.concepts.arrays import Array, Single
+from al_questioner.concepts.compiled import compiled, touch_packing_buffers
+from al_questioner.concepts.quadrature import resolvent_forms
 
-VARIANCE_TOLERANCE = 4e-6
-"""Error of a variance at which it counts as known; a probability then errs by no more than 2e-7."""
+VARIANCE_TOLERANCE = 8e-6
+"""Error of a variance at which it counts as known; a probability then errs by no more than 4e-7."""
 
 TANGENT_TOLERANCE = 1e-6
-MAX_TANGENT_STEPS = 8
+MOST_TANGENT_STEPS = 12
 
 ALIGNMENT = 8
 """Numbers of single precision to a vector register; OpenBLAS multiplies other widths three times more slowly."""
@@ -31,7 +31,9 @@ def spectrum_bounds(covariance: Array, relative: Array) -> tuple[Array, Array]:
         relative: (|Y|, h, n) E.
     """
     # T lies between 0 and I, so that S reaches no farther than E. Its Frobenius norm is |S|^2 = E' (T o T) E.
-    frobenius = np.sqrt(np.maximum(dot(relative, np.matmul(relative, covariance**2)), 0))
+    change = relative.astype(np.float32)
+    squared = np.einsum('yhn,yhn->yh', change, np.matmul(change, covariance.astype(np.float32) ** 2))
+    frobenius = np.sqrt(np.maximum(squared, 0)) * (1 + 1e-5)
     lower = np.maximum(np.minimum(relative.min(axis=2), 0), -frobenius)
     return lower, np.minimum(np.maximum(relative.max(axis=2), 0), frobenius)
 
@@ -52,29 +54,15 @@ def variance_drops(
     Returns:
         (|Y|, h, k) the drops, and bounds on their errors.
     """
-    n_symbols, n, n_points = solved.shape
-    shape = (n_symbols, relative.shape[1], n_points)
-    width = n + -n % ALIGNMENT
-    matrix = np.zeros((n_symbols, width, width), np.float32)
-    matrix[:, :n, :n] = covariance
-    points = np.zeros((n_symbols, 1, n_points, width), np.float32)
-    points[:, 0, :, :n] = solved.transpose(0, 2, 1)
-    change = np.zeros((*shape, width), np.float32)
-    change[..., :n] = relative[:, :, None]
-    first_rows = np.arange(n_symbols + 1) * (shape[1] * n_points)
-
-    def spread(vectors: Single, rows: Index) -> Single:
-        if len(rows) == first_rows[-1]:
-            every: Single = np.matmul(vectors.reshape(n_symbols, -1, width), matrix)
-            return every.reshape(vectors.shape)
-        ends = np.searchsorted(rows, first_rows)
-        return np.concatenate([vectors[a:b] @ m for a, b, m in zip(ends[:-1], ends[1:], matrix, strict=True)])
-
-    lower, upper = (np.repeat(bound.ravel(), n_points) for bound in bounds)
-    rest, error = resolvent_forms(
-        (change * points).reshape(-1, width), change.reshape(-1, width), spread, lower, upper, VARIANCE_TOLERANCE
-    )
-    return np.matmul(relative, solved**2) - rest.reshape(shape), error.reshape(shape)
+    touch_packing_buffers()
+    matrix, change = _single(covariance, rows=True), _single(relative)
+    points = _single(np.ascontiguousarray(solved.transpose(0, 2, 1)))
+    forms = [
+        resolvent_forms(matrix[y], change[y], points[y], bounds[0][y], bounds[1][y], VARIANCE_TOLERANCE)
+        for y in range(len(solved))
+    ]
+    rest, error = (np.stack(part) for part in zip(*forms, strict=True))
+    return np.matmul(relative, solved**2) - rest, error
 
 
 def covariance_tangent(
@@ -94,14 +82,56 @@ def covariance_tangent(
     """
     lower, upper = bounds
     scale = np.maximum(upper, -lower) / (1 + lower)
-    bend, previous = relative * start, None
-    for step in range(1, MAX_TANGENT_STEPS + 1):
-        tangent = new - np.matmul(bend, covariance)
-        image = relative * tangent
-        iterate = Iterate.of(image, bend)
-        error = scale * np.sqrt(iterate.squared)
-        if step == MAX_TANGENT_STEPS or error.max() <= TANGENT_TOLERANCE:
-            break
-        bend = iterate.following(previous)
-        previous = iterate
+    tangent, error = np.empty_like(new), np.empty_like(scale)
+    for y in range(len(new)):
+        _find_tangents(covariance[y], new[y], relative[y], start[y], scale[y], tangent[y], error[y])
     return tangent, error
+
+
+@compiled
+def _find_tangents(
+    covariance: Array, new: Array, relative: Array, start: Array, scale: Array, tangent: Array, error: Array
+) -> None:
+    """`covariance_tangent` for one classifier, iterated as in `mode_shift`."""
+    n_hypotheses, n = new.shape
+    guess = relative * start
+    image, residual = np.zeros((n_hypotheses, n)), np.zeros((n_hypotheses, n))
+    squared = np.zeros(n_hypotheses)
+    active = np.arange(n_hypotheses)
+    for step in range(1, MOST_TANGENT_STEPS + 1):
+        spread = np.dot(guess[: len(active)], covariance)
+        n_left = 0
+        for a in range(len(active)):
+            h = active[a]
+            length, common = 0.0, 0.0
+            for i in range(n):
+                tangent[h, i] = new[h, i] - spread[a, i]
+                difference = relative[h, i] * tangent[h, i] - guess[a, i]
+                length += difference * difference
+                common += difference * residual[a, i]
+            error[h] = scale[h] * np.sqrt(length)
+            if error[h] <= TANGENT_TOLERANCE:
+                continue
+            share = 0.0
+            if step > 1:
+                share = (length - common) / max(length - 2 * common + squared[a], 1e-300)
+            for i in range(n):
+                this = relative[h, i] * tangent[h, i]
+                difference = this - guess[a, i]
+                guess[n_left, i] = this - share * (this - image[a, i])
+                image[n_left, i] = this
+                residual[n_left, i] = difference
+            squared[n_left] = length
+            active[n_left] = h
+            n_left += 1
+        active = active[:n_left]
+        if n_left == 0:
+            break
+
+
+def _single(array: Array, rows: bool = False) -> Single:
+    """In single precision, with zeros after the last axis, and the rows as well, up to a multiple of `ALIGNMENT`."""
+    *others, n_rows, n = array.shape
+    padded = np.zeros((*others, n_rows + (-n_rows % ALIGNMENT if rows else 0), n + -n % ALIGNMENT), np.float32)
+    padded[..., :n_rows, :n] = array
+    return padded

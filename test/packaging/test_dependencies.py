@@ -16,6 +16,7 @@ DISTRIBUTIONS = {
     'cv2': ('opencv-python-headless', 'python3-opencv'),
     'jsonschema': ('jsonschema', 'python3-jsonschema'),
     'matplotlib': ('matplotlib', 'python3-matplotlib'),
+    'numba': ('numba', 'python3-numba'),
     'numpy': ('numpy', 'python3-numpy'),
     'rich': ('rich', 'python3-rich'),
     'scipy': ('scipy', 'python3-scipy'),

@@ -1,0 +1,10 @@
+"""Names of the array types in the signatures of this folder."""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+
+Array = NDArray[np.float64]
+Single = NDArray[np.float32]
+Index = NDArray[np.intp]

@@ -1,0 +1,33 @@
+"""Compilation of the loops that numpy would run in hundreds of small passes."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from functools import cache
+from typing import Any, TypeVar, cast
+
+import numba
+import numpy as np
+from scipy.linalg import blas
+
+Function = TypeVar('Function', bound=Callable[..., Any])
+
+
+def compiled(function: Function) -> Function:
+    """A function compiled by numba at its first call, and kept on disk for the next process.
+
+    Sums may be reordered, which lets them run in vector registers; infinities and NaN keep their meaning, as callers
+    rely on them to see an overflow.
+    """
+    decorate = numba.njit(cache=True, error_model='numpy', fastmath={'reassoc', 'contract', 'nsz'})
+    return cast(Function, decorate(function))
+
+
+@cache
+def touch_packing_buffers() -> None:
+    """Have the linear algebra library use more of its buffers than small products do.
+
+    OpenBLAS's kernels fetch data ahead of the packed matrices. Where that memory was never touched, each fetch ends
+    in a futile search for its page: a small product in single precision was measured to take three times as long.
+    """
+    blas.sgemm(1.0, *np.ones((2, 512, 512), np.float32))
