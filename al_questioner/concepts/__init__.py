@@ -1,8 +1,9 @@
 """What the learner believes: one Gaussian process classifier per symbol, and everything it has been told."""
 
+from al_questioner.concepts.hyperparameters import Kernel
 from al_questioner.concepts.knowledge import VIEW_TOLERANCE, Knowledge
 from al_questioner.concepts.models import ConceptModels
 from al_questioner.concepts.selection import select_features
 from al_questioner.concepts.standardiser import Standardiser
 
-__all__ = ['VIEW_TOLERANCE', 'ConceptModels', 'Knowledge', 'Standardiser', 'select_features']
+__all__ = ['VIEW_TOLERANCE', 'ConceptModels', 'Kernel', 'Knowledge', 'Standardiser', 'select_features']

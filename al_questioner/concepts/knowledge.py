@@ -9,6 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from al_questioner.concepts.arrays import Array
+from al_questioner.concepts.hyperparameters import Kernel, tuned_kernel
 from al_questioner.concepts.models import ConceptModels
 from al_questioner.concepts.selection import select_features
 from al_questioner.concepts.standardiser import Standardiser
@@ -32,7 +33,8 @@ class Knowledge:
     """What was seen and what was told, as concept models: a deterministic function of the events, in their order.
 
     The features are standardised with what was seen, restricted to what the teacher called relevant, and, if so
-    wished, to what a computational selector picks from the labels so far. Models are fitted at every event.
+    wished, to what a computational selector picks from the labels so far. Models are fitted at every event. The kernel
+    is the configured one until `tune` is called.
 
     Args:
         symbols: the concepts to ground.
@@ -58,6 +60,7 @@ class Knowledge:
         self.groups: tuple[str, ...] = ()
         self.labelled_views: list[LabelledView] = []
         self._models = ConceptModels(self.symbols, amplitude, length_scale)
+        self._configured = (amplitude, length_scale)
         self._computational_selection = computational_selection
         self._view_tolerance = view_tolerance
         self._standardiser = Standardiser(0)
@@ -89,6 +92,34 @@ class Knowledge:
     def active_features(self) -> NDArray[np.bool_]:
         """(m,) the features that the models use."""
         return self._active.copy()
+
+    @property
+    def kernel(self) -> Kernel:
+        """The kernel of the models, for the features in use; its length scale is in standard deviations."""
+        return Kernel(self._models.amplitude, self._models.length_scale_of(int(self._active.sum())))
+
+    def tune(self) -> bool:
+        """Replace the kernel by the one that explains the labels so far best, see `tuned_kernel`: an event like others.
+
+        The kernel depends on the labels, the features in use and the configured kernel, not on earlier results. From
+        then on its length scale is a multiple of the root of the number of features in use, whichever these are.
+
+        Returns:
+            Whether the kernel is another one now. If it is not, nothing has changed, the version included.
+        """
+        if not self.labelled_views:
+            return False
+        points = self._standardiser.transform(self._labelled_features())[:, self._active]
+        targets = np.array([[float(label == symbol) for label in self._labels()] for symbol in self.symbols])
+        root = float(np.sqrt(points.shape[1]))
+        amplitude, length_scale = self._configured
+        found = tuned_kernel(points, targets, Kernel(amplitude, root if length_scale is None else length_scale))
+        relative, models = found.length_scale / root, self._models
+        if (found.amplitude, None, relative) == (models.amplitude, models.length_scale, models.relative_length_scale):
+            return False
+        self._models = ConceptModels(self.symbols, found.amplitude, relative_length_scale=relative)
+        self._learn_anew()
+        return True
 
     def observe(self, scene: Scene) -> None:
         """Take in what the scene says about the features' spread; a view that is already known says nothing new.

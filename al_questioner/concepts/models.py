@@ -36,21 +36,33 @@ class ConceptModels:
     Args:
         symbols: names of the concepts; they order the columns of every result.
         amplitude: variance of the Gaussian processes' kernel.
-        length_scale: of the kernel, in the unit of the features; None for the square root of their number.
+        length_scale: of the kernel, in the unit of the features; None for a multiple of the root of their number.
+        relative_length_scale: this multiple.
 
     Raises:
         InputError: no symbols or a repeated one, or an amplitude or length scale that is not a number above 0.
     """
 
-    def __init__(self, symbols: Sequence[str], amplitude: float = 4.0, length_scale: float | None = None) -> None:
+    def __init__(
+        self,
+        symbols: Sequence[str],
+        amplitude: float = 4.0,
+        length_scale: float | None = None,
+        relative_length_scale: float = 1.0,
+    ) -> None:
         self.symbols = tuple(symbols)
         if not self.symbols or len(set(self.symbols)) < len(self.symbols) or NO_SYMBOL in self.symbols:
             raise InputError(f'symbols must be distinct names other than {NO_SYMBOL!r}, not {list(symbols)}')
-        for name, value in (('amplitude', amplitude), ('length_scale', length_scale)):
+        for name, value in (
+            ('amplitude', amplitude),
+            ('length_scale', length_scale),
+            ('relative_length_scale', relative_length_scale),
+        ):
             if value is not None and not (np.isfinite(value) and value > 0):
                 raise InputError(f'{name} must be a number above 0, not {value}')
         self.amplitude = amplitude
         self.length_scale = length_scale
+        self.relative_length_scale = relative_length_scale
         self._points: Array = np.empty((0, 0))
         self._labels: tuple[str, ...] = ()
         nothing = np.empty((len(self.symbols), 0))
@@ -105,9 +117,15 @@ class ConceptModels:
         Raises:
             InputError: not n rows, or a value that is not finite.
         """
-        models = ConceptModels(self.symbols, self.amplitude, self.length_scale)
+        models = ConceptModels(self.symbols, self.amplitude, self.length_scale, self.relative_length_scale)
         models._labels, models._posterior = self._labels, self._posterior
         return models.fit(features, self._labels)
+
+    def length_scale_of(self, n_features: int) -> float:
+        """The kernel's length scale on this number of features, in their unit."""
+        if self.length_scale is not None:
+            return self.length_scale
+        return self.relative_length_scale * float(np.sqrt(max(n_features, 1)))
 
     def predict_proba(self, features: ArrayLike) -> Array:
         """Degree to which each thing belongs to each symbol.
@@ -224,8 +242,7 @@ class ConceptModels:
         return self._last_seen[1]
 
     def _covariance(self, first: Array, second: Array) -> Array:
-        scale = np.sqrt(max(first.shape[1], 1)) if self.length_scale is None else self.length_scale
-        return rbf_kernel(first, second, self.amplitude, scale)
+        return rbf_kernel(first, second, self.amplitude, self.length_scale_of(first.shape[1]))
 
     def _matching(self, features: ArrayLike) -> Array:
         points = _matrix(features)

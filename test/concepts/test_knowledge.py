@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from al_questioner.concepts import ConceptModels, Knowledge
+from al_questioner.concepts import ConceptModels, Kernel, Knowledge, select_features
 from al_questioner.domain import NO_SYMBOL, InputError, Outcome, QueryKind, QueryRecord, Scene, SceneError
 
 SYMBOLS = ('snack', 'fruit')
@@ -186,3 +186,84 @@ def test_what_cannot_be_told(taught, scene):
         taught.restrict_to_groups(())
     with pytest.raises(InputError, match='view_tolerance'):
         Knowledge(SYMBOLS, view_tolerance=-1)
+
+
+def test_tuned_kernel_is_that_of_the_labels_and_used_everywhere(taught, scene):
+    """Predictions, look-ahead and the imagined feature subset would follow different kernels."""
+    untuned = taught.predict_proba(scene.features)
+    version = taught.model_version
+    assert taught.kernel == Kernel(4.0, 2.0)
+    assert taught.tune()
+    assert taught.model_version == version + 1
+    assert taught.kernel != Kernel(4.0, 2.0)
+    assert not np.allclose(taught.predict_proba(scene.features), untuned, atol=1e-4)
+    table = scene.features.astype(np.float64)
+    standardised = (table - table.mean(axis=0)) / table.std(axis=0)
+    expected = ConceptModels(SYMBOLS, taught.kernel.amplitude, taught.kernel.length_scale)
+    expected.fit(standardised[:3], ['snack', 'fruit', NO_SYMBOL])
+    np.testing.assert_allclose(taught.predict_proba(scene.features), expected.predict_proba(standardised), atol=1e-10)
+    np.testing.assert_allclose(taught.look_ahead(scene), expected.look_ahead(standardised), atol=1e-9)
+    # Three labels, all different, allow no selection: the imagined subset is all features.
+    np.testing.assert_allclose(taught.predict_after_selection(scene), expected.predict_proba(standardised), atol=1e-10)
+
+
+def test_tuned_length_scale_follows_the_number_of_features(taught):
+    """After a feature subset query the kernel would be far too wide for the few features that are left."""
+    taught.tune()
+    before = taught.kernel
+    taught.restrict_to_groups(('size',))
+    assert taught.kernel.amplitude == before.amplitude
+    assert taught.kernel.length_scale == pytest.approx(before.length_scale / 2)
+
+
+def test_events_after_tuning_keep_the_tuned_kernel_on_any_features():
+    """New labels would join a kernel matrix of other hyperparameters, or imagined subsets use too wide a kernel."""
+    table = np.random.default_rng(4).normal(size=(8, 30))
+    table[:, 7] = [0, 9, 0, 9, 0, 9, 0, 9]
+    many = scene_of(table, names=tuple(f'{"colour" if i < 10 else "noise"}_{i}' for i in range(30)))
+    labels = ['snack', 'fruit', 'snack', 'fruit', 'snack']
+    knowledge = Knowledge(SYMBOLS)
+    knowledge.observe(many)
+    for i, label in enumerate(labels):
+        if i == 3:
+            assert knowledge.tune()
+        knowledge.label(i, many.features[i], label, i)
+    points = many.features.astype(np.float64)
+    points = (points - points.mean(axis=0)) / points.std(axis=0)
+    kernel, chosen = knowledge.kernel, select_features(points[:5], labels)
+    assert 0 < chosen.sum() < 15
+
+    def expected(features):
+        models = ConceptModels(SYMBOLS, kernel.amplitude, kernel.length_scale * np.sqrt(features.shape[1] / 30))
+        return models.fit(features[:5], labels).predict_proba(features)
+
+    np.testing.assert_allclose(knowledge.predict_proba(many.features), expected(points), atol=1e-8)
+    np.testing.assert_allclose(knowledge.predict_after_selection(many), expected(points[:, chosen]), atol=1e-8)
+    knowledge.restrict_to_groups(('colour',))
+    np.testing.assert_allclose(knowledge.predict_proba(many.features), expected(points[:, :10]), atol=1e-8)
+
+
+def test_tuning_again_without_news_changes_nothing(taught):
+    """The kernel would drift with every call, and the version would tell of models that are not new."""
+    assert taught.tune()
+    kernel, version = taught.kernel, taught.model_version
+    assert not taught.tune()
+    assert (taught.kernel, taught.model_version) == (kernel, version)
+
+
+def test_tuning_without_labels_keeps_the_configured_kernel(scene):
+    """A robot that has been told nothing would change its mind."""
+    knowledge = Knowledge(SYMBOLS, 9.0, 5.0)
+    assert not knowledge.tune(), 'not even a scene'
+    knowledge.observe(scene)
+    assert not knowledge.tune()
+    assert (knowledge.kernel, knowledge.model_version) == (Kernel(9.0, 5.0), 1)
+
+
+def test_tuning_moves_from_the_length_scale_that_was_configured(scene):
+    """A user's length scale would be forgotten at the first tuning."""
+    knowledge = Knowledge(SYMBOLS, 4.0, 40.0)
+    knowledge.observe(scene)
+    knowledge.label(0, scene.features[0], 'snack', 1)
+    knowledge.tune()
+    assert 40 / 3 <= knowledge.kernel.length_scale <= 120
