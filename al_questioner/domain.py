@@ -298,6 +298,7 @@ class EpisodeSettings:
         amplitude: variance of the Gaussian processes' kernel.
         length_scale: length scale of the kernel in standard deviations of a feature; None for the square root of
             the number of features in use.
+        tune_every: turns from one re-optimisation of amplitude and length scale to the next; 0 for never.
 
     Raises:
         SettingsError: a value outside its range.
@@ -312,6 +313,7 @@ class EpisodeSettings:
     costs: Costs = Costs()
     amplitude: float = 4.0
     length_scale: float | None = None
+    tune_every: int = 0
 
     def __post_init__(self) -> None:
         if len(self.symbols) < 2 or len(set(self.symbols)) < len(self.symbols):
@@ -332,11 +334,17 @@ class EpisodeSettings:
             raise SettingsError(f'amplitude must be a number above 0, not {self.amplitude}')
         if self.length_scale is not None and not (np.isfinite(self.length_scale) and self.length_scale > 0):
             raise SettingsError(f'length_scale must be a number above 0, not {self.length_scale}')
+        if self.tune_every < 0:
+            raise SettingsError(f'tune_every must be 0 or more, not {self.tune_every}')
         for name, weight in self.weights.items():
             if name not in DECISION_FEATURES:
                 raise SettingsError(f'unknown decision feature {name!r}; known: {", ".join(DECISION_FEATURES)}')
             if not np.isfinite(weight):
                 raise SettingsError(f'the weight of {name} is not finite ({weight})')
+
+    def tunes_after(self, turn: int) -> bool:
+        """Whether amplitude and length scale are re-optimised at the end of this turn."""
+        return self.tune_every > 0 and turn > 0 and turn % self.tune_every == 0
 
 
 def generator(seed: int, stream: str) -> np.random.Generator:

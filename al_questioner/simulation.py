@@ -15,6 +15,7 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
+from al_questioner.concepts import Kernel
 from al_questioner.configuration import config_dir
 from al_questioner.domain import (
     Costs,
@@ -107,6 +108,7 @@ def episode_settings(
     costs: Costs = DEFAULT_COSTS,
     amplitude: float = 4.0,
     length_scale: float | None = None,
+    tune_every: int = 0,
 ) -> EpisodeSettings:
     """Settings of an episode; what is not given comes from the task, and the weights from `config/weights`.
 
@@ -129,6 +131,7 @@ def episode_settings(
         costs=costs,
         amplitude=amplitude,
         length_scale=length_scale,
+        tune_every=tune_every,
     )
 
 
@@ -159,6 +162,7 @@ class EpisodeResult:
         queries: every query, in order.
         accuracy: on the held-out observations, after each turn.
         test_size: number of held-out observations.
+        kernel: of the learner's models after the last turn.
     """
 
     choice: WorldChoice
@@ -166,6 +170,7 @@ class EpisodeResult:
     queries: tuple[QueryRecord, ...]
     accuracy: tuple[float, ...]
     test_size: int
+    kernel: Kernel
 
     @property
     def spent(self) -> float:
@@ -207,6 +212,8 @@ class Evaluation:
         if record is not None:
             self._knowledge.learn(record, scene)
             self._queries.append(record)
+        if self.settings.tunes_after(self.turn + 1):
+            self._knowledge.tune()
         if self._knowledge.model_version == self._measured_version:
             self._accuracy.append(self._accuracy[-1])
         else:
@@ -217,7 +224,14 @@ class Evaluation:
 
     def result(self) -> EpisodeResult:
         """The episode so far."""
-        return EpisodeResult(self.choice, self.settings, tuple(self._queries), tuple(self._accuracy), len(self._labels))
+        return EpisodeResult(
+            self.choice,
+            self.settings,
+            tuple(self._queries),
+            tuple(self._accuracy),
+            len(self._labels),
+            self._knowledge.kernel,
+        )
 
 
 TurnWatcher = Callable[[int, QueryRecord | None, float], None]
@@ -249,6 +263,7 @@ def play(evaluation: Evaluation, teacher: Teacher, watch: TurnWatcher | None = N
         record = None
         if decision.query is not None:
             record = episode.tell(teacher.answer(decision.query, world.truth(turn)))
+        episode.tune()
         accuracy_now = evaluation.next_turn(record)
         if watch is not None:
             watch(turn, record, accuracy_now)

@@ -43,10 +43,11 @@ def test_accuracy_of_hand_made_cases(probabilities: list[list[float]], expected:
     assert accuracy(np.array(probabilities), ['a', 'b'], SYMBOLS) == expected
 
 
+@pytest.mark.parametrize('tune_every', [0, 3])
 @pytest.mark.parametrize('strategy', ['dt_task', 'u_sampling', 'farthest_fsq'])
-def test_evaluation_believes_what_the_learner_believes(strategy: str) -> None:
+def test_evaluation_believes_what_the_learner_believes(strategy: str, tune_every: int) -> None:
     """Accuracy would be that of other models than the robot has."""
-    settings = episode_settings(TASK, strategy, budget=8, turns=12)
+    settings = episode_settings(TASK, strategy, budget=8, turns=12, tune_every=tune_every)
     evaluation = Evaluation(CHOICE, settings)
     features, labels = evaluation.world.test_set()
     episode = Episode(settings, generator(4, 'learner'))
@@ -55,8 +56,23 @@ def test_evaluation_believes_what_the_learner_believes(strategy: str) -> None:
         record = None
         if decision.query is not None:
             record = episode.tell(teacher().answer(decision.query, evaluation.world.truth(turn)))
+        episode.tune()
         measured = evaluation.next_turn(record)
         assert measured == accuracy(episode.knowledge.predict_proba(features), labels, TASK.symbols)
+    assert evaluation.result().kernel == episode.knowledge.kernel
+
+
+def test_playing_tunes_at_the_turns_that_are_due() -> None:
+    """The option would have no effect on what is asked, or also where it is off."""
+    plain, often, never_due = (
+        run_episode(CHOICE, episode_settings(TASK, 'u_sampling_fsq', 8, 12, tune_every=every), teacher())
+        for every in (0, 2, 13)
+    )
+    assert plain.queries == never_due.queries
+    assert plain.accuracy == never_due.accuracy
+    assert plain.kernel == never_due.kernel
+    assert often.accuracy != plain.accuracy
+    assert often.kernel.amplitude != plain.kernel.amplitude == 4.0
 
 
 @pytest.mark.parametrize('strategy', list(STRATEGIES))
@@ -143,6 +159,7 @@ def settings(**changes: object) -> EpisodeSettings:
         ({'symbols': ('a', 'none')}, 'none'),
         ({'amplitude': 0.0}, 'amplitude'),
         ({'length_scale': float('nan')}, 'length_scale'),
+        ({'tune_every': -1}, 'tune_every must be 0 or more, not -1'),
         ({'weights': {'beauty': 1.0}}, 'unknown decision feature'),
         ({'weights': {'remaining_time': float('nan')}}, 'not finite'),
     ],

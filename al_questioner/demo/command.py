@@ -15,6 +15,7 @@ from al_questioner.demo.pictures import draw_pictures
 from al_questioner.demo.progress import Progress
 from al_questioner.demo.report import episode_document, summary
 from al_questioner.domain import InputError, QueryRecord
+from al_questioner.messages.schemas import LARGEST_TURN
 from al_questioner.questioning import STRATEGIES
 from al_questioner.simulation import (
     Evaluation,
@@ -62,6 +63,9 @@ def parser() -> Parser:
     result.add_argument('--weights-file', help='YAML file with weights of the decision features')
     result.add_argument('--budget', type=float, help="query budget (the task's)")
     result.add_argument('--turns', type=int, help="length of the episode (the task's)")
+    tune_every = _number(int, 0, LARGEST_TURN)
+    tune_help = "turns from one re-optimisation of the models' kernel to the next, 0 for never (%(default)s)"
+    result.add_argument('--tune-every', type=tune_every, default=0, metavar='K', help=tune_help)
     seed = _number(int, 0, LARGEST_SEED)
     result.add_argument('--seed', type=seed, default=0, help='seed of everything drawn at random (%(default)s)')
     result.add_argument('--sample', type=seed, help='sample of observations to draw the scenes from (that of the seed)')
@@ -85,7 +89,14 @@ def main(arguments: Sequence[str]) -> int:
     choice = WorldChoice(
         load_task(given.task), given.seed, given.seed if given.sample is None else given.sample, given.dataset
     )
-    settings = episode_settings(choice.task, given.strategy, given.budget, given.turns, weights_file=given.weights_file)
+    settings = episode_settings(
+        choice.task,
+        given.strategy,
+        given.budget,
+        given.turns,
+        weights_file=given.weights_file,
+        tune_every=given.tune_every,
+    )
     teacher = ScriptedTeacher(
         choice.task.symbols, choice.task.relevant_groups, given.seed, given.wrong_rate, given.unknown_rate
     )
@@ -156,6 +167,7 @@ def _play_graph(given: argparse.Namespace, evaluation: Evaluation, watch: TurnWa
                 'budget': settings.budget,
                 'turns': settings.turns,
                 'weights_file': given.weights_file or '',
+                'tune_every': settings.tune_every,
                 'turn_period': given.turn_period,
                 'episode_id': episode_id,
             },

@@ -40,6 +40,8 @@ def episode_document(result: EpisodeResult, teacher: ScriptedTeacher, world: Per
         'change_interval': settings.change_interval,
         'amplitude': settings.amplitude,
         'length_scale': settings.length_scale,
+        'tune_every': settings.tune_every,
+        'kernel': asdict(result.kernel),
         'wrong_rate': teacher.wrong_rate,
         'unknown_rate': teacher.unknown_rate,
         'version': __version__,
@@ -70,5 +72,8 @@ def summary(result: EpisodeResult) -> Table:
     table.add_row('mean accuracy over the turns', f'{sum(result.accuracy) / len(result.accuracy):.2f}')
     table.add_row('budget spent', f'{result.spent:g} of {settings.budget:g}, in {settings.turns} turns')
     table.add_row('queries', f'{len(result.queries)}: {asked}' if asked else 'none')
+    if settings.tune_every:
+        kernel = f'amplitude {result.kernel.amplitude:.3g}, length scale {result.kernel.length_scale:.3g}'
+        table.add_row(f'kernel, tuned every {settings.tune_every} turns', kernel)
     table.add_row('told', ', '.join(f'{count} {symbol}' for symbol, count in labels_told(result).items()))
     return table

@@ -15,6 +15,7 @@ _TEXT: JsonSchema = {'type': 'string', 'minLength': 1, 'maxLength': 10_000}
 _COUNT: JsonSchema = {'type': 'integer', 'minimum': 0}
 _TURN: JsonSchema = {'type': 'integer', 'minimum': 1, 'maximum': LARGEST_TURN}
 _AMOUNT: JsonSchema = {'type': 'number', 'minimum': 0}
+_POSITIVE: JsonSchema = {'type': 'number', 'exclusiveMinimum': 0}
 _NAMES: JsonSchema = {'type': 'array', 'items': _TEXT}
 _OBJECT_ID: JsonSchema = {'type': ['integer', 'null'], 'minimum': 0, 'maximum': 2**32 - 2}
 _OPTIONAL_TEXT: JsonSchema = {'type': ['string', 'null']}
@@ -63,7 +64,8 @@ SCHEMAS: dict[str, JsonSchema] = {
             },
             'seed': _COUNT,
             'world': {'oneOf': [_WORLD, {'type': 'null'}]},
-        }
+        },
+        {'tune_every': _COUNT},
     ),
     'turn': _record(
         {
@@ -114,7 +116,8 @@ SCHEMAS: dict[str, JsonSchema] = {
                 'type': 'object',
                 'additionalProperties': {'type': 'object', 'additionalProperties': {'type': 'number'}},
             },
-        }
+        },
+        {'kernel': _record({'amplitude': _POSITIVE, 'length_scale': _POSITIVE})},
     ),
 }
 """Schema of each kind of document, without the `schema` and `episode_id` that every document carries."""

@@ -45,9 +45,9 @@ def new_knowledge(settings: EpisodeSettings, view_tolerance: float = VIEW_TOLERA
 class Episode:
     """One learning episode (section 2.3 of the paper).
 
-    Each turn: `ask(scene)`, and if the decision holds a query, `tell(answer)`. A scene or an answer that is refused
-    leaves the episode as it was, so that the turn can be tried again. The same settings, scenes, answers and
-    generator give the same queries in any process.
+    Each turn: `ask(scene)`, if the decision holds a query, `tell(answer)`, and at the turn's end `tune()`. A scene or
+    an answer that is refused leaves the episode as it was, so that the turn can be tried again. The same settings,
+    scenes, answers and generator give the same queries in any process.
 
     Args:
         settings: what is given to the learner before it asks.
@@ -73,6 +73,7 @@ class Episode:
         self._non_query_turns = 0
         self._scene: Scene | None = None
         self._scene_turn = 1
+        self._tuned_turn = 0
 
     @property
     def turn(self) -> int:
@@ -187,6 +188,22 @@ class Episode:
         self._records.append(record)
         self._pending = None
         return record
+
+    def tune(self) -> bool:
+        """Re-optimise the kernel if this turn is one for it; call it at the end of a turn, when nobody waits.
+
+        Returns:
+            Whether the beliefs may have changed.
+
+        Raises:
+            RuntimeError: a query is pending: the turn is not over.
+        """
+        if self._pending is not None:
+            raise RuntimeError(f'query {self._pending.query_id} has not been answered yet')
+        if self._tuned_turn == self._turn or not self.settings.tunes_after(self._turn):
+            return False
+        self._tuned_turn = self._turn
+        return self.knowledge.tune()
 
     def _query(self, action: Action, scene: Scene) -> Query | None:
         """Put the action to the teacher and charge for it; None if it asks nothing."""

@@ -124,6 +124,7 @@ class LearnerNode(QuestionerNode):
                 'costs': dataclasses.asdict(settings.costs),
                 'strategy': settings.strategy,
                 'weights': dict(settings.weights),
+                'tune_every': settings.tune_every,
                 'seed': self._world['seed'],
                 'world': self._world,
             }
@@ -160,10 +161,11 @@ class LearnerNode(QuestionerNode):
         return read_plain_answer(content, self._episode.pending)
 
     def _end_turn(self) -> None:
-        """Tell what is known now, and begin the next turn unless this was the last."""
+        """Tune the models if it is time, tell what is known now, and begin the next turn unless this was the last."""
         scene = self._scene
         if scene is None:
             return
+        self._episode.tune()
         beliefs = self._beliefs(scene)
         if self._episode.done:
             self._show(scene, beliefs)
@@ -195,6 +197,7 @@ class LearnerNode(QuestionerNode):
             'queries': [documents.record_members(record) for record in episode.records],
             'labels': dict(episode.positives),
             'model_version': episode.knowledge.model_version,
+            'kernel': dataclasses.asdict(episode.knowledge.kernel),
             'beliefs': {
                 str(object_id): {
                     symbol: round(float(p), 6) for symbol, p in zip(episode.settings.symbols, row, strict=True)
@@ -222,6 +225,7 @@ def _episode_settings(task: Task, given: Mapping[str, Any]) -> EpisodeSettings:
         costs=Costs(given['cost_label'], given['cost_demonstration'], given['cost_feature_subset']),
         amplitude=given['amplitude'],
         length_scale=given['length_scale'] or None,
+        tune_every=given['tune_every'],
     )
 
 

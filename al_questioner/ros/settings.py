@@ -48,6 +48,14 @@ def learner_settings(task: Task) -> tuple[Setting, ...]:
             'length_scale', 0.0, 'of the kernel; 0: root of the number of features', 'standard deviations', lower=0.0
         ),
         Setting(
+            'tune_every',
+            0,
+            'time between re-optimisations of amplitude and length scale; 0: never',
+            'turns',
+            lower=0,
+            upper=LARGEST_TURN,
+        ),
+        Setting(
             'view_tolerance',
             VIEW_TOLERANCE,
             'change up to which an object is the same view',

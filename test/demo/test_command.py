@@ -31,6 +31,16 @@ def test_json_holds_what_the_contract_names(tmp_path: Path) -> None:
         assert {'turn', 'kind', 'object_id', 'symbol', 'cost', 'outcome'} <= set(query)
 
 
+def test_tuned_kernel_is_told(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    """Nobody would know with which kernel an accuracy was reached."""
+    path = tmp_path / 'episode.json'
+    assert run(tmp_path, '--strategy', 'random_fsq', '--tune-every', '3', '--json', str(path)) == 0
+    episode = json.loads(path.read_text())
+    assert episode['tune_every'] == 3
+    assert episode['kernel']['amplitude'] != episode['amplitude']
+    assert 'kernel, tuned every 3 turns' in capsys.readouterr().out
+
+
 @pytest.mark.parametrize('strategy', ['dt_task_env', 'random_fsq'])
 def test_pictures_are_drawn(tmp_path: Path, strategy: str) -> None:
     """The demo would end with nothing to look at."""
@@ -73,6 +83,8 @@ def test_progress_and_summary_are_printed(tmp_path: Path, capsys: pytest.Capture
         (['--json', '/proc/no/such.json'], '/proc/no cannot be made a folder'),
         (['--json', '/proc/such.json'], '/proc/such.json cannot be written'),
         (['--out', '/dev/null'], '/dev/null cannot be made a folder'),
+        (['--tune-every', '-1'], '--tune-every'),
+        (['--tune-every', '2.5'], '--tune-every'),
         (['--turn-period', '-1'], '--turn-period'),
         (['--turn-period', 'nan'], '--turn-period'),
         (['--sample', '-1'], '--sample'),

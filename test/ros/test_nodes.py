@@ -43,11 +43,11 @@ def is_over(states: list[dict[str, Any]]) -> bool:
     return bool(states) and states[-1]['done']
 
 
-def offline_queries(strategy: str, budget: float, turns: int) -> list[tuple[Any, ...]]:
+def offline_queries(strategy: str, budget: float, turns: int, tune_every: int = 0) -> list[tuple[Any, ...]]:
     task = load_task(TASK)
     result = run_episode(
         WorldChoice(task, 4, 4),
-        episode_settings(task, strategy, budget, turns),
+        episode_settings(task, strategy, budget, turns, tune_every=tune_every),
         ScriptedTeacher(task.symbols, task.relevant_groups, 4),
     )
     return [(r.turn, r.kind.value, r.object_id, r.symbol, r.cost, r.outcome.value) for r in result.queries]
@@ -66,6 +66,24 @@ def test_graph_asks_what_an_offline_run_asks(graph: Any, strategy: str) -> None:
     ]
     assert asked == offline_queries(strategy, 8.0, 14)
     assert states[-1]['spent'] <= 8.0
+
+
+def test_tuning_learner_asks_what_an_offline_run_asks_and_tells_its_kernel(graph: Any) -> None:
+    """The graph would tune at other turns, or nobody could see what it tuned to."""
+    states, episodes = graph.listen('learner_state'), graph.listen('episode')
+    start_robot(graph, strategy='u_sampling', budget=8.0, turns=12, tune_every=2)
+    graph.start(TeacherNode, **SMALL)
+    graph.wait_for(lambda: is_over(states), 'the end of the episode')
+    asked = [
+        tuple(query[key] for key in ('turn', 'kind', 'object_id', 'symbol', 'cost', 'outcome'))
+        for query in states[-1]['queries']
+    ]
+    assert asked == offline_queries('u_sampling', 8.0, 12, tune_every=2)
+    assert asked != offline_queries('u_sampling', 8.0, 12)
+    assert episodes[-1]['tune_every'] == 2
+    by_turn = {state['turn']: state['kernel'] for state in states}
+    assert by_turn[1]['amplitude'] == 4.0
+    assert by_turn[12]['amplitude'] != 4.0
 
 
 def test_every_topic_tells_the_same_story(graph: Any) -> None:

@@ -79,6 +79,8 @@ def test_misspelt_parameters_are_refused(graph: Any) -> None:
         ({'seed': -3}, 'seed must lie in'),
         ({'weights_file': '/no/such/file.yaml'}, 'no/such/file'),
         ({'amplitude': 0.0}, 'amplitude must lie in'),
+        ({'tune_every': -1}, 'tune_every must lie in'),
+        ({'tune_every': 2.5}, 'tune_every must be of type int'),
     ],
 )
 def test_parameters_that_cannot_be_used_are_named(graph: Any, parameters: dict[str, Any], reason: str) -> None:
