@@ -16,10 +16,10 @@ from scipy.special import expit
 from al_questioner.concepts.gaussian_process import Array, find_modes
 
 AMPLITUDE_FACTOR = 4.0
-LENGTH_SCALE_FACTOR = 3.0
+LENGTH_SCALE_FACTOR = 2.0
 """By how much a tuned value may differ, as a factor either way, from the one that was configured."""
 
-PRIOR_DEVIATIONS = np.array([1.0, 0.5])
+PRIOR_DEVIATIONS = np.array([1.0, 0.25])
 """Standard deviations of log amplitude and log length scale in the normal prior around the configured kernel."""
 
 

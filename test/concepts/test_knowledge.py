@@ -266,4 +266,4 @@ def test_tuning_moves_from_the_length_scale_that_was_configured(scene):
     knowledge.observe(scene)
     knowledge.label(0, scene.features[0], 'snack', 1)
     knowledge.tune()
-    assert 40 / 3 <= knowledge.kernel.length_scale <= 120
+    assert 20 <= knowledge.kernel.length_scale <= 80

@@ -1,0 +1,189 @@
+"""What re-optimising the kernel's amplitude and length scale is worth: paired episodes with and without it.
+
+    python benchmarks/hyperparameters.py [--task TASK ...] [--strategy STRATEGY ...] [--tune-every K ...]
+                                         [--budget B] [--turns T] [--first SEED] [--samples N] [--grid]
+
+Every episode is played with tune_every 0 and with each K, on the same sample, scenes and seed. A row holds, for the
+final accuracy and for its mean over the turns: what it is without, the mean change with its deviation over the pairs,
+and the two-sided p-value of Wilcoxon's signed-rank test; then the median amplitude and length scale after the last
+turn. With --grid it holds the changes over all tasks and strategies given under several bounds and priors: to choose
+them, on other seeds than those that are reported.
+"""
+
+from __future__ import annotations
+
+import argparse
+import itertools
+import os
+import statistics
+from collections.abc import Sequence
+from concurrent.futures import ProcessPoolExecutor
+from functools import lru_cache
+from typing import NamedTuple
+
+import numpy as np
+from scipy.stats import wilcoxon
+
+from al_questioner import simulation
+from al_questioner.concepts import hyperparameters
+from al_questioner.domain import Observation, Scene
+from al_questioner.perception import perceive
+from al_questioner.questioning import STRATEGIES
+from al_questioner.simulation import WorldChoice, episode_settings, run_episode
+from al_questioner.teaching import ScriptedTeacher
+from al_questioner.world import World, load_task, make_world
+
+TASKS = ('prepare_lunch', 'kitchen_table', 'pack_lunchbox')
+FAST_STRATEGIES = ('u_sampling_fsq', 'farthest_fsq', 'rarest_demo')
+
+
+class Prior(NamedTuple):
+    """Factors within which amplitude and length scale may move, and deviations of their logarithms."""
+
+    amplitude_factor: float
+    length_scale_factor: float
+    amplitude_deviation: float
+    length_scale_deviation: float
+
+
+SHIPPED = Prior(
+    hyperparameters.AMPLITUDE_FACTOR, hyperparameters.LENGTH_SCALE_FACTOR, *hyperparameters.PRIOR_DEVIATIONS.tolist()
+)
+GRID = (
+    Prior(4, 3, np.inf, np.inf),
+    Prior(4, 3, 1.0, 0.5),
+    Prior(4, 3, 0.5, 0.25),
+    Prior(4, 3, 0.25, 0.5),
+    Prior(4, 2, 1.0, 0.25),
+    Prior(25, 10, np.inf, np.inf),
+)
+"""What --grid tries; an infinite deviation is no prior."""
+
+
+class Case(NamedTuple):
+    """One episode."""
+
+    task: str
+    strategy: str
+    sample: int
+    budget: float
+    turns: int
+    tune_every: int
+    prior: Prior = SHIPPED
+
+
+class Outcome(NamedTuple):
+    """What came of it."""
+
+    final: float
+    mean: float
+    amplitude: float
+    length_scale: float
+
+
+@lru_cache(maxsize=200)
+def perceived(observations: tuple[Observation, ...]) -> Scene:
+    """Features that the episodes on a world share: perception takes longer than all the rest."""
+    return perceive(observations)
+
+
+simulation.perceive = lambda observations, measure=None: perceived(tuple(observations))
+
+
+@lru_cache(maxsize=1)
+def opened(task: str, sample: int) -> World:
+    """A world that the episodes on it share, so that its views are drawn once."""
+    return make_world(load_task(task), sample, sample)
+
+
+class SharedWorld(WorldChoice):
+    """A choice whose world is the shared one."""
+
+    def open(self) -> World:
+        """See `WorldChoice.open`."""
+        return opened(self.task.name, self.sample)
+
+
+def play(case: Case) -> Outcome:
+    """Play an episode, world and learner drawing from the seed of the sample."""
+    hyperparameters.AMPLITUDE_FACTOR = case.prior.amplitude_factor
+    hyperparameters.LENGTH_SCALE_FACTOR = case.prior.length_scale_factor
+    hyperparameters.PRIOR_DEVIATIONS = np.array(case.prior[2:])
+    task = load_task(case.task)
+    teacher = ScriptedTeacher(task.symbols, task.relevant_groups, case.sample)
+    settings = episode_settings(task, case.strategy, case.budget, case.turns, tune_every=case.tune_every)
+    result = run_episode(SharedWorld(task, case.sample, case.sample), settings, teacher)
+    return Outcome(
+        result.final_accuracy,
+        statistics.mean(result.accuracy),
+        result.kernel.amplitude,
+        result.kernel.length_scale,
+    )
+
+
+def play_all(cases: Sequence[Case]) -> dict[Case, Outcome]:
+    """Play episodes one after the other."""
+    return {case: play(case) for case in cases}
+
+
+def change(without: Sequence[float], tuned: Sequence[float]) -> str:
+    """Mean of the first, mean and deviation of the change, and the p-value."""
+    # Rounded, as equal accuracies that were averaged in another order are ties.
+    difference = np.round(np.subtract(tuned, without), 12)
+    p = wilcoxon(difference).pvalue if difference.any() else 1.0
+    return f'{np.mean(without):.3f} {difference.mean():+.3f} ± {difference.std(ddof=1):.3f} {p:6.3f}'
+
+
+def row(name: str, without: Sequence[Outcome], tuned: Sequence[Outcome]) -> str:
+    """A line of the table."""
+    final = change([o.final for o in without], [o.final for o in tuned])
+    mean = change([o.mean for o in without], [o.mean for o in tuned])
+    amplitude = statistics.median(o.amplitude for o in tuned)
+    length_scale = statistics.median(o.length_scale for o in tuned)
+    return f'{name} | {final} | {mean} | {amplitude:5.2f} {length_scale:5.2f}'
+
+
+def main() -> None:
+    """Print a table."""
+    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
+    parser.add_argument('--task', nargs='+', default=TASKS)
+    parser.add_argument('--strategy', nargs='+', default=FAST_STRATEGIES, choices=list(STRATEGIES))
+    parser.add_argument('--tune-every', nargs='+', type=int, default=[5, 10])
+    parser.add_argument('--budget', type=float, default=25)
+    parser.add_argument('--turns', type=int, default=40)
+    parser.add_argument('--first', type=int, default=0, help='first seed')
+    parser.add_argument('--samples', type=int, default=10)
+    parser.add_argument('--grid', action='store_true')
+    given = parser.parse_args()
+    samples = range(given.first, given.first + given.samples)
+    groups = [
+        [Case(task, strategy, sample, given.budget, given.turns, 0) for sample in samples]
+        for task, strategy in itertools.product(given.task, given.strategy)
+    ]
+    priors = GRID if given.grid else (SHIPPED,)
+    variants = list(itertools.product(priors, given.tune_every))
+    plain = [case for group in groups for case in group]
+    cases = [*plain, *(case._replace(prior=p, tune_every=k) for p, k in variants for case in plain)]
+    worlds: dict[tuple[str, int], list[Case]] = {}
+    for case in cases:
+        worlds.setdefault((case.task, case.sample), []).append(case)
+    outcomes: dict[Case, Outcome] = {}
+    with ProcessPoolExecutor(os.cpu_count()) as pool:
+        for played in pool.map(play_all, worlds.values()):
+            outcomes |= played
+
+    print(f'budget {given.budget:g}, {given.turns} turns, seeds {samples.start} to {samples.stop - 1}')
+    print(f'{"":<38} | final: without, change, p      | mean: without, change, p       | amplitude, length scale')
+    for prior, every in variants:
+        if given.grid:
+            print(f'bounds {prior[:2]} deviations {prior[2:]}')
+        for group in [*groups, plain]:
+            name = f'{group[0].task:<14}{group[0].strategy:<16}' if group is not plain else f'{"all":<30}'
+            if given.grid and group is not plain:
+                continue
+            tuned = [outcomes[case._replace(prior=prior, tune_every=every)] for case in group]
+            print(row(f'{name} every {every:<2}', [outcomes[case] for case in group], tuned))
+
+
+if __name__ == '__main__':
+    main()
