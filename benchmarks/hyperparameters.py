@@ -1,13 +1,14 @@
 """What re-optimising the kernel's amplitude and length scale is worth: paired episodes with and without it.
 
     python benchmarks/hyperparameters.py [--task TASK ...] [--strategy STRATEGY ...] [--tune-every K ...]
-                                         [--budget B] [--turns T] [--first SEED] [--samples N] [--grid]
+                                         [--amplitude A] [--budget B] [--turns T] [--first SEED] [--samples N]
+                                         [--grid]
 
 Every episode is played with tune_every 0 and with each K, on the same sample, scenes and seed. A row holds, for the
 final accuracy and for its mean over the turns: what it is without, the mean change with its deviation over the pairs,
 and the two-sided p-value of Wilcoxon's signed-rank test; then the median amplitude and length scale after the last
-turn. With --grid it holds the changes over all tasks and strategies given under several bounds and priors: to choose
-them, on other seeds than those that are reported.
+turn. --tune-every 0 --amplitude A compares with another amplitude that stays. With --grid a row holds the changes over
+all tasks and strategies given under several bounds and priors: to choose them, on other seeds than those reported.
 """
 
 from __future__ import annotations
@@ -70,6 +71,7 @@ class Case(NamedTuple):
     turns: int
     tune_every: int
     prior: Prior = SHIPPED
+    amplitude: float = 4.0
 
 
 class Outcome(NamedTuple):
@@ -111,7 +113,9 @@ def play(case: Case) -> Outcome:
     hyperparameters.PRIOR_DEVIATIONS = np.array(case.prior[2:])
     task = load_task(case.task)
     teacher = ScriptedTeacher(task.symbols, task.relevant_groups, case.sample)
-    settings = episode_settings(task, case.strategy, case.budget, case.turns, tune_every=case.tune_every)
+    settings = episode_settings(
+        task, case.strategy, case.budget, case.turns, amplitude=case.amplitude, tune_every=case.tune_every
+    )
     result = run_episode(SharedWorld(task, case.sample, case.sample), settings, teacher)
     return Outcome(
         result.final_accuracy,
@@ -149,6 +153,7 @@ def main() -> None:
     parser.add_argument('--task', nargs='+', default=TASKS)
     parser.add_argument('--strategy', nargs='+', default=FAST_STRATEGIES, choices=list(STRATEGIES))
     parser.add_argument('--tune-every', nargs='+', type=int, default=[5, 10])
+    parser.add_argument('--amplitude', type=float, default=4.0, help='configured where K applies (%(default)s)')
     parser.add_argument('--budget', type=float, default=25)
     parser.add_argument('--turns', type=int, default=40)
     parser.add_argument('--first', type=int, default=0, help='first seed')
@@ -160,10 +165,14 @@ def main() -> None:
         [Case(task, strategy, sample, given.budget, given.turns, 0) for sample in samples]
         for task, strategy in itertools.product(given.task, given.strategy)
     ]
+
+    def changed(case: Case, prior: Prior, every: int) -> Case:
+        return case._replace(prior=prior, tune_every=every, amplitude=given.amplitude)
+
     priors = GRID if given.grid else (SHIPPED,)
     variants = list(itertools.product(priors, given.tune_every))
     plain = [case for group in groups for case in group]
-    cases = [*plain, *(case._replace(prior=p, tune_every=k) for p, k in variants for case in plain)]
+    cases = [*plain, *(changed(case, p, k) for p, k in variants for case in plain)]
     worlds: dict[tuple[str, int], list[Case]] = {}
     for case in cases:
         worlds.setdefault((case.task, case.sample), []).append(case)
@@ -181,7 +190,7 @@ def main() -> None:
             name = f'{group[0].task:<14}{group[0].strategy:<16}' if group is not plain else f'{"all":<30}'
             if given.grid and group is not plain:
                 continue
-            tuned = [outcomes[case._replace(prior=prior, tune_every=every)] for case in group]
+            tuned = [outcomes[changed(case, prior, every)] for case in group]
             print(row(f'{name} every {every:<2}', [outcomes[case] for case in group], tuned))
 
 
