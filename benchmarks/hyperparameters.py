@@ -23,6 +23,7 @@ from functools import lru_cache
 from typing import NamedTuple
 
 import numpy as np
+from measuring import median_and_spread, print_table
 from scipy.stats import wilcoxon
 
 from al_questioner import simulation
@@ -36,6 +37,7 @@ from al_questioner.world import World, load_task, make_world
 
 TASKS = ('prepare_lunch', 'kitchen_table', 'pack_lunchbox')
 FAST_STRATEGIES = ('u_sampling_fsq', 'farthest_fsq', 'rarest_demo')
+COLUMNS = ('', 'every', 'final without', 'change', 'p', 'mean without', 'change', 'p', 'amplitude', 'length scale')
 
 
 class Prior(NamedTuple):
@@ -130,21 +132,21 @@ def play_all(cases: Sequence[Case]) -> dict[Case, Outcome]:
     return {case: play(case) for case in cases}
 
 
-def change(without: Sequence[float], tuned: Sequence[float]) -> str:
+def change(without: Sequence[float], tuned: Sequence[float]) -> list[str]:
     """Mean of the first, mean and deviation of the change, and the p-value."""
     # Rounded, as equal accuracies that were averaged in another order are ties.
     difference = np.round(np.subtract(tuned, without), 12)
     p = wilcoxon(difference).pvalue if difference.any() else 1.0
-    return f'{np.mean(without):.3f} {difference.mean():+.3f} ± {difference.std(ddof=1):.3f} {p:6.3f}'
+    return [f'{np.mean(without):.3f}', f'{difference.mean():+.3f} ± {difference.std(ddof=1):.3f}', f'{p:.3f}']
 
 
-def row(name: str, without: Sequence[Outcome], tuned: Sequence[Outcome]) -> str:
+def row(name: str, every: int, without: Sequence[Outcome], tuned: Sequence[Outcome]) -> list[str]:
     """A line of the table."""
     final = change([o.final for o in without], [o.final for o in tuned])
     mean = change([o.mean for o in without], [o.mean for o in tuned])
-    amplitude = statistics.median(o.amplitude for o in tuned)
-    length_scale = statistics.median(o.length_scale for o in tuned)
-    return f'{name} | {final} | {mean} | {amplitude:5.2f} {length_scale:5.2f}'
+    amplitude = median_and_spread([o.amplitude for o in tuned])[0]
+    length_scale = median_and_spread([o.length_scale for o in tuned])[0]
+    return [name, f'{every}', *final, *mean, f'{amplitude:.2f}', f'{length_scale:.2f}']
 
 
 def main() -> None:
@@ -181,17 +183,18 @@ def main() -> None:
         for played in pool.map(play_all, worlds.values()):
             outcomes |= played
 
-    print(f'budget {given.budget:g}, {given.turns} turns, seeds {samples.start} to {samples.stop - 1}')
-    print(f'{"":<38} | final: without, change, p      | mean: without, change, p       | amplitude, length scale')
+    rows = []
     for prior, every in variants:
-        if given.grid:
-            print(f'bounds {prior[:2]} deviations {prior[2:]}')
-        for group in [*groups, plain]:
-            name = f'{group[0].task:<14}{group[0].strategy:<16}' if group is not plain else f'{"all":<30}'
-            if given.grid and group is not plain:
-                continue
+        for group in (plain,) if given.grid else (*groups, plain):
+            name = 'all' if group is plain else f'{group[0].task} {group[0].strategy}'
+            if given.grid:
+                name = f'factors {prior[:2]}, deviations {prior[2:]}'
             tuned = [outcomes[changed(case, prior, every)] for case in group]
-            print(row(f'{name} every {every:<2}', [outcomes[case] for case in group], tuned))
+            rows.append(row(name, every, [outcomes[case] for case in group], tuned))
+        if not given.grid:
+            rows.append([])
+    title = f'budget {given.budget:g}, {given.turns} turns, seeds {samples.start} to {samples.stop - 1}'
+    print_table(title, COLUMNS, rows)
 
 
 if __name__ == '__main__':
