@@ -13,7 +13,8 @@ from scipy.optimize import minimize
 from scipy.spatial.distance import cdist
 from scipy.special import expit
 
-from al_questioner.concepts.gaussian_process import Array, find_modes
+from al_questioner.concepts.arrays import Array
+from al_questioner.concepts.gaussian_process import find_modes
 
 AMPLITUDE_FACTOR = 4.0
 LENGTH_SCALE_FACTOR = 2.0

@@ -61,10 +61,10 @@ def _predict(
     """Probabilities as `predict_each`, and (|Y|, 2e) a bound on the error of each hypothesis, if `exact`."""
     both = np.concatenate([things, things])
     twice = np.tile(np.arange(len(things)), 2)
-    new = np.ascontiguousarray(marginals.solved[:, :, both].transpose(0, 2, 1))
+    new = np.ascontiguousarray(marginals.solved.transpose(0, 2, 1)[:, both])
     variance = amplitude - marginals.explained
     cross = marginals.covariance(things, prior)[:, twice]
-    targets = np.broadcast_to(np.repeat([0.0, 1.0], len(things)), (len(variance), len(both)))
+    targets = np.tile(np.repeat([0.0, 1.0], len(things)), (len(variance), 1))
     steps = MOST_MODE_STEPS if exact else 1
     shift = find_shift(posterior, new, variance[:, both], marginals.mean[:, both], targets, steps)
     mean = marginals.mean[:, None] + cross * shift.pull[:, :, None] - np.matmul(shift.bend, marginals.solved)

@@ -66,6 +66,8 @@ def find_shift(
         steps: most evaluations of h.
         tolerance: error at which the search for a mode ends.
     """
+    # One memory layout, so that there is one compiled version.
+    solved, variance, mean, targets = map(np.ascontiguousarray, (solved, variance, mean, targets))
     change, bend, relative = np.empty_like(solved), np.empty_like(solved), np.empty_like(solved)
     latent, pull, error = np.zeros_like(mean), np.empty_like(mean), np.empty_like(mean)
     for y in range(len(solved)):
@@ -100,7 +102,9 @@ def _find_shifts(
     """`find_shift` for one classifier; a hypothesis that has converged takes no part in further steps."""
     change, latent, pull, bend, relative, error = results
     n_hypotheses, n = solved.shape
-    p = 1 / (1 + np.exp(-modes))
+    p = np.empty(n)
+    for i in range(n):
+        p[i] = 1 / (1 + np.exp(-modes[i]))
     guess, spread = np.zeros((n_hypotheses, n)), np.zeros((n_hypotheses, n))
     image, residual = np.zeros((n_hypotheses, n)), np.zeros((n_hypotheses, n))
     squared = np.zeros(n_hypotheses)

@@ -225,7 +225,7 @@ class ConceptModels:
         marginals = self._posterior.at(kernel[:n, n:])
         shift = find_shift(
             self._posterior,
-            np.ascontiguousarray(marginals.solved.transpose(0, 2, 1)),
+            marginals.solved.transpose(0, 2, 1),
             self.amplitude - marginals.explained,
             marginals.mean,
             targets,

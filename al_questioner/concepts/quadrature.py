@@ -58,8 +58,9 @@ def _resolvent_forms(
     n_points, n = points.shape
     active = np.arange(len(change) * n_points)
     vector, previous = np.empty((len(active), n), np.float32), np.zeros((len(active), n), np.float32)
-    for r in active:
-        vector[r] = change[r // n_points] * points[r % n_points]
+    for r in range(len(active)):
+        for i in range(n):
+            vector[r, i] = change[r // n_points, i] * points[r % n_points, i]
     mean, coupling = np.zeros((MOST_STEPS, len(active))), np.zeros((MOST_STEPS, len(active)))
     norm, total = np.zeros(len(active)), np.zeros(len(active))
     for step in range(MOST_STEPS):
@@ -93,7 +94,8 @@ def _resolvent_forms(
                 following = change[h, i] * image[a, i] - alpha * vector[a, i] - beta * previous[a, i]
                 previous[n_left, i] = vector[a, i]
                 vector[n_left, i] = following
-            mean[:, n_left], coupling[:, n_left] = mean[:, a], coupling[:, a]
+            for level in range(step + 1):
+                mean[level, n_left], coupling[level, n_left] = mean[level, a], coupling[level, a]
             norm[n_left], total[n_left], active[n_left] = norm[a], total[a], active[a]
             n_left += 1
         active = active[:n_left]

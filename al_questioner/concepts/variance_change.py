@@ -81,6 +81,7 @@ def covariance_tangent(
         (|Y|, h, n) g, and (|Y|, h) a bound on the error of z' S (I + S)^-1 z* for a unit z.
     """
     lower, upper = bounds
+    new, relative, start = map(np.ascontiguousarray, (new, relative, start))
     scale = np.maximum(upper, -lower) / (1 + lower)
     tangent, error = np.empty_like(new), np.empty_like(scale)
     for y in range(len(new)):
@@ -94,7 +95,10 @@ def _find_tangents(
 ) -> None:
     """`covariance_tangent` for one classifier, iterated as in `mode_shift`."""
     n_hypotheses, n = new.shape
-    guess = relative * start
+    guess = np.empty((n_hypotheses, n))
+    for h in range(n_hypotheses):
+        for i in range(n):
+            guess[h, i] = relative[h, i] * start[h, i]
     image, residual = np.zeros((n_hypotheses, n)), np.zeros((n_hypotheses, n))
     squared = np.zeros(n_hypotheses)
     active = np.arange(n_hypotheses)
