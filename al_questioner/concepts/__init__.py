@@ -2,8 +2,16 @@
 
 from al_questioner.concepts.hyperparameters import Kernel
 from al_questioner.concepts.knowledge import VIEW_TOLERANCE, Knowledge
-from al_questioner.concepts.models import ConceptModels
+from al_questioner.concepts.models import ConceptModels, compile_models
 from al_questioner.concepts.selection import select_features
 from al_questioner.concepts.standardiser import Standardiser
 
-__all__ = ['VIEW_TOLERANCE', 'ConceptModels', 'Kernel', 'Knowledge', 'Standardiser', 'select_features']
+__all__ = [
+    'VIEW_TOLERANCE',
+    'ConceptModels',
+    'Kernel',
+    'Knowledge',
+    'Standardiser',
+    'compile_models',
+    'select_features',
+]

@@ -14,13 +14,18 @@ Function = TypeVar('Function', bound=Callable[..., Any])
 
 
 def compiled(function: Function) -> Function:
-    """A function compiled by numba at its first call, and kept on disk for the next process.
+    """A function compiled by numba at its first call, and kept on disk for the next process where that is possible.
 
     Sums may be reordered, which lets them run in vector registers; infinities and NaN keep their meaning, as callers
     rely on them to see an overflow.
     """
-    decorate = numba.njit(cache=True, error_model='numpy', fastmath={'reassoc', 'contract', 'nsz'})
-    return cast(Function, decorate(function))
+    options: dict[str, Any] = {'error_model': 'numpy', 'fastmath': {'reassoc', 'contract', 'nsz'}}
+    try:
+        result = numba.njit(cache=True, **options)(function)
+    except RuntimeError:
+        # Neither the package's folder nor the user's cache can be written.
+        result = numba.njit(**options)(function)
+    return cast(Function, result)
 
 
 @cache

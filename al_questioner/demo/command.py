@@ -11,6 +11,7 @@ from typing import NoReturn
 
 from rich.console import Console
 
+from al_questioner.concepts import compile_models
 from al_questioner.demo.pictures import draw_pictures
 from al_questioner.demo.progress import Progress
 from al_questioner.demo.report import episode_document, summary
@@ -107,6 +108,8 @@ def main(arguments: Sequence[str]) -> int:
         _write(given.json, '', mode='a')
     console = Console()
     _tell(console, evaluation.world.report())
+    with console.status('preparing the models, some ten seconds the first time ever'):
+        compile_models()
     with Progress(console, choice.task, settings) as progress:
         if given.offline:
             play(evaluation, teacher, progress.after_turn)

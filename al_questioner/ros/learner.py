@@ -13,6 +13,7 @@ from sensor_msgs.msg import PointCloud2
 from std_msgs.msg import Header, String
 from visualization_msgs.msg import MarkerArray
 
+from al_questioner.concepts import compile_models
 from al_questioner.domain import Answer, AnswerError, Costs, EpisodeSettings, InputError, Scene, SceneError, generator
 from al_questioner.messages import documents
 from al_questioner.messages.clouds import cloud_of_decision, scene_of_cloud
@@ -68,6 +69,8 @@ class LearnerNode(QuestionerNode):
         self._markers = self.create_publisher(MarkerArray, 'scene_markers', qos.LATCHED)
         self.on_message(PointCloud2, 'objects', self._perceive, qos.LATCHED)
         self.on_message(String, 'answer', self._hear, qos.EVENTS)
+        self.does('preparing the models, some ten seconds the first time ever')
+        self.submit(compile_models)
         self.submit(self._begin_turn)
 
     def _begin_turn(self) -> None:
