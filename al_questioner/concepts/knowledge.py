@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -197,6 +197,10 @@ class Knowledge:
     def look_ahead(self, scene: Scene) -> Array:
         """(|X|, |Y|, |X|, |Y|): [i, j] is the prediction for the scene had its i-th object been labelled symbol j."""
         return self._models.look_ahead(self._standardiser.transform(scene.features)[:, self._active])
+
+    def look_ahead_chunks(self, scene: Scene) -> Iterator[tuple[slice, Array]]:
+        """`look_ahead` in parts: consecutive rows of the table, as a slice, and their part of it."""
+        return self._models.look_ahead_chunks(self._standardiser.transform(scene.features)[:, self._active])
 
     def predict_after_selection(self, scene: Scene) -> Array:
         """(|X|, |Y|) prediction for the scene had the teacher named the features a computational selector would pick.

@@ -68,6 +68,7 @@ class ConceptModels:
         nothing = np.empty((len(self.symbols), 0))
         self._posterior: Posterior = laplace_posterior(np.empty((0, 0)), nothing, nothing)
         self._last_seen: tuple[Array, Marginals] | None = None
+        self._last_table: tuple[bool, Array] | None = None
         self._warned = False
 
     def fit(self, features: ArrayLike, labels: Sequence[str]) -> ConceptModels:
@@ -105,7 +106,7 @@ class ConceptModels:
                 start = np.matmul(self._posterior.gradient, kernel[:n_known])
         self._posterior = laplace_posterior(kernel, targets, start)
         self._points, self._labels = points, names
-        self._last_seen = None
+        self._last_seen = self._last_table = None
         return self
 
     def refitted(self, features: ArrayLike) -> ConceptModels:
@@ -184,6 +185,10 @@ class ConceptModels:
         n_things, n_symbols, n = len(scene), len(self.symbols), len(self._labels)
         if exact is None:
             exact = self._is_affordable(n_things)
+        if self._last_table is not None and self._last_table[0] == exact:
+            # A turn without a query changes neither the models nor the scene.
+            yield slice(0, n_things), self._last_table[1].copy()
+            return
         per_thing = 2 * n_symbols * n_things * (n if exact else n_symbols)
         size = max(1, CHUNK_NUMBERS // max(1, per_thing))
         own = np.arange(n_symbols)
@@ -194,6 +199,8 @@ class ConceptModels:
             as_negative, as_positive = table[:, : len(things)], table[:, len(things) :]
             part = np.repeat(as_negative.transpose(1, 2, 0)[:, None], n_symbols, axis=1)
             part[:, own, :, own] = as_positive
+            if len(things) == n_things:
+                self._last_table = exact, part.copy()
             yield slice(first, first + len(things)), part
 
     def _is_affordable(self, n_things: int) -> bool:
@@ -239,6 +246,7 @@ class ConceptModels:
         if self._last_seen is None or not np.array_equal(self._last_seen[0], points):
             known = self._points if self._labels else np.empty((0, points.shape[1]))
             self._last_seen = points.copy(), self._posterior.at(self._covariance(known, points))
+            self._last_table = None
         return self._last_seen[1]
 
     def _covariance(self, first: Array, second: Array) -> Array:

@@ -32,9 +32,7 @@ def expected_features(situation: Situation) -> Array:
     expected[:, 4:] = environment_features(situation)
 
     if any(action.kind in INSTANCE_QUERIES for action in actions):
-        after = task_features(situation.knowledge.look_ahead(scene), positives + np.eye(len(positives), dtype=int))
-        by_object = np.einsum('xy,xyf->xf', phi.symbol_given_object(q), after)
-        by_symbol = np.einsum('xy,xyf->yf', phi.object_given_symbol(q), after)
+        by_object, by_symbol = _after_instance_queries(situation, positives)
         for row, action in enumerate(actions):
             if action.kind is QueryKind.LABEL and action.object_id is not None:
                 expected[row, :4] = by_object[scene.index_of(action.object_id)]
@@ -46,6 +44,24 @@ def expected_features(situation: Situation) -> Array:
             if action.kind is QueryKind.FEATURE_SUBSET:
                 expected[row, :4] = task_features(situation.knowledge.predict_after_selection(scene), positives)
     return expected
+
+
+def _after_instance_queries(situation: Situation, positives: Array) -> tuple[Array, Array]:
+    """Expected task features after LQ(x), (|X|, 4), and after DQ(y), (|Y|, 4).
+
+    The look-ahead is taken in as it comes: of a large scene its whole table need not fit into memory.
+    """
+    p_symbol, p_object = (
+        phi.symbol_given_object(situation.probabilities),
+        phi.object_given_symbol(situation.probabilities),
+    )
+    by_object, by_symbol = np.empty((len(p_symbol), 4)), np.zeros((len(positives), 4))
+    one_more = positives + np.eye(len(positives), dtype=int)
+    for rows, beliefs in situation.knowledge.look_ahead_chunks(situation.scene):
+        after = task_features(beliefs, one_more)
+        by_object[rows] = np.einsum('xy,xyf->xf', p_symbol[rows], after)
+        by_symbol += np.einsum('xy,xyf->yf', p_object[rows], after)
+    return by_object, by_symbol
 
 
 def task_features(q: Array, positives: Array) -> Array:
