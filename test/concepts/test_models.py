@@ -124,6 +124,138 @@ def test_look_ahead_does_not_depend_on_the_size_of_its_chunks(monkeypatch):
     np.testing.assert_allclose(fitted.look_ahead(scene), whole, rtol=0, atol=1e-8)
 
 
+@pytest.mark.parametrize('amplitude', [1.0, 4.0, 25.0, 100.0])
+@pytest.mark.parametrize('duplicates', [False, True])
+def test_one_label_more_is_learnt_as_from_nothing(learning_state, amplitude, duplicates):
+    """The warm update must not show in the result: nor in the beliefs, nor in what is then foreseen."""
+    for seed in range(8):
+        state = learning_state(seed, amplitude=amplitude, duplicates=duplicates)
+        for thing, symbol in ((0, state.symbols[0]), (len(state.scene) - 1, NO_SYMBOL)):
+            more = state.had_been_labelled(thing, symbol)
+            warm, fresh = state.fitted().fit(*more), state.models().fit(*more)
+            np.testing.assert_allclose(warm._posterior.modes, fresh._posterior.modes, rtol=0, atol=1e-8)
+            np.testing.assert_allclose(
+                warm.predict_proba(state.scene), fresh.predict_proba(state.scene), rtol=0, atol=1e-8
+            )
+            np.testing.assert_allclose(warm.look_ahead(state.scene), fresh.look_ahead(state.scene), rtol=0, atol=1e-6)
+
+
+@pytest.mark.parametrize('amplitude', [4.0, 100.0])
+def test_sixty_labels_one_by_one_do_not_drift(learning_state, amplitude):
+    """Each fit starts from the last: what one leaves open must not add up."""
+    state = learning_state(5, n=60, amplitude=amplitude, n_symbols=4, n_things=5, duplicates=True)
+    growing = state.models()
+    for n in range(1, 61):
+        growing.fit(state.features[:n], state.labels[:n])
+        if n % 15 == 0:
+            fresh = state.models().fit(state.features[:n], state.labels[:n])
+            np.testing.assert_allclose(growing._posterior.modes, fresh._posterior.modes, rtol=0, atol=1e-8)
+            np.testing.assert_allclose(
+                growing.predict_proba(state.scene), fresh.predict_proba(state.scene), rtol=0, atol=1e-8
+            )
+
+
+def changed_examples(state, rng):
+    """What else can come after a fit: features and labels that do not just go on from the last."""
+    features, labels = state.features, state.labels
+    yield 'features that moved, as when the statistics change', features + 0.1 * rng.normal(size=features.shape), labels
+    yield 'a subset of the features', features[:, ::2], labels
+    yield 'one more label on features that moved', np.vstack([features, features[:1]]) + 0.01, [*labels, labels[0]]
+    yield 'two more labels', np.vstack([features, features[:2]]), [*labels, *labels[:2]]
+    yield 'another label for one of them', features, [NO_SYMBOL, *labels[1:]]
+    yield 'one more label and another one corrected', np.vstack([features, features[:1]]), [NO_SYMBOL, *labels]
+    yield 'fewer labels', features[:3], labels[:3]
+    yield 'the same again', features, labels
+    yield 'other features altogether', rng.normal(size=(4, 11)), labels[:4]
+
+
+@pytest.mark.parametrize('amplitude', [4.0, 100.0])
+def test_every_other_change_is_learnt_as_from_nothing(learning_state, amplitude):
+    """A fit may start from the last one, but must not believe anything of it."""
+    state = learning_state(6, n=20, amplitude=amplitude, n_symbols=3, n_features=10)
+    for what, features, labels in changed_examples(state, np.random.default_rng(6)):
+        again, fresh = state.fitted().fit(features, labels), state.models().fit(features, labels)
+        scene = np.random.default_rng(7).normal(size=(4, features.shape[1]))
+        q, expected = again.predict_proba(scene), fresh.predict_proba(scene)
+        np.testing.assert_allclose(q, expected, rtol=0, atol=1e-8, err_msg=what)
+
+
+def test_forgetting_is_complete(learning_state):
+    """After a fit to nothing the models are as new, and may learn features of another number."""
+    state = learning_state(7, n=10, n_symbols=3, n_features=10)
+    fitted = state.fitted()
+    fitted.look_ahead(state.scene)
+    fitted.fit(np.empty((0, 10)), [])
+    assert (fitted.predict_proba(state.scene) == 0.5).all()
+    other = np.random.default_rng(7).normal(size=(6, 4))
+    labels = state.labels[:6]
+    fresh = state.models().fit(other, labels)
+    for n in (0, 1, 6):
+        fitted.fit(other[:n], labels[:n])
+    np.testing.assert_allclose(fitted.predict_proba(other), fresh.predict_proba(other), rtol=0, atol=1e-8)
+
+
+def test_models_of_a_subset_leave_the_others_alone(learning_state):
+    """`refitted` gives models of their own, of the same labels."""
+    state = learning_state(8, n=15, n_features=12, n_symbols=3)
+    fitted, expected = state.fitted(), state.fitted().predict_proba(state.scene)
+    subset = fitted.refitted(state.features[:, :5])
+    fresh = state.models().fit(state.features[:, :5], state.labels)
+    np.testing.assert_allclose(
+        subset.predict_proba(state.scene[:, :5]), fresh.predict_proba(state.scene[:, :5]), rtol=0, atol=1e-8
+    )
+    np.testing.assert_allclose(
+        subset.look_ahead(state.scene[:, :5]), fresh.look_ahead(state.scene[:, :5]), rtol=0, atol=1e-6
+    )
+    subset.fit(np.empty((0, 5)), [])
+    np.testing.assert_array_equal(fitted.predict_proba(state.scene), expected)
+    with pytest.raises(InputError, match='15 labels for 14 feature vectors'):
+        fitted.refitted(state.features[:14])
+
+
+def test_a_refused_fit_changes_nothing(learning_state):
+    """A teacher's slip of the tongue must not cost what was learnt before."""
+    state = learning_state(9, n=8, n_symbols=3)
+    fitted = state.fitted()
+    expected = fitted.predict_proba(state.scene)
+    with pytest.raises(InputError):
+        fitted.fit(*state.had_been_labelled(0, 'pizza'))
+    np.testing.assert_array_equal(fitted.predict_proba(state.scene), expected)
+
+
+def test_asking_again_gives_the_same_and_belongs_to_the_asker(learning_state):
+    """What is kept of the last scene must not be what was handed out."""
+    state = learning_state(10, n=8, n_symbols=3)
+    fitted = state.fitted()
+    first = fitted.predict_proba(state.scene)
+    kept = first.copy()
+    first[:] = -1
+    np.testing.assert_array_equal(fitted.predict_proba(state.scene), kept)
+    np.testing.assert_array_equal(fitted.predict_proba(state.scene.copy()), kept)
+
+
+def test_points_that_change_in_place_are_new_points(learning_state):
+    """A caller who reuses one array must not be told about what it held before."""
+    state = learning_state(11, n=8, n_symbols=3, n_things=4)
+    fitted, points = state.fitted(), state.scene.copy()
+    fitted.predict_proba(points)
+    points[1] += 1
+    expected = state.fitted()
+    np.testing.assert_array_equal(fitted.predict_proba(points), expected.predict_proba(points))
+    points[2] -= 1
+    np.testing.assert_array_equal(fitted.look_ahead(points), expected.look_ahead(points))
+    np.testing.assert_array_equal(fitted.predict_proba(points[:2]), state.fitted().predict_proba(points[:2]))
+
+
+def test_a_scene_is_seen_with_what_was_learnt_since(learning_state):
+    """What is kept of the last scene must go with the fit it belongs to."""
+    state = learning_state(12, n=8, n_symbols=3)
+    fitted = state.fitted()
+    fitted.predict_proba(state.scene)
+    fitted.fit(*state.had_been_labelled(0, state.symbols[1]))
+    np.testing.assert_allclose(fitted.predict_proba(state.scene), state.after(0, state.symbols[1]), rtol=0, atol=1e-8)
+
+
 def test_without_examples_everything_is_one_half():
     """Before any label q = 1/2, whether or not `fit` was called."""
     for classifier in (ConceptModels(SYMBOLS), ConceptModels(SYMBOLS).fit(np.empty((0, 3)), [])):
