@@ -94,6 +94,45 @@ def test_looking_at_the_models_leaves_no_trace(scene):
     np.testing.assert_array_equal(plain.predict_proba(scene.features), watched.predict_proba(scene.features))
 
 
+@pytest.mark.parametrize('computational_selection', [False, True])
+def test_watched_and_unwatched_learners_agree_to_the_last_bit(computational_selection):
+    """Models follow from the events alone: a look between them must not move one digit, or ties break otherwise."""
+    rng = np.random.default_rng(12)
+    names = (*(f'colour_{i}' for i in range(8)), *(f'size_{i}' for i in range(4)))
+    table = rng.normal(size=(7, 12))
+    plain, watched = (
+        Knowledge((*SYMBOLS, 'drink'), amplitude=25.0, computational_selection=computational_selection)
+        for _ in range(2)
+    )
+
+    def look(knowledge):
+        return [
+            knowledge.predict_proba(now.features),
+            knowledge.look_ahead(now),
+            knowledge.predict_after_selection(now),
+            knowledge.predict_proba(now.features[:2]),
+        ]
+
+    for turn in range(24):
+        if turn % 6 == 0:
+            table = table + rng.normal(size=table.shape) * (rng.random((7, 1)) < 0.5)
+        now = scene_of(table, names=names)
+        thing, symbol = int(rng.integers(7)), str(rng.choice([*SYMBOLS, 'drink', NO_SYMBOL]))
+        for knowledge in (plain, watched):
+            knowledge.observe(now)
+            if knowledge is watched:
+                look(knowledge)
+            if turn == 11:
+                knowledge.restrict_to_groups(('colour',))
+            else:
+                knowledge.label(thing, now.features[thing], symbol, turn)
+            if knowledge is watched and turn % 2:
+                look(knowledge)
+        if turn % 8 == 7:
+            for ours, theirs in zip(look(plain), look(watched), strict=True):
+                np.testing.assert_array_equal(ours, theirs)
+
+
 def test_positives_do_not_count_what_belongs_to_nothing(taught):
     assert taught.positives == {'snack': 1, 'fruit': 1}
 
