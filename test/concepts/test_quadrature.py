@@ -1,5 +1,7 @@
 """Quadratic forms of resolvents against dense linear algebra."""
 
+import itertools
+
 import numpy as np
 import pytest
 from hypothesis import given, settings
@@ -92,7 +94,7 @@ def test_spectrum_of_few_points_is_found_exactly():
     matrix, root = covariance_like(rng, 4)
     start, change = rng.normal(size=(3, 4)).astype(np.float32), rng.uniform(-0.9, 3, size=(3, 4)).astype(np.float32)
     exact, *_ = exact_and_bounds(root, start, change)
-    value, error = resolvent_forms(start, change, spread_by(matrix), np.full(3, -0.95), np.full(3, 50.0), 0.0)
+    value, _ = resolvent_forms(start, change, spread_by(matrix), np.full(3, -0.95), np.full(3, 50.0), 0.0)
     np.testing.assert_allclose(value, exact, rtol=1e-4)
 
 
@@ -126,7 +128,7 @@ def test_only_open_rows_are_asked_for_in_their_order():
     value, error = resolvent_forms(start, change, spread, lower, upper, tolerance)
     assert 2 < len(asked) <= MOST_STEPS
     assert asked[0].tolist() == list(range(9))
-    for rows, following in zip(asked[:-1], asked[1:], strict=True):
+    for rows, following in itertools.pairwise(asked):
         assert (np.diff(following) > 0).all()
         assert set(following) <= set(rows)
     assert not {1, 4, 5} & set(asked[2])
