@@ -64,7 +64,7 @@ def _predict(
     new = np.ascontiguousarray(marginals.solved.transpose(0, 2, 1)[:, both])
     variance = amplitude - marginals.explained
     cross = marginals.covariance(things, prior)[:, twice]
-    targets = np.tile(np.repeat([0.0, 1.0], len(things)), (len(variance), 1))
+    targets = np.repeat([0.0, 1.0], len(things))
     steps = MOST_MODE_STEPS if exact else 1
     shift = find_shift(posterior, new, variance[:, both], marginals.mean[:, both], targets, steps)
     mean = marginals.mean[:, None] + cross * shift.pull[:, :, None] - np.matmul(shift.bend, marginals.solved)

@@ -62,11 +62,12 @@ def find_shift(
         solved: (|Y|, h, n) covariance of each new example with the old ones, scaled.
         variance: (|Y|, h) posterior variance of each new example.
         mean: (|Y|, h) posterior mean of each new example.
-        targets: (|Y|, h) 1 for a positive, 0 for a negative example.
+        targets: (h,) or (|Y|, h) 1 for a positive, 0 for a negative example.
         steps: most evaluations of h.
         tolerance: error at which the search for a mode ends.
     """
     # One memory layout, so that there is one compiled version.
+    targets = np.broadcast_to(targets, mean.shape)
     solved, variance, mean, targets = map(np.ascontiguousarray, (solved, variance, mean, targets))
     change, bend, relative = np.empty_like(solved), np.empty_like(solved), np.empty_like(solved)
     latent, pull, error = np.zeros_like(mean), np.empty_like(mean), np.empty_like(mean)
