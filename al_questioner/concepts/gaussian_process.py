@@ -20,6 +20,9 @@ STEP_TOLERANCE = 1e-5
 MAX_NEWTON_STEPS = 100
 MAX_HALVINGS = 40
 
+SUFFICIENT_INCREASE = 1e-4
+"""Share of the increase that a step promises which it has to bring."""
+
 LOGISTIC_SLOPES = np.array([0.41, 0.40, 0.37, 0.44, 0.39])
 LOGISTIC_COEFFICIENTS = np.array([-1854.8214151, 3516.89893646, 221.29346712, 128.12323805, -2010.49422654])
 """The logistic function as a sum of five error functions: Williams and Barber, Bayesian Classification with Gaussian
@@ -125,15 +128,22 @@ def _newton_step(kernel: Array, alpha: Array, latent: Array, targets: Array) -> 
 
 
 def _step_lengths(alpha: Array, latent: Array, targets: Array, alpha_step: Array, latent_step: Array) -> Array:
-    """(H,) largest of 1, 1/2, 1/4 ... with which each problem's step does not lower its log posterior."""
+    """(H,) largest of 1, 1/2, 1/4 ... with which each problem's step raises its log posterior as it should.
+
+    That is by a share of what the slope promises (Armijo's rule): a step that gains nothing could be taken back by the
+    next, for ever.
+    """
     before = _log_posterior(alpha, latent, targets)
+    p = expit(latent)
+    # For Newton's step the slope is the step's squared length in the metric of the Hessian, K^-1 + W.
+    slope = np.einsum('hn,hn->h', alpha_step + p * (1 - p) * latent_step, latent_step)
     # A converged problem gains less than the rounding of its objective: that is no reason to halve.
     floor = before - 1e-12 * (1 + np.abs(before))
     length = np.ones(len(alpha))
     for _ in range(MAX_HALVINGS):
         scale = length[:, None]
         after = _log_posterior(alpha + scale * alpha_step, latent + scale * latent_step, targets)
-        worse = after < floor
+        worse = after < floor + SUFFICIENT_INCREASE * length * slope
         if not worse.any():
             break
         length[worse] /= 2

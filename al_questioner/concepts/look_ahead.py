@@ -16,7 +16,7 @@ from al_questioner.concepts.mode_shift import MOST_MODE_STEPS, find_shift
 from al_questioner.concepts.posterior import Marginals, Posterior
 from al_questioner.concepts.variance_change import covariance_tangent, spectrum_bounds, variance_drops
 
-PROBABILITY_TOLERANCE = 9e-7
+PROBABILITY_TOLERANCE = 8e-7
 """A probability whose error bound is larger is computed by refitting."""
 
 SLOPE_IN_MEAN = 0.25
@@ -44,9 +44,10 @@ def predict_each(
     Returns:
         (|Y|, 2e, k) probability of the positive class.
     """
-    probabilities, error = _predict(posterior, marginals, things, prior, amplitude, exact)
+    # What overflows or divides by zero at large amplitudes has no finite bound, and is refitted.
+    with np.errstate(all='ignore'):
+        probabilities, error = _predict(posterior, marginals, things, prior, amplitude, exact)
     if exact:
-        # A bound that is not a number is none.
         symbols, hypotheses = np.nonzero(~(error <= PROBABILITY_TOLERANCE))
         per_batch = max(1, MAX_REFIT_NUMBERS // ((prior.shape[1] + 1) * len(posterior.kernel) + 1))
         for first in range(0, len(symbols), per_batch):

@@ -88,7 +88,7 @@ class ConceptModels:
         Raises:
             InputError: a shape that does not fit, a value that is not finite, or an unknown label.
         """
-        points = _matrix(features)
+        points = _matrix(features).copy()
         names = tuple(labels)
         if len(names) != len(points):
             raise InputError(f'{len(names)} labels for {len(points)} feature vectors')
@@ -151,12 +151,12 @@ class ConceptModels:
 
         A classifier only sees whether the new example is positive or negative, so 2 |X| |Y| hypotheses tell all
         |X| |Y| labels' effects on |Y| classifiers. None is fitted: all are found in the present posterior, see
-        docs/method.md, and what is not certain to lie within 5e-7 there is refitted.
+        docs/method.md, and what is not certain to lie within 8e-7 there is refitted.
 
         Args:
             scene_features: (|X|, m) standardised features.
-            exact: False for an approximation in time proportional to |X|^2 |Y| n, whose error is a few 1e-4 where
-                amplitude 4 meets real data; None to use it, with a warning, above `EXACT_OPERATIONS`.
+            exact: False for an approximation in time proportional to |X|^2 |Y| n, whose error docs/method.md
+                tells; None to use it, with a warning, above `EXACT_OPERATIONS`.
 
         Returns:
             (|X|, |Y|, |X|, |Y|): [i, j] is `predict_proba(scene_features)` had thing i been labelled symbol j.

@@ -84,9 +84,11 @@ def _resolvent_forms(
             high = (1 + lower[h] + upper[h] - last) / ((1 + lower[h]) * (1 + upper[h]))
             for level in range(step - 1, -1, -1):
                 low = 1 / (1 + mean[level, a] - coupling[level + 1, a] * low)
-                high = 1 / (1 + mean[level, a] - coupling[level + 1, a] * high)
+                # The true denominator is positive: one that is not, at this end, says nothing.
+                denominator = 1 + mean[level, a] - coupling[level + 1, a] * high
+                high = 1 / denominator if denominator > 0 else np.inf
             value[h, k] = total[a] * low
-            error[h, k] = total[a] * (high - low + ROUNDING * high * high)
+            error[h, k] = total[a] * (high - low + ROUNDING * high * high) if total[a] > 0 else 0.0
             if error[h, k] <= tolerance:
                 continue
             alpha, beta = np.float32(mean[step, a]), np.float32(coupling[step, a])
