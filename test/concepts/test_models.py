@@ -256,6 +256,27 @@ def test_a_scene_is_seen_with_what_was_learnt_since(learning_state):
     np.testing.assert_allclose(fitted.predict_proba(state.scene), state.after(0, state.symbols[1]), rtol=0, atol=1e-8)
 
 
+@pytest.mark.parametrize('amplitude', [25.0, 50.0, 100.0])
+@pytest.mark.parametrize('n', range(2, 13))
+def test_one_view_with_any_share_of_contradictions(n, amplitude):
+    """A step of the search for the mode that gains nothing must not be taken back by the next one, for ever."""
+    for positives in range(n + 1):
+        labels = ['a'] * positives + ['b'] * (n - positives)
+        q = ConceptModels(['a', 'b'], amplitude, 1.0).fit(np.zeros((n, 1)), labels).predict_proba(np.zeros((1, 1)))
+        assert np.sign(q[0, 0] - 0.5) == np.sign(positives - n / 2) or abs(q[0, 0] - 0.5) < 1e-6
+
+
+def test_examples_may_change_in_place_after_a_fit():
+    """A caller who keeps writing into one buffer must not rewrite what was learnt from it."""
+    buffer, labels = np.array([[0.0], [3.0], [9.0]]), ['a', 'b', 'a']
+    fitted = ConceptModels(['a', 'b']).fit(buffer[:2], labels[:2])
+    before = fitted.predict_proba([[0.0]])
+    buffer[0] = 5.0
+    np.testing.assert_array_equal(fitted.predict_proba([[1.0], [0.0]])[1:], before)
+    fresh = ConceptModels(['a', 'b']).fit(buffer.copy(), labels).predict_proba([[5.0]])
+    np.testing.assert_allclose(fitted.fit(buffer, labels).predict_proba([[5.0]]), fresh, rtol=0, atol=1e-8)
+
+
 def test_without_examples_everything_is_one_half():
     """Before any label q = 1/2, whether or not `fit` was called."""
     for classifier in (ConceptModels(SYMBOLS), ConceptModels(SYMBOLS).fit(np.empty((0, 3)), [])):

@@ -7,8 +7,8 @@ from hypothesis import strategies as st
 
 from al_questioner.concepts.quadrature import resolvent_forms
 
-LEAST = (-0.5, -0.01, 0.0)
-MOST = (0.0, 0.3)
+LEAST = (-0.95, -0.5, -0.01, 0.0)
+MOST = (0.0, 0.3, 5.0, 50.0)
 
 
 def covariance_like(rng, n):
