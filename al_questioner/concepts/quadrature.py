@@ -72,7 +72,7 @@ def _resolvent_forms(
             for i in range(n):
                 length += vector[a, i] * image[a, i]
                 moment += image[a, i] * image[a, i] * change[h, i]
-            squared = max(float(length), 0.0)
+            squared = 0.0 if length < 0 else float(length)
             if step == 0:
                 total[a] = squared
             elif norm[a] > 0:
@@ -88,7 +88,7 @@ def _resolvent_forms(
                 denominator = 1 + mean[level, a] - coupling[level + 1, a] * high
                 high = 1 / denominator if denominator > 0 else np.inf
             value[h, k] = total[a] * low
-            error[h, k] = total[a] * (high - low + ROUNDING * high * high) if total[a] > 0 else 0.0
+            error[h, k] = 0.0 if total[a] == 0 else total[a] * (high - low + ROUNDING * high * high)
             if error[h, k] <= tolerance:
                 continue
             alpha, beta = np.float32(mean[step, a]), np.float32(coupling[step, a])
