@@ -1,0 +1,61 @@
+"""The look-ahead beside its rivals: its time, its error, and how both grow.
+
+python benchmarks/look_ahead.py            # about five minutes
+python benchmarks/look_ahead.py --quick
+"""
+
+from __future__ import annotations
+
+import argparse
+import json
+import os
+import sys
+import time
+from collections.abc import Sequence
+from pathlib import Path
+
+# As the executables do; it must be said before numpy is imported.
+os.environ.setdefault('OMP_NUM_THREADS', '1')
+
+from look_ahead_parts import exactness, machine, side_by_side
+
+SIZES = (20, 50, 150)
+QUICK_STATES = 30
+STATES = 1000
+
+
+def parser() -> argparse.ArgumentParser:
+    """The arguments."""
+    result = argparse.ArgumentParser(description=(__doc__ or '').splitlines()[0])
+    result.add_argument('--repeats', type=int, help='calls of each rival (5; 1 if quick)')
+    result.add_argument('--states', type=int, help=f'random states ({STATES}; {QUICK_STATES} if quick)')
+    result.add_argument('--quick', action='store_true', help='small sizes only: within a minute')
+    result.add_argument('--json', type=Path, metavar='FILE', help='write the figures as JSON')
+    return result
+
+
+def main(arguments: Sequence[str] | None = None) -> int:
+    """Measure, and print the tables."""
+    given = parser().parse_args(arguments)
+    repeats = (1 if given.quick else 5) if given.repeats is None else given.repeats
+    states = (QUICK_STATES if given.quick else STATES) if given.states is None else given.states
+    if min(repeats, states) < 1:
+        print('--repeats and --states must be 1 or more', file=sys.stderr)
+        return 2
+    start = time.perf_counter()
+    print(machine.conditions())
+    peak = machine.peak()
+    print(f'Matrix products: {peak.double / 1e9:.1f} GFLOP/s double, {peak.single / 1e9:.1f} single precision.\n')
+    figures = {
+        'peak': {'double': peak.double, 'single': peak.single},
+        'side_by_side': side_by_side.compare(SIZES[:1] if given.quick else SIZES, repeats, peak),
+        'exactness': exactness.check(states),
+    }
+    print(f'All of this took {time.perf_counter() - start:.0f} s. {machine.conditions()}')
+    if given.json is not None:
+        given.json.write_text(json.dumps(figures, indent=1) + '\n', encoding='utf-8')
+    return 0
+
+
+if __name__ == '__main__':
+    sys.exit(main())

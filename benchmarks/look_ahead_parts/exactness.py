@@ -1,0 +1,156 @@
+"""The look-ahead against refitting, over states of all kinds."""
+
+from __future__ import annotations
+
+from collections import Counter
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from look_ahead_parts import refitting
+from look_ahead_parts.actions import choose, task_weights
+from look_ahead_parts.states import AMPLITUDE, Array, State, random_state
+from measuring import print_table
+from numpy.typing import ArrayLike
+
+NEAR_TIE = 1e-9
+"""Margin of expected utility below which two actions are equally good: rounding decides."""
+
+EVERY = 5
+"""One state of so many is also compared to scikit-learn, in one hypothesis for each symbol."""
+
+QUANTILES = (0.5, 0.9, 0.99, 0.999, 1.0)
+
+Figures = dict[str, Any]
+
+
+@dataclass(frozen=True)
+class Compared:
+    """A look-ahead beside a better one of the same state.
+
+    Attributes:
+        error: largest difference of a probability.
+        same: whether it leads to the same action.
+        margin: by how much, in the better one, the chosen action exceeds the next.
+    """
+
+    error: float
+    same: bool
+    margin: float
+
+
+def check(states: int, seed: int = 0) -> Figures:
+    """Compare with refitting, print and return the figures.
+
+    Args:
+        states: how many.
+        seed: of the states.
+    """
+    weights, rng = task_weights(), np.random.default_rng(seed)
+    compared, direct, outside, unanswered = [], [], [], 0
+    worst = (0.0, '')
+    for number in range(states):
+        state = random_state(rng)
+        ahead, truth = state.models().look_ahead(state.scene, exact=True), refitting.own_refits(state)
+        compared.append(compare(state, ahead, truth, weights))
+        worst = max(worst, (compared[-1].error, described(state)))
+        i, j = (int(rng.integers(size)) for size in truth.shape[:2])
+        direct.append(float(np.abs(ahead[i, j] - refitting.own_refit(state, i, j)).max()))
+        if number % EVERY == 0:
+            found, missing = against_scikit_learn(state, ahead, i)
+            outside += found
+            unanswered += missing
+    errors = [result.error for result in compared]
+    print_table(
+        f'Exactness over {states} random states: largest error of a state',
+        ('', *(f'{quantile:.1%}' for quantile in QUANTILES), 'number'),
+        [
+            ['every hypothesis against ConceptModels refitted', *quantiles(errors), f'{len(errors)}'],
+            ['one label against all symbols refitted as one', *quantiles(direct), f'{len(direct)}'],
+            ['against scikit-learn refitted to convergence', *quantiles(outside), f'{len(outside)}'],
+        ],
+    )
+    print('States: 0 to 150 examples, 10 to 70 features, 2 to 12 things, 2 to 5 symbols, amplitudes 1 to 100 by their')
+    print('logarithm; one in three repeats examples and shows labelled views again, one in ten knows a single class.')
+    print(
+        'Refitted is a fresh model for each distinct hypothesis; the second line takes one label (x, y) of each state'
+    )
+    print(
+        f'and fits all symbols at once; the third one thing of every {EVERY}th state as an example of each symbol and as'
+    )
+    print(f'none. There scikit-learn refuses or does not settle in {unanswered} of {len(outside) + unanswered}.')
+    print(f'The largest error, {worst[0]:.1e}, is at {worst[1]}.')
+    return {
+        'errors': dict(zip(map(str, QUANTILES), np.quantile(errors, QUANTILES).tolist(), strict=True)),
+        'largest_direct': max(direct),
+        'largest_from_scikit_learn': max(outside, default=float('nan')),
+        'actions': report_actions(compared, 'brute force'),
+    }
+
+
+def check_approximation(states: int, seed: int = 1) -> Figures:
+    """Compare the approximate mode with the exact one where the amplitude is that of the learner."""
+    weights, rng, compared = task_weights(), np.random.default_rng(seed), []
+    for _ in range(states):
+        state = random_state(rng, AMPLITUDE)
+        models = state.models()
+        exact, cheap = (models.look_ahead(state.scene, exact=exact) for exact in (True, False))
+        compared.append(compare(state, cheap, exact, weights))
+    errors = [result.error for result in compared]
+    print_table(
+        f'Approximate mode over {states} such states of amplitude {AMPLITUDE:g}: largest error of a state',
+        ('', *(f'{quantile:.1%}' for quantile in QUANTILES), 'number'),
+        [['exact=False against exact=True', *quantiles(errors), f'{len(errors)}']],
+    )
+    return {
+        'errors': dict(zip(map(str, QUANTILES), np.quantile(errors, QUANTILES).tolist(), strict=True)),
+        'actions': report_actions(compared, 'exact'),
+    }
+
+
+def compare(state: State, table: Array, truth: Array, weights: Array) -> Compared:
+    """A look-ahead against a better one."""
+    q = state.models().predict_proba(state.scene)
+    chosen, best = (choose(state, q, ahead, weights) for ahead in (table, truth))
+    return Compared(float(np.abs(table - truth).max()), chosen.action == best.action, best.margin)
+
+
+def against_scikit_learn(state: State, ahead: Array, thing: int) -> tuple[list[float], int]:
+    """Largest error of each hypothesis about one thing, and how many scikit-learn has no answer to."""
+    errors = []
+    for j, target in np.ndindex(len(state.symbols), 2):
+        if len(np.unique([*state.targets(j), target])) == 2:
+            label = j if target else (j + 1) % len(state.symbols)
+            errors.append(np.abs(refitting.converged(state, thing, j, target) - ahead[thing, label, :, j]).max())
+    found = [float(error) for error in errors if not np.isnan(error)]
+    return found, 2 * len(state.symbols) - len(found)
+
+
+def report_actions(compared: Sequence[Compared], truth: str) -> Figures:
+    """Print and return how often the chosen action is another than the true one."""
+    ties = [result for result in compared if result.margin < NEAR_TIE]
+    clear = [result for result in compared if result.margin >= NEAR_TIE]
+    differ = Counter(result.margin < NEAR_TIE for result in compared if not result.same)
+    margins = [result.margin for result in clear if not result.same]
+    least = f'; margins up to {max(margins):.0e}' if margins else ''
+    print(
+        f'Chosen action other than by {truth}: {differ[False]} of {len(clear)} states{least}; '
+        f'and {differ[True]} of {len(ties)} near ties (margin below {NEAR_TIE:g}).\n'
+    )
+    return {'clear': len(clear), 'differ': differ[False], 'near_ties': len(ties), 'near_ties_differ': differ[True]}
+
+
+def quantiles(errors: ArrayLike) -> list[str]:
+    """The cells of a line."""
+    if np.size(errors) == 0:
+        return [''] * len(QUANTILES)
+    return [f'{value:.1e}' for value in np.quantile(errors, QUANTILES)]
+
+
+def described(state: State) -> str:
+    """A state in a few words."""
+    return (
+        f'n={len(state.labels)}, |X|={len(state.scene)}, |Y|={len(state.symbols)}, m={state.scene.shape[1]}, '
+        f'amplitude {state.amplitude:.3g}'
+    )

@@ -1,0 +1,141 @@
+"""Other ways to the look-ahead's table: all refit classifiers, once for every hypothesis."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import Any
+
+import numpy as np
+from look_ahead_parts.states import Array, State
+from numpy.typing import NDArray
+from sklearn.gaussian_process import GaussianProcessClassifier
+from sklearn.gaussian_process.kernels import RBF, ConstantKernel
+
+from al_questioner.concepts import ConceptModels
+from al_questioner.domain import NO_SYMBOL
+
+MOST_REFITS = 20
+STANDS_STILL = 1e-10
+"""Largest change of a probability by one more fit at which scikit-learn is taken to have converged."""
+
+
+def as_users_write(state: State) -> Array:
+    """The table by scikit-learn, a multiclass classifier for each thing and symbol.
+
+    Returns:
+        (|X|, |Y|, |X|, |Y|), which scikit-learn normalises over the symbols.
+    """
+    things, symbols = len(state.scene), len(state.symbols)
+    table = np.empty((things, symbols, things, symbols))
+    for i, thing in enumerate(state.scene):
+        for j, symbol in enumerate(state.symbols):
+            classifier = GaussianProcessClassifier(kernel_of(state), optimizer=None)
+            classifier.fit(np.vstack([state.features, thing]), [*state.labels, symbol])
+            table[i, j] = classifier.predict_proba(state.scene)
+    return table
+
+
+def distinct_fits(state: State) -> Array:
+    """The table by scikit-learn, a binary classifier for each thing and symbol and whether the one is the other."""
+    return assembled(state, lambda i, j, target: _binary(state, i, j, target).predict_proba(state.scene)[:, 1])
+
+
+def until_convergence(state: State) -> Array:
+    """`distinct_fits`, each fitted again from its last mode until it stands still; NaN where it never does."""
+    return assembled(state, lambda i, j, target: converged(state, i, j, target))
+
+
+def own_refits(state: State) -> Array:
+    """The table by fresh `ConceptModels` with the one example more; a model of one symbol for each distinct fit."""
+
+    def probabilities(i: int, j: int, target: int) -> Array:
+        labels = ['is' if label == state.symbols[j] else NO_SYMBOL for label in state.labels]
+        models = ConceptModels(('is',), state.amplitude)
+        models.fit(np.vstack([state.features, state.scene[i]]), [*labels, 'is' if target else NO_SYMBOL])
+        return models.predict_proba(state.scene)[:, 0]
+
+    return assembled(state, probabilities)
+
+
+def own_refit(state: State, thing: int, symbol: int) -> Array:
+    """(|X|, |Y|) one entry of the table, by fresh `ConceptModels` of all symbols."""
+    models = ConceptModels(state.symbols, state.amplitude)
+    models.fit(np.vstack([state.features, state.scene[thing]]), [*state.labels, state.symbols[symbol]])
+    return models.predict_proba(state.scene)
+
+
+def assembled(state: State, probabilities: Callable[[int, int, int], Array]) -> Array:
+    """(|X|, |Y|, |X|, |Y|) from what each symbol's classifier says if a thing is, or is not, an example of it.
+
+    Args:
+        state: the examples and the scene.
+        probabilities: from a thing, a symbol and 1 or 0 to (|X|,) probabilities.
+    """
+    things, symbols = len(state.scene), len(state.symbols)
+    table = np.empty((things, symbols, things, symbols))
+    for i, j in np.ndindex(things, symbols):
+        table[i, :, :, j] = probabilities(i, j, 0)
+        table[i, j, :, j] = probabilities(i, j, 1)
+    return table
+
+
+def can_refit(state: State) -> bool:
+    """Whether scikit-learn takes every hypothesis: it refuses examples of a single class."""
+    return all(0 < positives < len(state.labels) for positives in state.positives)
+
+
+def converged(state: State, thing: int, symbol: int, target: int) -> Array:
+    """(|X|,) scikit-learn's probabilities of one symbol, refitted until they stand still; NaN if they never do."""
+    classifier = _binary(state, thing, symbol, target)
+    features, targets = _with_one_more(state, thing, symbol, target)
+    binary = classifier.base_estimator_
+    binary.warm_start = True
+    before: Array = classifier.predict_proba(state.scene)[:, 1]
+    for _ in range(MOST_REFITS):
+        binary.fit(features, targets)
+        after: Array = classifier.predict_proba(state.scene)[:, 1]
+        if np.abs(after - before).max() < STANDS_STILL:
+            return after
+        before = after
+    return np.full(len(state.scene), np.nan)
+
+
+def kernel_of(state: State) -> Any:
+    """The kernel of `ConceptModels`, with hyperparameters that stay as they are."""
+    return ConstantKernel(state.amplitude, 'fixed') * RBF(state.length_scale, 'fixed')
+
+
+def _binary(state: State, thing: int, symbol: int, target: int) -> GaussianProcessClassifier:
+    """One classifier of one symbol, fitted."""
+    classifier = GaussianProcessClassifier(kernel_of(state), optimizer=None)
+    return classifier.fit(*_with_one_more(state, thing, symbol, target))
+
+
+def _with_one_more(state: State, thing: int, symbol: int, target: int) -> tuple[Array, NDArray[np.intp]]:
+    """Features and targets of the examples and of a thing that is, or is not, one of a symbol."""
+    return np.vstack([state.features, state.scene[thing]]), np.append(state.targets(symbol), target)
+
+
+class WithSampleWeight(GaussianProcessClassifier):
+    """scikit-learn's classifier as scikit-activeml calls it: with weights, which are None."""
+
+    def fit(self, X: Array, y: NDArray[np.intp], sample_weight: None = None) -> WithSampleWeight:  # noqa: N803
+        """Fit, without weights; scikit-activeml looks the names of the arguments up."""
+        super().fit(X, y)
+        return self
+
+
+def expected_error_reduction(state: State) -> Callable[[], Any] | None:
+    """A call of scikit-activeml that weighs asking for the label of each thing; None if it is not installed."""
+    try:
+        from skactiveml.classifier import SklearnClassifier
+        from skactiveml.pool import MonteCarloEER
+    except ImportError:
+        return None
+    symbols = np.arange(len(state.symbols))
+    known = [state.symbols.index(label) for label in state.labels]
+    features = np.vstack([state.features, state.scene])
+    labels = np.append(known, np.full(len(state.scene), np.nan))
+    classifier = SklearnClassifier(WithSampleWeight(kernel_of(state), optimizer=None), classes=symbols)
+    strategy = MonteCarloEER(random_state=0)
+    return lambda: strategy.query(features, labels, classifier, X_eval=state.scene, return_utilities=True)
