@@ -12,16 +12,24 @@ import os
 import sys
 import time
 from collections.abc import Sequence
+from itertools import product
 from pathlib import Path
 
 # As the executables do; it must be said before numpy is imported.
 os.environ.setdefault('OMP_NUM_THREADS', '1')
 
-from look_ahead_parts import exactness, machine, side_by_side
+from look_ahead_parts import exactness, growth, machine, side_by_side
 
-SIZES = (20, 50, 150)
+SIZES, QUICK_SIZES = (20, 50, 150), (20,)
 QUICK_STATES = 30
 STATES = 1000
+APPROXIMATED = 5
+"""One state for so many of the others tells the error of the approximate mode."""
+
+GROWTH = tuple(product((0, 20, 50, 150, 300, 1000), (12, 40, 200), (4, 20)))
+QUICK_GROWTH = tuple(product((0, 50), (12, 40), (4,)))
+POOL, QUICK_POOL = 3200, 300
+POOL_LABELS, POOL_SYMBOLS = 50, 4
 
 
 def parser() -> argparse.ArgumentParser:
@@ -48,8 +56,11 @@ def main(arguments: Sequence[str] | None = None) -> int:
     print(f'Matrix products: {peak.double / 1e9:.1f} GFLOP/s double, {peak.single / 1e9:.1f} single precision.\n')
     figures = {
         'peak': {'double': peak.double, 'single': peak.single},
-        'side_by_side': side_by_side.compare(SIZES[:1] if given.quick else SIZES, repeats, peak),
+        'side_by_side': side_by_side.compare(QUICK_SIZES if given.quick else SIZES, repeats, peak),
         'exactness': exactness.check(states),
+        'approximation': exactness.check_approximation(max(1, states // APPROXIMATED)),
+        'growth': growth.grow(QUICK_GROWTH if given.quick else GROWTH),
+        'pool': growth.score_pool(QUICK_POOL if given.quick else POOL, POOL_LABELS, POOL_SYMBOLS),
     }
     print(f'All of this took {time.perf_counter() - start:.0f} s. {machine.conditions()}')
     if given.json is not None:

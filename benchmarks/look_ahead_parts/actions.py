@@ -54,6 +54,6 @@ def choose(state: State, q: Array, ahead: Array, weights: Array) -> Chosen:
 
 def utilities(state: State, ahead: Array, weights: Array) -> Array:
     """(e, |Y|) utility of the state after each hypothesis of a part of the look-ahead, (e, |Y|, |X|, |Y|)."""
-    counts = state.positives + np.eye(len(state.symbols), dtype=np.intp)
+    counts = state.positives + np.eye(len(state.symbols))
     utility: Array = task_features(ahead, counts) @ weights
     return utility

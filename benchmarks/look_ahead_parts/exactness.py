@@ -10,9 +10,8 @@ from typing import Any
 import numpy as np
 from look_ahead_parts import refitting
 from look_ahead_parts.actions import choose, task_weights
-from look_ahead_parts.states import AMPLITUDE, Array, State, random_state
+from look_ahead_parts.states import AMPLITUDE, Array, State, clustered_state, random_state
 from measuring import print_table
-from numpy.typing import ArrayLike
 
 NEAR_TIE = 1e-9
 """Margin of expected utility below which two actions are equally good: rounding decides."""
@@ -21,6 +20,12 @@ EVERY = 5
 """One state of so many is also compared to scikit-learn, in one hypothesis for each symbol."""
 
 QUANTILES = (0.5, 0.9, 0.99, 0.999, 1.0)
+
+LEGEND = f"""\
+States: 0 to 150 examples, 10 to 70 features, 2 to 12 things, 2 to 5 symbols, amplitudes 1 to 100 by their logarithm;
+one in three repeats examples and shows labelled views again, one in ten knows a single class.
+Refitted is a fresh model for each distinct hypothesis. The second line takes one label (x, y) of each state and fits
+all symbols at once; the third takes one thing of every {EVERY}th state, as an example of each symbol and as none."""
 
 Figures = dict[str, Any]
 
@@ -71,16 +76,11 @@ def check(states: int, seed: int = 0) -> Figures:
             ['against scikit-learn refitted to convergence', *quantiles(outside), f'{len(outside)}'],
         ],
     )
-    print('States: 0 to 150 examples, 10 to 70 features, 2 to 12 things, 2 to 5 symbols, amplitudes 1 to 100 by their')
-    print('logarithm; one in three repeats examples and shows labelled views again, one in ten knows a single class.')
-    print(
-        'Refitted is a fresh model for each distinct hypothesis; the second line takes one label (x, y) of each state'
-    )
-    print(
-        f'and fits all symbols at once; the third one thing of every {EVERY}th state as an example of each symbol and as'
-    )
-    print(f'none. There scikit-learn refuses or does not settle in {unanswered} of {len(outside) + unanswered}.')
+    print(LEGEND)
+    refused = f'{unanswered} of {len(outside) + unanswered}'
+    print(f'scikit-learn refuses (a single class) or does not settle in {refused} of those hypotheses.')
     print(f'The largest error, {worst[0]:.1e}, is at {worst[1]}.')
+    print('Of these, ', end='')
     return {
         'errors': dict(zip(map(str, QUANTILES), np.quantile(errors, QUANTILES).tolist(), strict=True)),
         'largest_direct': max(direct),
@@ -90,23 +90,37 @@ def check(states: int, seed: int = 0) -> Figures:
 
 
 def check_approximation(states: int, seed: int = 1) -> Figures:
-    """Compare the approximate mode with the exact one where the amplitude is that of the learner."""
-    weights, rng, compared = task_weights(), np.random.default_rng(seed), []
-    for _ in range(states):
-        state = random_state(rng, AMPLITUDE)
-        models = state.models()
-        exact, cheap = (models.look_ahead(state.scene, exact=exact) for exact in (True, False))
-        compared.append(compare(state, cheap, exact, weights))
-    errors = [result.error for result in compared]
-    print_table(
-        f'Approximate mode over {states} such states of amplitude {AMPLITUDE:g}: largest error of a state',
-        ('', *(f'{quantile:.1%}' for quantile in QUANTILES), 'number'),
-        [['exact=False against exact=True', *quantiles(errors), f'{len(errors)}']],
-    )
-    return {
-        'errors': dict(zip(map(str, QUANTILES), np.quantile(errors, QUANTILES).tolist(), strict=True)),
-        'actions': report_actions(compared, 'exact'),
+    """Compare the approximate mode with the exact one where the amplitude is that of the learner.
+
+    Args:
+        states: how many, of the kinds of `check`, and as many of the clusters that the other tables are about.
+        seed: of the states.
+    """
+    weights, rng = task_weights(), np.random.default_rng(seed)
+    drawn = {
+        'states of all kinds': [random_state(rng, AMPLITUDE) for _ in range(states)],
+        'clusters, |X|=12, |Y|=4, m=60': [clustered_state(rng, int(rng.integers(151)), 12, 4) for _ in range(states)],
     }
+    compared: dict[str, list[Compared]] = {kind: [] for kind in drawn}
+    for kind, of_kind in drawn.items():
+        for state in of_kind:
+            models = state.models()
+            exact, cheap = (models.look_ahead(state.scene, exact=exact) for exact in (True, False))
+            compared[kind].append(compare(state, cheap, exact, weights))
+    errors = {kind: [result.error for result in results] for kind, results in compared.items()}
+    print_table(
+        f'Approximate mode, exact=False against exact=True, at amplitude {AMPLITUDE:g} and n up to 150',
+        ('largest error of a state', *(f'{quantile:.1%}' for quantile in QUANTILES), 'number'),
+        [[kind, *quantiles(of_kind), f'{len(of_kind)}'] for kind, of_kind in errors.items()],
+    )
+    figures = {}
+    for kind, results in compared.items():
+        print(f'{kind[0].upper()}{kind[1:]}: ', end='')
+        figures[kind] = {
+            'errors': dict(zip(map(str, QUANTILES), np.quantile(errors[kind], QUANTILES).tolist(), strict=True)),
+            'actions': report_actions(results, 'exact'),
+        }
+    return figures
 
 
 def compare(state: State, table: Array, truth: Array, weights: Array) -> Compared:
@@ -135,15 +149,15 @@ def report_actions(compared: Sequence[Compared], truth: str) -> Figures:
     margins = [result.margin for result in clear if not result.same]
     least = f'; margins up to {max(margins):.0e}' if margins else ''
     print(
-        f'Chosen action other than by {truth}: {differ[False]} of {len(clear)} states{least}; '
+        f'chosen action other than by {truth}: {differ[False]} of {len(clear)} states{least}; '
         f'and {differ[True]} of {len(ties)} near ties (margin below {NEAR_TIE:g}).\n'
     )
     return {'clear': len(clear), 'differ': differ[False], 'near_ties': len(ties), 'near_ties_differ': differ[True]}
 
 
-def quantiles(errors: ArrayLike) -> list[str]:
+def quantiles(errors: Sequence[float]) -> list[str]:
     """The cells of a line."""
-    if np.size(errors) == 0:
+    if not errors:
         return [''] * len(QUANTILES)
     return [f'{value:.1e}' for value in np.quantile(errors, QUANTILES)]
 

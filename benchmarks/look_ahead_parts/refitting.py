@@ -79,11 +79,6 @@ def assembled(state: State, probabilities: Callable[[int, int, int], Array]) -> 
     return table
 
 
-def can_refit(state: State) -> bool:
-    """Whether scikit-learn takes every hypothesis: it refuses examples of a single class."""
-    return all(0 < positives < len(state.labels) for positives in state.positives)
-
-
 def converged(state: State, thing: int, symbol: int, target: int) -> Array:
     """(|X|,) scikit-learn's probabilities of one symbol, refitted until they stand still; NaN if they never do."""
     classifier = _binary(state, thing, symbol, target)
@@ -116,7 +111,7 @@ def _with_one_more(state: State, thing: int, symbol: int, target: int) -> tuple[
     return np.vstack([state.features, state.scene[thing]]), np.append(state.targets(symbol), target)
 
 
-class WithSampleWeight(GaussianProcessClassifier):
+class WithSampleWeight(GaussianProcessClassifier):  # type: ignore[misc]
     """scikit-learn's classifier as scikit-activeml calls it: with weights, which are None."""
 
     def fit(self, X: Array, y: NDArray[np.intp], sample_weight: None = None) -> WithSampleWeight:  # noqa: N803
