@@ -2,6 +2,7 @@
 
 python benchmarks/look_ahead.py            # about five minutes
 python benchmarks/look_ahead.py --quick
+python benchmarks/look_ahead.py --whole 1  # every hypothesis of every state: some minutes more
 """
 
 from __future__ import annotations
@@ -12,7 +13,6 @@ import os
 import sys
 import time
 from collections.abc import Sequence
-from itertools import product
 from pathlib import Path
 
 # As the executables do; it must be said before numpy is imported.
@@ -26,8 +26,8 @@ STATES = 1000
 APPROXIMATED = 5
 """One state for so many of the others tells the error of the approximate mode."""
 
-GROWTH = tuple(product((0, 20, 50, 150, 300, 1000), (12, 40, 200), (4, 20)))
-QUICK_GROWTH = tuple(product((0, 50), (12, 40), (4,)))
+GROWTH = (0, 20, 50, 150, 300, 1000), (12, 40, 200), (4, 20)
+QUICK_GROWTH = (0, 50), (12, 40), (4,)
 POOL, QUICK_POOL = 3200, 300
 POOL_LABELS, POOL_SYMBOLS = 50, 4
 
@@ -35,8 +35,11 @@ POOL_LABELS, POOL_SYMBOLS = 50, 4
 def parser() -> argparse.ArgumentParser:
     """The arguments."""
     result = argparse.ArgumentParser(description=(__doc__ or '').splitlines()[0])
-    result.add_argument('--repeats', type=int, help='calls of each rival (5; 1 if quick)')
+    result.add_argument('--repeats', type=int, help='calls of each rival (3; 1 if quick)')
     result.add_argument('--states', type=int, help=f'random states ({STATES}; {QUICK_STATES} if quick)')
+    result.add_argument(
+        '--whole', type=int, default=4, help='refit the whole table of one state in so many (%(default)s)'
+    )
     result.add_argument('--quick', action='store_true', help='small sizes only: within a minute')
     result.add_argument('--json', type=Path, metavar='FILE', help='write the figures as JSON')
     return result
@@ -45,10 +48,10 @@ def parser() -> argparse.ArgumentParser:
 def main(arguments: Sequence[str] | None = None) -> int:
     """Measure, and print the tables."""
     given = parser().parse_args(arguments)
-    repeats = (1 if given.quick else 5) if given.repeats is None else given.repeats
+    repeats = (1 if given.quick else 3) if given.repeats is None else given.repeats
     states = (QUICK_STATES if given.quick else STATES) if given.states is None else given.states
-    if min(repeats, states) < 1:
-        print('--repeats and --states must be 1 or more', file=sys.stderr)
+    if min(repeats, states, given.whole) < 1:
+        print('--repeats, --states and --whole must be 1 or more', file=sys.stderr)
         return 2
     start = time.perf_counter()
     print(machine.conditions())
@@ -57,9 +60,9 @@ def main(arguments: Sequence[str] | None = None) -> int:
     figures = {
         'peak': {'double': peak.double, 'single': peak.single},
         'side_by_side': side_by_side.compare(QUICK_SIZES if given.quick else SIZES, repeats, peak),
-        'exactness': exactness.check(states),
+        'exactness': exactness.check(states, given.whole),
         'approximation': exactness.check_approximation(max(1, states // APPROXIMATED)),
-        'growth': growth.grow(QUICK_GROWTH if given.quick else GROWTH),
+        'growth': growth.grow(*(QUICK_GROWTH if given.quick else GROWTH)),
         'pool': growth.score_pool(QUICK_POOL if given.quick else POOL, POOL_LABELS, POOL_SYMBOLS),
     }
     print(f'All of this took {time.perf_counter() - start:.0f} s. {machine.conditions()}')

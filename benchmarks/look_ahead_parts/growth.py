@@ -6,7 +6,9 @@ import logging
 import time
 import tracemalloc
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
+from copy import copy
+from dataclasses import dataclass, replace
+from itertools import product
 from typing import Any
 
 import numpy as np
@@ -18,7 +20,7 @@ from al_questioner.concepts import ConceptModels
 from al_questioner.concepts.models import EXACT_OPERATIONS
 from al_questioner.questioning.decision_features import symbol_given_object
 
-LONGEST = 20.0
+LONGEST = 12.0
 """Seconds above which an exact look-ahead is left out."""
 
 CALLS = 5
@@ -28,11 +30,11 @@ ENOUGH = 0.5
 MIB = 2**20
 
 LEGEND = f"""\
-A new scene each time: its covariances are included, fitting the models is not. MiB: largest memory that numpy holds
-during one call beyond what it held before, the result included; result: MiB of that alone.
-error: largest difference of exact=False from exact=True. default: what exact=None does; above {EXACT_OPERATIONS:.0e}
-operations, 8 |Y| (n |X|)^2, it approximates and logs a warning, once.
-An exact look-ahead that would take more than {LONGEST:g} s, by the slowest rate so far, is left out (-)."""
+A new scene each time: its covariances are included, fitting the models (cold fit: to all labels at once) is not.
+MiB: largest memory that numpy holds during one call beyond what it held before, the result included; result: MiB of
+that alone. error: largest difference of exact=False from exact=True. default: what exact=None does; above
+{EXACT_OPERATIONS:.0e} operations, 8 |Y| (n |X|)^2, it approximates and logs a warning, once.
+An exact look-ahead that would take more than {LONGEST:g} s, by the rate of the largest so far, is left out (-)."""
 
 Figures = dict[str, Any]
 
@@ -52,46 +54,42 @@ class Measured:
     table: Array
 
 
-def grow(sizes: Sequence[tuple[int, int, int]], longest: float = LONGEST) -> Figures:
+def grow(labels: Sequence[int], scenes: Sequence[int], symbols: Sequence[int], longest: float = LONGEST) -> Figures:
     """Measure look-aheads of all sizes, print and return the figures.
 
     Args:
-        sizes: each a number of labels, of things and of symbols.
+        labels: numbers of labels.
+        scenes: numbers of things.
+        symbols: numbers of symbols.
         longest: seconds above which an exact one is left out.
     """
     rows: list[list[str]] = []
     figures: Figures = {}
-    slowest = 0.0
-    for n, things, symbols in sizes:
-        state = clustered_state(np.random.default_rng((n, things, symbols)), n, things, symbols)
+    largest = rate = 0.0
+    for n, n_symbols in product(labels, symbols):
+        whole = clustered_state(np.random.default_rng((n, n_symbols)), n, max(scenes), n_symbols)
         start = time.perf_counter()
-        models = state.models()
+        models = whole.models()
         fitting = time.perf_counter() - start
-        cheap = measure(models, state, exact=False)
-        operations = nominal_operations(n, things, symbols)
-        exact = measure(models, state, exact=True) if operations * slowest <= longest else None
-        if exact is not None and operations > EXACT_OPERATIONS / 100:
-            slowest = max(slowest, min(exact.seconds) / operations)
-        error = None if exact is None else float(np.abs(exact.table - cheap.table).max())
-        default = 'approximate' if approximates(state) else 'exact'
-        rows.append(
-            [
-                f'n={n}, |X|={things}, |Y|={symbols}',
-                f'{1e3 * fitting:.1f}',
-                *cells(exact),
-                *cells(cheap),
-                f'{cheap.table.nbytes / MIB:.1f}',
-                '-' if error is None else f'{error:.0e}',
-                default,
-            ]
-        )
-        figures[f'{n},{things},{symbols}'] = {
-            'fit_ms': 1e3 * fitting,
-            'exact': None if exact is None else summary(exact),
-            'approximate': summary(cheap),
-            'error': error,
-            'default': default,
-        }
+        for things in scenes:
+            state = replace(whole, scene=whole.scene[:things])
+            default = 'approximate' if approximates(models, state) else 'exact'
+            cheap = measure(models, state, exact=False)
+            operations = nominal_operations(n, things, n_symbols)
+            exact = measure(models, state, exact=True) if operations * rate <= longest else None
+            if exact is not None and operations > largest:
+                largest, rate = operations, min(exact.seconds) / operations
+            error = None if exact is None else float(np.abs(exact.table - cheap.table).max())
+            size = f'n={n}, |X|={things}, |Y|={n_symbols}'
+            rows.append([size, f'{1e3 * fitting:.1f}', *cells(exact), *cells(cheap)])
+            rows[-1] += [f'{cheap.table.nbytes / MIB:.1f}', '-' if error is None else f'{error:.0e}', default]
+            figures[f'{n},{things},{n_symbols}'] = {
+                'fit_ms': 1e3 * fitting,
+                'exact': None if exact is None else summary(exact),
+                'approximate': summary(cheap),
+                'error': error,
+                'default': default,
+            }
     print_table(
         'Growth: m=60, amplitude 4',
         ('', 'cold fit ms', 'exact ms', 'spread', 'MiB', 'approx. ms', 'spread', 'MiB', 'result', 'error', 'default'),
@@ -134,8 +132,13 @@ def nominal_operations(n: int, things: int, symbols: int) -> float:
     return 8.0 * symbols * (things * n) ** 2
 
 
-def approximates(state: State) -> bool:
-    """Whether the models, left to themselves, approximate: they say so in a warning before the first chunk."""
+def approximates(models: ConceptModels, state: State) -> bool:
+    """Whether the models, left to themselves, approximate: they say so in a warning before the first chunk.
+
+    Args:
+        models: of which no default look-ahead has been asked; they warn once, so it is a copy that is asked.
+        state: whose scene they see.
+    """
     warnings: list[logging.LogRecord] = []
 
     class Listening(logging.Handler):
@@ -147,7 +150,7 @@ def approximates(state: State) -> bool:
     logger.addHandler(listening)
     logger.propagate = False
     try:
-        next(state.models().look_ahead_chunks(state.scene))
+        next(copy(models).look_ahead_chunks(state.scene))
     finally:
         logger.removeHandler(listening)
         logger.propagate = propagates
@@ -189,7 +192,7 @@ def score_pool(things: int, n: int, symbols: int) -> Figures:
         tracemalloc.stop()
     table = 8 * (things * symbols) ** 2
     print(
-        f'A pool of {things} unlabelled things, n={n}, |Y|={symbols}, exact=False, in {chunks} chunks: {looking:.1f} s,\n'
+        f'A pool of {things} unlabelled things, n={n}, |Y|={symbols}, exact=False, {chunks} chunks: {looking:.1f} s,\n'
         f'{whole:.1f} s with the expected utility of asking about each; at most {peak / MIB:.0f} MiB, where the whole\n'
         f'table has {table / MIB:.0f}. The best is thing {int(np.argmax(expected))}.\n'
     )

@@ -70,7 +70,7 @@ def test_it_runs(tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest
 
     monkeypatch.setattr(side_by_side, 'THINGS', 2)
     monkeypatch.setattr(look_ahead, 'QUICK_SIZES', (8,))
-    monkeypatch.setattr(look_ahead, 'QUICK_GROWTH', ((0, 2, 2), (5, 3, 2)))
+    monkeypatch.setattr(look_ahead, 'QUICK_GROWTH', ((0, 5), (2, 3), (2,)))
     monkeypatch.setattr(look_ahead, 'QUICK_POOL', 20)
     path = tmp_path / 'look_ahead.json'
     assert look_ahead.main(['--quick', '--states', '5', '--repeats', '1', '--json', str(path)]) == 0
@@ -89,13 +89,13 @@ def test_an_approximating_model_is_told_from_an_exact_one(state, monkeypatch: py
 
     from al_questioner.concepts import models
 
-    assert not approximates(state)
+    assert not approximates(state.models(), state)
     monkeypatch.setattr(models, 'EXACT_OPERATIONS', 1.0)
-    assert approximates(state)
+    assert approximates(state.models(), state)
 
 
 def test_unusable_arguments_are_refused(capsys: pytest.CaptureFixture[str]):
     import look_ahead
 
     assert look_ahead.main(['--states', '0']) == 2
-    assert capsys.readouterr().err == '--repeats and --states must be 1 or more\n'
+    assert capsys.readouterr().err == '--repeats, --states and --whole must be 1 or more\n'
