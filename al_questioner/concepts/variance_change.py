@@ -9,7 +9,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from al_questioner.concepts.arrays import Array, Single
+from al_questioner.concepts.arrays import Array
 from al_questioner.concepts.compiled import compiled, touch_packing_buffers
 from al_questioner.concepts.quadrature import resolvent_forms
 
@@ -18,9 +18,6 @@ VARIANCE_TOLERANCE = 8e-6
 
 TANGENT_TOLERANCE = 1e-6
 MOST_TANGENT_STEPS = 12
-
-ALIGNMENT = 8
-"""Numbers of single precision to a vector register; OpenBLAS multiplies other widths three times more slowly."""
 
 
 def spectrum_bounds(covariance: Array, relative: Array) -> tuple[Array, Array]:
@@ -55,8 +52,8 @@ def variance_drops(
         (|Y|, h, k) the drops, and bounds on their errors.
     """
     touch_packing_buffers()
-    matrix, change = _single(covariance, rows=True), _single(relative)
-    points = _single(np.ascontiguousarray(solved.transpose(0, 2, 1)))
+    matrix, change = covariance.astype(np.float32), relative.astype(np.float32)
+    points = np.ascontiguousarray(solved.transpose(0, 2, 1), dtype=np.float32)
     forms = [
         resolvent_forms(matrix[y], change[y], points[y], bounds[0][y], bounds[1][y], VARIANCE_TOLERANCE)
         for y in range(len(solved))
@@ -131,11 +128,3 @@ def _find_tangents(
         active = active[:n_left]
         if n_left == 0:
             break
-
-
-def _single(array: Array, rows: bool = False) -> Single:
-    """In single precision, with zeros after the last axis, and the rows as well, up to a multiple of `ALIGNMENT`."""
-    *others, n_rows, n = array.shape
-    padded = np.zeros((*others, n_rows + (-n_rows % ALIGNMENT if rows else 0), n + -n % ALIGNMENT), np.float32)
-    padded[..., :n_rows, :n] = array
-    return padded

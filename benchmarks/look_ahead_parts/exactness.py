@@ -27,8 +27,8 @@ LEGEND = f"""\
 States: 0 to 150 examples, 10 to 70 features, 2 to 12 things, 2 to 5 symbols, amplitudes 1 to 100 by their logarithm;
 one in three repeats examples and shows labelled views again, one in ten knows a single class.
 Refitted are fresh models: for a sampled label (x, y) of all symbols at once, for all labels of each distinct
-hypothesis. scikit-learn is refitted until it stands still, for one thing of every {EVERY}th state, as an example of each
-symbol and as none."""
+hypothesis. scikit-learn is refitted until it stands still, for one thing of every {EVERY}th state, as an example of
+each symbol and as none."""
 
 Figures = dict[str, Any]
 
