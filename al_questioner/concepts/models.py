@@ -189,7 +189,7 @@ class ConceptModels:
             # A turn without a query changes neither the models nor the scene.
             yield slice(0, n_things), self._last_table[1].copy()
             return
-        per_thing = 2 * n_symbols * n_things * (n if exact else n_symbols)
+        per_thing = 2 * n_symbols * n_things * max(n_symbols, n if exact else 0)
         size = max(1, CHUNK_NUMBERS // max(1, per_thing))
         own = np.arange(n_symbols)
         for first in range(0, n_things, size):
