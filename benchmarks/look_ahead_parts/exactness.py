@@ -17,9 +17,10 @@ NEAR_TIE = 1e-9
 """Margin of expected utility below which two actions are equally good: rounding decides."""
 
 EVERY = 10
-"""One state of so many is also compared to scikit-learn, in one hypothesis for each symbol."""
+"""One state of so many is also compared to scikit-learn, in two hypotheses for each symbol."""
 
 SAMPLED = 2
+"""Labels of each state that are refitted, where not all are."""
 
 QUANTILES = (0.5, 0.9, 0.99, 0.999, 1.0)
 
