@@ -17,9 +17,9 @@ def compiled(function: Function) -> Function:
     """A function compiled by numba at its first call, and kept on disk for the next process where that is possible.
 
     Sums may be reordered, which lets them run in vector registers; infinities and NaN keep their meaning, as callers
-    rely on them to see an overflow.
+    rely on them to see an overflow. Other threads go on while it runs.
     """
-    options: dict[str, Any] = {'error_model': 'numpy', 'fastmath': {'reassoc', 'contract', 'nsz'}}
+    options: dict[str, Any] = {'nogil': True, 'error_model': 'numpy', 'fastmath': {'reassoc', 'contract', 'nsz'}}
     try:
         result = numba.njit(cache=True, **options)(function)
     except RuntimeError:

@@ -117,7 +117,7 @@ class Knowledge:
         relative, models = found.length_scale / root, self._models
         if (found.amplitude, None, relative) == (models.amplitude, models.length_scale, models.relative_length_scale):
             return False
-        self._models = ConceptModels(self.symbols, found.amplitude, relative_length_scale=relative)
+        self._models = models.with_kernel(found.amplitude, relative)
         self._learn_anew()
         return True
 

@@ -20,8 +20,9 @@ PROBABILITY_TOLERANCE = 8e-7
 """A probability whose error bound is larger is computed by refitting."""
 
 SLOPE_IN_MEAN = 0.25
-SLOPE_IN_VARIANCE = 0.0482
-"""Largest derivatives of the expected logistic function: max |logistic'| and max |logistic''| / 2."""
+SLOPE_IN_VARIANCE = 0.0488
+"""Largest derivatives of the expected logistic function, as the five-term sum has them: the exact function has 1/4 in
+the mean, and max |logistic''| / 2 = 0.0481 in the variance."""
 
 MAX_REFIT_NUMBERS = 1_000_000
 """Largest stack of kernel matrices that is refitted at once, in numbers: bounds its memory to some 50 MB."""
@@ -49,7 +50,8 @@ def predict_each(
         probabilities, error = _predict(posterior, marginals, things, prior, amplitude, exact)
     if exact:
         symbols, hypotheses = np.nonzero(~(error <= PROBABILITY_TOLERANCE))
-        per_batch = max(1, MAX_REFIT_NUMBERS // ((prior.shape[1] + 1) * len(posterior.kernel) + 1))
+        size = len(posterior.kernel) + 1
+        per_batch = max(1, MAX_REFIT_NUMBERS // (size * (size + prior.shape[1])))
         for first in range(0, len(symbols), per_batch):
             y, h = symbols[first : first + per_batch], hypotheses[first : first + per_batch]
             probabilities[y, h] = _refit(posterior, marginals, things, prior, amplitude, y, h)
@@ -72,8 +74,8 @@ def _predict(
 
     # First without the new example's own curvature: the old ones change theirs ...
     if exact and posterior.modes.size:
-        bounds = spectrum_bounds(posterior.covariance, shift.relative)
-        drops, own_error = variance_drops(posterior.covariance, marginals.solved, shift.relative, bounds)
+        bounds = spectrum_bounds(posterior.single, shift.relative)
+        drops, own_error = variance_drops(posterior.single, marginals.solved, shift.relative, bounds)
         start = shift.change / shift.pull[:, :, None]
         tangent, joint_error = covariance_tangent(posterior.covariance, new, shift.relative, start, bounds)
     else:
@@ -89,8 +91,9 @@ def _predict(
 
     joint_errors = joint_error[:, :, None] * np.sqrt(variance)[:, None]
     variance_error = own_error + 2 * pulled * joint_errors + pulled**2 * _at_new(own_error, both)
-    largest = variance.max(axis=1)[:, None]
-    mode_error = shift.error * np.sqrt(largest) * (SLOPE_IN_MEAN + SLOPE_IN_VARIANCE * largest)
+    largest = np.maximum(variance.max(axis=1)[:, None], own.max(axis=2))
+    # Modes that are off by d deviations change the curvatures, and so the variances, by a share of d sqrt(amplitude).
+    mode_error = shift.error * (SLOPE_IN_MEAN * np.sqrt(largest) + SLOPE_IN_VARIANCE * largest * np.sqrt(amplitude))
     return probabilities, mode_error + SLOPE_IN_VARIANCE * variance_error.max(axis=2)
 
 

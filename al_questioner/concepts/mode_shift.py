@@ -136,7 +136,8 @@ def _find_shifts(
                     lowest = min(lowest, relative[h, i])
                 # A step in the old posterior's metric is one in the new one's up to the change of the curvatures. What
                 # the new example's own equation leaves open counts as well.
-                open_site = abs(latent[h] - linear_mean - variance[h] * pull[h])
+                # The slope of the logistic function is 1/4 at most.
+                open_site = np.sqrt(variance[h]) / 4 * abs(latent[h] - linear_mean - variance[h] * pull[h])
                 error[h] = (np.sqrt(length) + open_site) / (1 + lowest)
                 continue
             # Of all on the line through the last two images, the next guess is that of least residual.
@@ -160,12 +161,13 @@ def _find_shifts(
 def _new_site(latent: float, mean: float, variance: float, target: float) -> float:
     """The solution x of x = mean + variance (target - logistic(x)), by Newton's method from `latent`.
 
-    From 0, where the logistic function has its point of inflection, the method approaches it from one side.
+    A step across 0, the logistic function's point of inflection, ends there: from 0 the method approaches the solution
+    from one side.
     """
     for _ in range(MOST_SITE_STEPS):
-        p = 1 / (1 + np.exp(-latent))
+        p = float(1 / (1 + np.exp(-latent)))
         step = (latent - mean - variance * (target - p)) / (1 + variance * p * (1 - p))
-        latent -= step
         if abs(step) <= 1e-12 * (1 + abs(latent)):
-            break
+            return latent - step
+        latent = latent - step if latent * (latent - step) >= 0 else 0.0
     return latent

@@ -75,8 +75,8 @@ class ConceptModels:
         """Learn every classifier.
 
         Where the labels go on from those of the last fit, it starts from what that one found; if a single one was added
-        to the same features, the new modes follow from the old by the steps of the look-ahead. The result is the same
-        to some 1e-9.
+        to the same features, the new modes follow from the old by the steps of the look-ahead. The result is that of
+        a fresh fit to some 1e-9.
 
         Args:
             features: (n, m) standardised features; n = 0 forgets everything.
@@ -128,6 +128,16 @@ class ConceptModels:
             return self.length_scale
         return self.relative_length_scale * float(np.sqrt(max(n_features, 1)))
 
+    def with_kernel(self, amplitude: float, relative_length_scale: float) -> ConceptModels:
+        """Models that know nothing yet, with another kernel; its length scale a multiple of the root of m.
+
+        Raises:
+            InputError: a number that is not above 0.
+        """
+        models = ConceptModels(self.symbols, amplitude, relative_length_scale=relative_length_scale)
+        models._warned = self._warned
+        return models
+
     def predict_proba(self, features: ArrayLike) -> Array:
         """Degree to which each thing belongs to each symbol.
 
@@ -155,8 +165,8 @@ class ConceptModels:
 
         Args:
             scene_features: (|X|, m) standardised features.
-            exact: False for an approximation in time proportional to |X|^2 |Y| n, whose error docs/method.md
-                tells; None to use it, with a warning, above `EXACT_OPERATIONS`.
+            exact: False for an approximation that takes |X|^2 |Y| n operations beyond `predict_proba`, whose error
+                docs/method.md tells; None to use it, with a warning, above `EXACT_OPERATIONS`.
 
         Returns:
             (|X|, |Y|, |X|, |Y|): [i, j] is `predict_proba(scene_features)` had thing i been labelled symbol j.
@@ -174,6 +184,12 @@ class ConceptModels:
     def look_ahead_chunks(self, scene_features: ArrayLike, exact: bool | None = None) -> Iterator[tuple[slice, Array]]:
         """`look_ahead` in parts, for pools whose whole table does not fit into memory.
 
+        The models must not be fitted between the parts.
+
+        Args:
+            scene_features: (|X|, m) standardised features.
+            exact: as for `look_ahead`.
+
         Yields:
             Consecutive rows of the table, as a slice, and their part of it, (e, |Y|, |X|, |Y|).
 
@@ -189,7 +205,8 @@ class ConceptModels:
             # A turn without a query changes neither the models nor the scene.
             yield slice(0, n_things), self._last_table[1].copy()
             return
-        per_thing = 2 * n_symbols * n_things * max(n_symbols, n if exact else 0)
+        # The five terms of the expected logistic function, and a part's copies for every label, count as well.
+        per_thing = 2 * n_symbols * n_things * max(n_symbols, 5, n if exact else 0)
         size = max(1, CHUNK_NUMBERS // max(1, per_thing))
         own = np.arange(n_symbols)
         for first in range(0, n_things, size):
@@ -239,7 +256,10 @@ class ConceptModels:
             tolerance=WARM_FIT_TOLERANCE,
         )
         modes = self._posterior.modes + shift.change[:, 0] / self._posterior.root
-        return kernel, np.concatenate([modes, shift.latent], axis=1)
+        start = np.concatenate([modes, shift.latent], axis=1)
+        # A search that came nowhere is no better start than none.
+        start[~(shift.error[:, 0] < 1)] = 0.0
+        return kernel, start
 
     def _marginals(self, points: Array) -> Marginals:
         """What is believed of points; those of the last points are kept, as a turn asks about its scene repeatedly."""

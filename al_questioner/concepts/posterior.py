@@ -7,12 +7,13 @@ gradient of the log likelihood, W = diag(p (1 - p)), B = I + W^1/2 K W^1/2. At t
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 from scipy.linalg import lapack
 from scipy.special import expit
 
-from al_questioner.concepts.arrays import Array, Index
+from al_questioner.concepts.arrays import Array, Index, Single
 from al_questioner.concepts.gaussian_process import find_modes
 
 NEWTON_TOLERANCE = 1e-7
@@ -40,6 +41,11 @@ class Posterior:
     modes: Array
     root: Array
     covariance: Array
+
+    @cached_property
+    def single(self) -> Single:
+        """(|Y|, n, n) T in single precision."""
+        return self.covariance.astype(np.float32)
 
     @property
     def gradient(self) -> Array:

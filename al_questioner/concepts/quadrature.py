@@ -62,14 +62,15 @@ def _resolvent_forms(
         for i in range(n):
             vector[r, i] = change[r // n_points, i] * points[r % n_points, i]
     mean, coupling = np.zeros((MOST_STEPS, len(active))), np.zeros((MOST_STEPS, len(active)))
-    norm, total = np.zeros(len(active)), np.zeros(len(active))
+    norm, total, rounding = np.zeros(len(active)), np.zeros(len(active)), np.zeros(len(active))
     for step in range(MOST_STEPS):
         image = np.dot(vector[: len(active)], matrix)
         n_left = 0
         for a in range(len(active)):
             h, k = active[a] // n_points, active[a] % n_points
-            length, moment = np.float32(0), np.float32(0)
+            length, moment, gross = np.float32(0), np.float32(0), np.float32(0)
             for i in range(n):
+                gross += vector[a, i] * vector[a, i]
                 length += vector[a, i] * image[a, i]
                 moment += image[a, i] * image[a, i] * change[h, i]
             squared = 0.0 if length < 0 else float(length)
@@ -88,7 +89,12 @@ def _resolvent_forms(
                 denominator = 1 + mean[level, a] - coupling[level + 1, a] * high
                 high = 1 / denominator if denominator > 0 else np.inf
             value[h, k] = total[a] * low
-            error[h, k] = 0.0 if total[a] == 0 else total[a] * (high - low + ROUNDING * high * high)
+            if step == 0:
+                # |v|^2 = u' T u may cancel, its rounding does not: T is no larger than the identity.
+                rounding[a] = ROUNDING * gross
+            error[h, k] = total[a] * (high - low) + rounding[a] * high * high
+            if rounding[a] == 0:
+                error[h, k] = 0.0
             if error[h, k] <= tolerance:
                 continue
             alpha, beta = np.float32(mean[step, a]), np.float32(coupling[step, a])
@@ -98,7 +104,8 @@ def _resolvent_forms(
                 vector[n_left, i] = following
             for level in range(step + 1):
                 mean[level, n_left], coupling[level, n_left] = mean[level, a], coupling[level, a]
-            norm[n_left], total[n_left], active[n_left] = norm[a], total[a], active[a]
+            norm[n_left], total[n_left], rounding[n_left] = norm[a], total[a], rounding[a]
+            active[n_left] = active[a]
             n_left += 1
         active = active[:n_left]
         if n_left == 0:

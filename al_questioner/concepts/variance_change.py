@@ -9,9 +9,9 @@ from __future__ import annotations
 
 import numpy as np
 
-from al_questioner.concepts.arrays import Array
+from al_questioner.concepts.arrays import Array, Single
 from al_questioner.concepts.compiled import compiled, touch_packing_buffers
-from al_questioner.concepts.quadrature import resolvent_forms
+from al_questioner.concepts.quadrature import ROUNDING, resolvent_forms
 
 VARIANCE_TOLERANCE = 8e-6
 """Error of a variance at which it counts as known; a probability then errs by no more than 4e-7."""
@@ -20,30 +20,33 @@ TANGENT_TOLERANCE = 1e-6
 MOST_TANGENT_STEPS = 12
 
 
-def spectrum_bounds(covariance: Array, relative: Array) -> tuple[Array, Array]:
+def spectrum_bounds(covariance: Single, relative: Array) -> tuple[Array, Array]:
     """(|Y|, h) bounds of the eigenvalues of S, from below in (-1, 0] and from above in [0, inf).
 
     Args:
-        covariance: (|Y|, n, n) T.
+        covariance: (|Y|, n, n) T, in single precision.
         relative: (|Y|, h, n) E.
     """
     # T lies between 0 and I, so that S reaches no farther than E. Its Frobenius norm is |S|^2 = E' (T o T) E.
     change = relative.astype(np.float32)
-    squared = np.einsum('yhn,yhn->yh', change, np.matmul(change, covariance.astype(np.float32) ** 2))
-    frobenius = np.sqrt(np.maximum(squared, 0)) * (1 + 1e-5)
+    squares = covariance**2
+    squared = np.einsum('yhn,yhn->yh', change, np.matmul(change, squares))
+    # The sum may cancel, its rounding does not.
+    rounding = ROUNDING * squares.sum(axis=(1, 2))[:, None] * np.abs(change).max(axis=2) ** 2
+    frobenius = np.sqrt(np.maximum(squared, 0) + rounding).astype(np.float64)
     lower = np.maximum(np.minimum(relative.min(axis=2), 0), -frobenius)
     return lower, np.minimum(np.maximum(relative.max(axis=2), 0), frobenius)
 
 
 def variance_drops(
-    covariance: Array, solved: Array, relative: Array, bounds: tuple[Array, Array]
+    covariance: Single, solved: Array, relative: Array, bounds: tuple[Array, Array]
 ) -> tuple[Array, Array]:
     """By how much the variances of points fall, z' S (I + S)^-1 z.
 
     The first order is exact; the higher ones, z' S^2 (I + S)^-1 z, are small beside it: single precision does.
 
     Args:
-        covariance: (|Y|, n, n) T.
+        covariance: (|Y|, n, n) T, in single precision.
         solved: (|Y|, n, k) c.
         relative: (|Y|, h, n) E.
         bounds: of the eigenvalues of S.
@@ -52,10 +55,10 @@ def variance_drops(
         (|Y|, h, k) the drops, and bounds on their errors.
     """
     touch_packing_buffers()
-    matrix, change = covariance.astype(np.float32), relative.astype(np.float32)
+    change = relative.astype(np.float32)
     points = np.ascontiguousarray(solved.transpose(0, 2, 1), dtype=np.float32)
     forms = [
-        resolvent_forms(matrix[y], change[y], points[y], bounds[0][y], bounds[1][y], VARIANCE_TOLERANCE)
+        resolvent_forms(covariance[y], change[y], points[y], bounds[0][y], bounds[1][y], VARIANCE_TOLERANCE)
         for y in range(len(solved))
     ]
     rest, error = (np.stack(part) for part in zip(*forms, strict=True))
@@ -65,7 +68,7 @@ def variance_drops(
 def covariance_tangent(
     covariance: Array, new: Array, relative: Array, start: Array, bounds: tuple[Array, Array]
 ) -> tuple[Array, Array]:
-    """Covariance of the old examples with the new one once their curvatures have changed: g = c - T E g.
+    """Covariance of the old examples with the new one once their curvatures have changed: q = c - T E q.
 
     Args:
         covariance: (|Y|, n, n) T.
@@ -75,7 +78,7 @@ def covariance_tangent(
         bounds: of the eigenvalues of S.
 
     Returns:
-        (|Y|, h, n) g, and (|Y|, h) a bound on the error of z' S (I + S)^-1 z* for a unit z.
+        (|Y|, h, n) q, and (|Y|, h) a bound on the error of z' S (I + S)^-1 z* for a unit z.
     """
     lower, upper = bounds
     new, relative, start = map(np.ascontiguousarray, (new, relative, start))

@@ -73,7 +73,9 @@ def test_few_steps_suffice_for_small_changes(seed):
     matrix, root, change, points = case(seed, 30, 8, -0.05, 0.05)
     exact, lower, upper, lengths = exact_and_bounds(root, change, points)
     value, error = resolvent_forms(matrix, change, points, lower, upper, 0.0)
-    assert (error <= 3e-6 * lengths).all()
+    # What single precision leaves open depends on u, of which T may leave little.
+    rounding = 1e-6 * ((change[:, None] * points) ** 2).sum(axis=2)
+    assert (error <= 3e-6 * lengths + 1.2 * rounding).all()
     np.testing.assert_allclose(value, exact, rtol=3e-6)
 
 
