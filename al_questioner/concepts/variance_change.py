@@ -20,16 +20,16 @@ TANGENT_TOLERANCE = 1e-6
 MOST_TANGENT_STEPS = 12
 
 
-def spectrum_bounds(covariance: Single, relative: Array) -> tuple[Array, Array]:
+def spectrum_bounds(covariance: Array | Single, relative: Array) -> tuple[Array, Array]:
     """(|Y|, h) bounds of the eigenvalues of S, from below in (-1, 0] and from above in [0, inf).
 
     Args:
-        covariance: (|Y|, n, n) T, in single precision.
+        covariance: (|Y|, n, n) T; single precision does.
         relative: (|Y|, h, n) E.
     """
     # T lies between 0 and I, so that S reaches no farther than E. Its Frobenius norm is |S|^2 = E' (T o T) E.
     change = relative.astype(np.float32)
-    squares = covariance**2
+    squares = np.asarray(covariance, np.float32) ** 2
     squared = np.einsum('yhn,yhn->yh', change, np.matmul(change, squares))
     # The sum may cancel, its rounding does not.
     rounding = ROUNDING * squares.sum(axis=(1, 2))[:, None] * np.abs(change).max(axis=2) ** 2
@@ -39,14 +39,14 @@ def spectrum_bounds(covariance: Single, relative: Array) -> tuple[Array, Array]:
 
 
 def variance_drops(
-    covariance: Single, solved: Array, relative: Array, bounds: tuple[Array, Array]
+    covariance: Array | Single, solved: Array, relative: Array, bounds: tuple[Array, Array]
 ) -> tuple[Array, Array]:
     """By how much the variances of points fall, z' S (I + S)^-1 z.
 
     The first order is exact; the higher ones, z' S^2 (I + S)^-1 z, are small beside it: single precision does.
 
     Args:
-        covariance: (|Y|, n, n) T, in single precision.
+        covariance: (|Y|, n, n) T; single precision does.
         solved: (|Y|, n, k) c.
         relative: (|Y|, h, n) E.
         bounds: of the eigenvalues of S.
@@ -55,10 +55,10 @@ def variance_drops(
         (|Y|, h, k) the drops, and bounds on their errors.
     """
     touch_packing_buffers()
-    change = relative.astype(np.float32)
+    matrix, change = np.asarray(covariance, np.float32), relative.astype(np.float32)
     points = np.ascontiguousarray(solved.transpose(0, 2, 1), dtype=np.float32)
     forms = [
-        resolvent_forms(covariance[y], change[y], points[y], bounds[0][y], bounds[1][y], VARIANCE_TOLERANCE)
+        resolvent_forms(matrix[y], change[y], points[y], bounds[0][y], bounds[1][y], VARIANCE_TOLERANCE)
         for y in range(len(solved))
     ]
     rest, error = (np.stack(part) for part in zip(*forms, strict=True))
