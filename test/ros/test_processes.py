@@ -70,6 +70,8 @@ def test_one_process_plays_the_offline_episode(tmp_path: Path) -> None:
     """Nodes composed into one process would behave otherwise."""
     one = play(tmp_path, 'one', *SMALL, '--strategy', 'random_fsq', '--one-process', '--namespace', '/a/robot_1/')
     assert one == play(tmp_path, 'offline', *SMALL, '--strategy', 'random_fsq', '--offline')
+
+
 @pytest.mark.slow
 def test_processes_tune_as_the_offline_episode_does(tmp_path: Path) -> None:
     """The option would not reach the learner, or it would tune at other turns than the evaluation assumes."""
