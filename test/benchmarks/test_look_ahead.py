@@ -62,6 +62,7 @@ def test_the_random_states_hold_what_the_table_says():
     assert 50 < sum(shown_again) < 150
 
 
+@pytest.mark.slow
 def test_it_runs(tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]):
     """The tables would rot unseen, since nobody measures every day."""
     monkeypatch.setenv('OMP_NUM_THREADS', '1')  # the script would set it for good

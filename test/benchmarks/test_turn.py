@@ -45,6 +45,7 @@ def test_a_turn_is_the_sum_of_its_parts() -> None:
     assert transport_seconds(hops, asked=False) == 2 * 7 + 2 * 3
 
 
+@pytest.mark.slow
 def test_offline_part_runs_and_adds_up(tmp_path: Path) -> None:
     """Nobody could measure on a machine without ROS."""
     path = tmp_path / 'turn.json'
