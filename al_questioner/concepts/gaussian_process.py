@@ -103,12 +103,20 @@ def predict_probabilities(
     root = np.sqrt(probability * (1 - probability))
     mean = np.einsum('hn,hnk->hk', targets - probability, cross[owners])
     scaled = root[:, :, None] * cross[owners]
-    explained = np.einsum('hnk,hnk->hk', scaled, np.linalg.solve(_well_conditioned(kernels[owners], root), scaled))
+    explained = np.einsum('hnk,hnk->hk', scaled, np.linalg.solve(well_conditioned(kernels[owners], root), scaled))
     return expected_logistic(mean, amplitude - explained)
 
 
-def _well_conditioned(kernel: Array, root: Array) -> Array:
-    """B = I + W^1/2 K W^1/2 (R&W equation 3.26): its eigenvalues lie between 1 and 1 + n max(K) / 4."""
+def well_conditioned(kernel: Array, root: Array) -> Array:
+    """B = I + W^1/2 K W^1/2 (R&W equation 3.26): its eigenvalues lie between 1 and 1 + n max(K) / 4.
+
+    Args:
+        kernel: (H, n, n) K, or (n, n) for all.
+        root: (H, n) W^1/2.
+
+    Returns:
+        (H, n, n).
+    """
     matrix = root[:, :, None] * kernel * root[:, None, :]
     diagonal = np.arange(kernel.shape[-1])
     matrix[:, diagonal, diagonal] += 1
@@ -122,7 +130,7 @@ def _newton_step(kernel: Array, alpha: Array, latent: Array, targets: Array) -> 
     root = np.sqrt(curvature)
     b = curvature * latent + targets - probability
     kernel_b = np.einsum('hij,hj->hi', kernel, b)
-    solved = np.linalg.solve(_well_conditioned(kernel, root), (root * kernel_b)[:, :, None])[:, :, 0]
+    solved = np.linalg.solve(well_conditioned(kernel, root), (root * kernel_b)[:, :, None])[:, :, 0]
     alpha_step = b - root * solved - alpha
     return alpha_step, np.einsum('hij,hj->hi', kernel, alpha_step)
 

@@ -14,7 +14,7 @@ from scipy.spatial.distance import cdist
 from scipy.special import expit
 
 from al_questioner.concepts.arrays import Array
-from al_questioner.concepts.gaussian_process import find_modes
+from al_questioner.concepts.gaussian_process import find_modes, well_conditioned
 
 AMPLITUDE_FACTOR = 4.0
 LENGTH_SCALE_FACTOR = 2.0
@@ -59,7 +59,7 @@ def log_marginal_likelihood(squared_distances: Array, targets: Array, kernel: Ke
     slope = targets - probability  # of the log likelihood, and K^-1 f at the mode (R&W equation 3.17)
     curvature = probability * (1 - probability)
     root = np.sqrt(curvature)
-    b = np.eye(len(covariance)) + root[:, :, None] * covariance * root[:, None, :]
+    b = well_conditioned(covariance, root)
     log_likelihood = -np.logaddexp(0, (1 - 2 * targets) * modes).sum()
     half_log_determinant = 0.5 * np.linalg.slogdet(b)[1].sum()
     value = float(-0.5 * (slope * modes).sum() + log_likelihood - half_log_determinant)

@@ -12,6 +12,7 @@ import numpy as np
 
 from al_questioner.concepts.arrays import Array
 from al_questioner.concepts.compiled import compiled
+from al_questioner.concepts.fixed_point import extrapolate
 from al_questioner.concepts.posterior import Posterior
 
 MODE_TOLERANCE = 2e-7
@@ -135,21 +136,11 @@ def _find_shifts(
                     relative[h, i] = relative[h, i] * (1 - relative[h, i]) / (root[i] * root[i]) - 1
                     lowest = min(lowest, relative[h, i])
                 # A step in the old posterior's metric is one in the new one's up to the change of the curvatures. What
-                # the new example's own equation leaves open counts as well.
-                # The slope of the logistic function is 1/4 at most.
+                # the new example's own equation leaves open counts as well, by the logistic function's largest slope.
                 open_site = np.sqrt(variance[h]) / 4 * abs(latent[h] - linear_mean - variance[h] * pull[h])
                 error[h] = (np.sqrt(length) + open_site) / (1 + lowest)
                 continue
-            # Of all on the line through the last two images, the next guess is that of least residual.
-            share = 0.0
-            if step > 1:
-                share = (length - common) / max(length - 2 * common + squared[a], 1e-300)
-            for i in range(n):
-                difference = bend[h, i] - guess[a, i]
-                guess[n_left, i] = bend[h, i] - share * (bend[h, i] - image[a, i])
-                image[n_left, i] = bend[h, i]
-                residual[n_left, i] = difference
-            squared[n_left] = length
+            extrapolate((guess, image, residual, squared), a, n_left, bend[h], length, common)
             active[n_left] = h
             n_left += 1
         active = active[:n_left]

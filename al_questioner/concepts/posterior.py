@@ -1,7 +1,7 @@
 """The Laplace posteriors of classifiers that share their examples, ready to be asked about points.
 
-In the symbols of docs/method.md: K is the kernel matrix of the n examples, f the mode, p = logistic(f), r = y - p the
-gradient of the log likelihood, W = diag(p (1 - p)), B = I + W^1/2 K W^1/2. At the mode f = K r.
+In the symbols of docs/method.md: K is the kernel matrix of the n examples, f the mode, p = logistic(f), t the targets,
+r = t - p the gradient of the log likelihood, W = diag(p (1 - p)), B = I + W^1/2 K W^1/2. At the mode f = K r.
 """
 
 from __future__ import annotations
@@ -14,7 +14,7 @@ from scipy.linalg import lapack
 from scipy.special import expit
 
 from al_questioner.concepts.arrays import Array, Index, Single
-from al_questioner.concepts.gaussian_process import find_modes
+from al_questioner.concepts.gaussian_process import find_modes, well_conditioned
 
 NEWTON_TOLERANCE = 1e-7
 """Largest step from a mode that is taken for found; W is that of the point before the step."""
@@ -49,7 +49,7 @@ class Posterior:
 
     @property
     def gradient(self) -> Array:
-        """(|Y|, n) r = y - p."""
+        """(|Y|, n) r = t - p."""
         gradient: Array = self.targets - expit(self.modes)
         return gradient
 
@@ -111,38 +111,36 @@ def laplace_posterior(kernel: Array, targets: Array, start: Array) -> Posterior:
     Raises:
         ArithmeticError: no convergence, which only input that is not finite or not a covariance can cause.
     """
-    posterior, step = _newton_step(kernel, targets, start)
+    posterior, step = _posterior_and_step(kernel, targets, start)
     if not np.abs(step).max(initial=0.0) <= NEWTON_TOLERANCE:
         owners: Index = np.zeros(len(targets), dtype=np.intp)
         modes = find_modes(kernel[None], owners, targets, posterior.gradient)
-        posterior, step = _newton_step(kernel, targets, modes)
+        posterior, step = _posterior_and_step(kernel, targets, modes)
     return Posterior(kernel, targets, posterior.modes + step, posterior.root, posterior.covariance)
 
 
-def _newton_step(kernel: Array, targets: Array, modes: Array) -> tuple[Posterior, Array]:
+def _posterior_and_step(kernel: Array, targets: Array, modes: Array) -> tuple[Posterior, Array]:
     """The posterior as it would be if the modes were right, and (|Y|, n) Newton's step (I + K W)^-1 (K r - f)."""
     p = expit(modes)
     root = np.maximum(np.sqrt(p * (1 - p)), SMALLEST_ROOT)
     covariance = np.empty((*root.shape, root.shape[1]))
-    for k, scale in enumerate(root):
-        covariance[k] = _scaled_covariance(scale[:, None] * kernel * scale)
+    for k, b in enumerate(well_conditioned(kernel, root)):
+        covariance[k] = _scaled_covariance(b)
     residual = root * (np.matmul(targets - p, kernel) - modes)
     step: Array = (residual - np.matmul(covariance, residual[:, :, None])[:, :, 0]) / root
     return Posterior(kernel, targets, modes, root, covariance), step
 
 
-def _scaled_covariance(weighted: Array) -> Array:
-    """T = I - B^-1 from W^1/2 K W^1/2, which is overwritten."""
-    n = len(weighted)
-    if n == 0:
-        return weighted
-    diagonal = np.arange(n)
-    weighted[diagonal, diagonal] += 1
+def _scaled_covariance(b: Array) -> Array:
+    """T = I - B^-1 from B, which is overwritten."""
+    if len(b) == 0:
+        return b
     # LAPACK is called directly: the wrappers' checks cost more than the factorisation of a few dozen examples.
-    factor, failed = lapack.dpotrf(weighted.T, lower=1, overwrite_a=1, clean=1)
+    factor, failed = lapack.dpotrf(b.T, lower=1, overwrite_a=1, clean=1)
     if failed:
         raise ArithmeticError('the kernel matrix is not a covariance')
     lower, _ = lapack.dpotri(factor, lower=1, overwrite_c=1)
     covariance: Array = -(lower + lower.T)
+    diagonal = np.arange(len(b))
     covariance[diagonal, diagonal] = 1 - lower[diagonal, diagonal]
     return covariance

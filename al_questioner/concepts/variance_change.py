@@ -11,6 +11,7 @@ import numpy as np
 
 from al_questioner.concepts.arrays import Array, Single
 from al_questioner.concepts.compiled import compiled, touch_packing_buffers
+from al_questioner.concepts.fixed_point import extrapolate
 from al_questioner.concepts.quadrature import ROUNDING, resolvent_forms
 
 VARIANCE_TOLERANCE = 8e-6
@@ -102,7 +103,7 @@ def _find_tangents(
     image, residual = np.zeros((n_hypotheses, n)), np.zeros((n_hypotheses, n))
     squared = np.zeros(n_hypotheses)
     active = np.arange(n_hypotheses)
-    for step in range(1, MOST_TANGENT_STEPS + 1):
+    for _ in range(MOST_TANGENT_STEPS):
         spread = np.dot(guess[: len(active)], covariance)
         n_left = 0
         for a in range(len(active)):
@@ -116,16 +117,7 @@ def _find_tangents(
             error[h] = scale[h] * np.sqrt(length)
             if error[h] <= TANGENT_TOLERANCE:
                 continue
-            share = 0.0
-            if step > 1:
-                share = (length - common) / max(length - 2 * common + squared[a], 1e-300)
-            for i in range(n):
-                this = relative[h, i] * tangent[h, i]
-                difference = this - guess[a, i]
-                guess[n_left, i] = this - share * (this - image[a, i])
-                image[n_left, i] = this
-                residual[n_left, i] = difference
-            squared[n_left] = length
+            extrapolate((guess, image, residual, squared), a, n_left, relative[h] * tangent[h], length, common)
             active[n_left] = h
             n_left += 1
         active = active[:n_left]
