@@ -229,6 +229,34 @@ def test_approximation_is_chosen_when_exactness_is_too_dear_and_said_once(learni
     assert 'look-ahead approximates: 5 things, 3 symbols and 10 labels' in caplog.text
 
 
+def test_stacks_of_refits_stay_within_their_bound(learning_state, monkeypatch):
+    """With many more labels than things the kernel matrices, not the predictions, would fill the memory."""
+    state = learning_state(43, n=60, n_things=2, n_symbols=3, amplitude=4.0)
+    original, sizes = look_ahead.find_modes, []
+
+    def find(kernels, *others):
+        sizes.append(kernels.size)
+        return original(kernels, *others)
+
+    fitted = state.fitted()
+    monkeypatch.setattr(look_ahead, 'find_modes', find)
+    monkeypatch.setattr(look_ahead, 'PROBABILITY_TOLERANCE', -1.0)
+    monkeypatch.setattr(look_ahead, 'MAX_REFIT_NUMBERS', 4 * 61 * 63)
+    fitted.look_ahead(state.scene)
+    assert sizes == [4 * 61 * 61] * 3
+
+
+def test_models_with_another_kernel_do_not_say_it_again(learning_state, monkeypatch, caplog):
+    """A learner that tunes its kernel every few turns would repeat the warning each time."""
+    state = learning_state(44, n=10, n_things=5, n_symbols=3, amplitude=4.0)
+    monkeypatch.setattr(models, 'EXACT_OPERATIONS', 0)
+    with caplog.at_level(logging.WARNING, logger=models.__name__):
+        fitted = state.fitted()
+        fitted.look_ahead(state.scene)
+        fitted.with_kernel(9.0, 1.5).fit(state.features, state.labels).look_ahead(state.scene)
+    assert len(caplog.records) == 1
+
+
 def test_negative_error_bounds_let_no_wrong_probability_pass():
     """Two labels and a thing between them at amplitude 100: the curvatures grow many times over."""
     features, scene = np.array([[1.1], [-1.2]]), np.zeros((1, 1))

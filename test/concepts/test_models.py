@@ -266,6 +266,23 @@ def test_one_view_with_any_share_of_contradictions(n, amplitude):
         assert np.sign(q[0, 0] - 0.5) == np.sign(positives - n / 2) or abs(q[0, 0] - 0.5) < 1e-6
 
 
+def test_a_search_that_came_nowhere_does_no_harm(learning_state, monkeypatch):
+    """One more label must be learnt also where the steps of the look-ahead end in no number."""
+    state = learning_state(3, n=8, amplitude=4.0)
+    original = models.find_shift
+
+    def find(*arguments, **options):
+        shift = original(*arguments, **options)
+        for array in (shift.change, shift.latent, shift.error):
+            array[...] = np.nan
+        return shift
+
+    fitted = state.fitted()
+    monkeypatch.setattr(models, 'find_shift', find)
+    fitted.fit(*state.had_been_labelled(0, state.symbols[0]))
+    np.testing.assert_allclose(fitted.predict_proba(state.scene), state.after(0, state.symbols[0]), rtol=0, atol=1e-8)
+
+
 def test_examples_may_change_in_place_after_a_fit():
     """A caller who keeps writing into one buffer must not rewrite what was learnt from it."""
     buffer, labels = np.array([[0.0], [3.0], [9.0]]), ['a', 'b', 'a']
