@@ -7,7 +7,8 @@ import os
 import threading
 import time
 import uuid
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Mapping
+from types import MappingProxyType
 from typing import Any
 
 import pytest
@@ -18,6 +19,8 @@ from rclpy.parameter import Parameter
 from std_msgs.msg import String
 
 from al_questioner.ros import qos
+from al_questioner.ros.learner import LearnerNode
+from al_questioner.ros.perception import PerceptionNode
 
 os.environ.setdefault('ROS_AUTOMATIC_DISCOVERY_RANGE', 'LOCALHOST')
 
@@ -26,7 +29,14 @@ DEADLINE = 60.0
 
 
 class Graph:
-    """The nodes of a test, in a namespace that nobody else uses."""
+    """The nodes of a test, in a namespace that nobody else uses.
+
+    Attributes:
+        world, episode: parameters of perception, and of a learner that asks a few questions.
+    """
+
+    world: Mapping[str, Any] = MappingProxyType({'task': 'prepare_lunch', 'seed': 4})
+    episode: Mapping[str, Any] = MappingProxyType({**world, 'budget': 6.0, 'turns': 8, 'strategy': 'random_fsq'})
 
     def __init__(self, context: Context) -> None:
         self.namespace = f'test_{uuid.uuid4().hex[:12]}'
@@ -48,6 +58,11 @@ class Graph:
         self.nodes.append(node)
         self.executor.add_node(node)
         return node
+
+    def start_robot(self, **learner: Any) -> None:
+        """Perception and a learner, whose parameters may differ from those of `episode`."""
+        self.start(PerceptionNode, **self.world)
+        self.start(LearnerNode, **{**self.episode, **learner})
 
     def stop(self, node: Node) -> None:
         """End one node."""

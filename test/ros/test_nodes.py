@@ -1,4 +1,4 @@
-"""The three nodes together, and each against what may come over its topics."""
+"""The three nodes together."""
 
 from __future__ import annotations
 
@@ -29,14 +29,7 @@ from al_questioner.world.table_image import draw_scene
 
 TASK = 'prepare_lunch'
 SYMBOLS = ('main_dish', 'snack', 'fruit', 'beverage')
-SMALL = {'task': TASK, 'seed': 4}
 DEADLINE = 60.0
-EPISODE = {**SMALL, 'budget': 6.0, 'turns': 8, 'strategy': 'random_fsq'}
-
-
-def start_robot(graph: Any, **learner: Any) -> None:
-    graph.start(PerceptionNode, **SMALL)
-    graph.start(LearnerNode, **{**EPISODE, **learner})
 
 
 def is_over(states: list[dict[str, Any]]) -> bool:
@@ -57,8 +50,8 @@ def offline_queries(strategy: str, budget: float, turns: int, tune_every: int = 
 def test_graph_asks_what_an_offline_run_asks(graph: Any, strategy: str) -> None:
     """What is found offline would say nothing about the robot."""
     states = graph.listen('learner_state')
-    start_robot(graph, strategy=strategy, budget=8.0, turns=14)
-    graph.start(TeacherNode, **SMALL)
+    graph.start_robot(strategy=strategy, budget=8.0, turns=14)
+    graph.start(TeacherNode, **graph.world)
     graph.wait_for(lambda: is_over(states), 'the end of the episode')
     asked = [
         tuple(query[key] for key in ('turn', 'kind', 'object_id', 'symbol', 'cost', 'outcome'))
@@ -71,8 +64,8 @@ def test_graph_asks_what_an_offline_run_asks(graph: Any, strategy: str) -> None:
 def test_tuning_learner_asks_what_an_offline_run_asks_and_tells_its_kernel(graph: Any) -> None:
     """The graph would tune at other turns, or nobody could see what it tuned to."""
     states, episodes = graph.listen('learner_state'), graph.listen('episode')
-    start_robot(graph, strategy='u_sampling', budget=8.0, turns=12, tune_every=2)
-    graph.start(TeacherNode, **SMALL)
+    graph.start_robot(strategy='u_sampling', budget=8.0, turns=12, tune_every=2)
+    graph.start(TeacherNode, **graph.world)
     graph.wait_for(lambda: is_over(states), 'the end of the episode')
     asked = [
         tuple(query[key] for key in ('turn', 'kind', 'object_id', 'symbol', 'cost', 'outcome'))
@@ -94,7 +87,7 @@ def test_every_topic_tells_the_same_story(graph: Any) -> None:
     pictures = graph.listen('scene_image', Image)
     arrays = graph.listen('scene_markers', MarkerArray)
     decisions = graph.listen('decision', PointCloud2, qos.EVENTS)
-    start_robot(graph, strategy='dt_task_env', turns=4)
+    graph.start_robot(strategy='dt_task_env', turns=4)
     query = graph.wait_for(lambda: heard['query'] and heard['query'][-1], 'a query')
     graph.wait_for(lambda: decisions and clouds and arrays and pictures and heard['episode'], 'all latched topics')
     scene = scene_of_cloud(clouds[-1])
@@ -129,7 +122,7 @@ def test_the_turn_does_not_wait_for_the_picture(graph: Any, monkeypatch: pytest.
     monkeypatch.setattr('al_questioner.ros.perception.draw_scene', draw_slowly)
     clouds = graph.listen('objects', PointCloud2)
     pictures = graph.listen('scene_image', Image)
-    graph.start(PerceptionNode, **SMALL)
+    graph.start(PerceptionNode, **graph.world)
     mouth = graph.ears.create_publisher(String, 'turn', qos.LATCHED)
     world = PerceivedWorld(WorldChoice(load_task(TASK), 4, 4).open())
     turns = world.change_turns(1000)[:3]
@@ -149,8 +142,8 @@ def test_last_markers_show_what_was_believed_in_the_end(graph: Any) -> None:
     """People would see a question that nobody asks any more, or beliefs from before the last answer."""
     states = graph.listen('learner_state')
     arrays = graph.listen('scene_markers', MarkerArray)
-    start_robot(graph)
-    graph.start(TeacherNode, **SMALL)
+    graph.start_robot()
+    graph.start(TeacherNode, **graph.world)
     graph.wait_for(lambda: is_over(states), 'the end of the episode')
     beliefs = states[-1]['beliefs']
     expected = {f'{i}: {max(q, key=q.get)} {max(q.values()):.0%}' for i, q in beliefs.items()}
@@ -170,158 +163,19 @@ def test_late_nodes_catch_up(graph: Any) -> None:
     states = graph.listen('learner_state')
     queries = graph.listen('query')
     turns = graph.listen('turn')
-    graph.start(LearnerNode, **EPISODE)
+    graph.start(LearnerNode, **graph.episode)
     graph.wait_for(lambda: turns, 'the first turn')
-    graph.start(PerceptionNode, **SMALL)
+    graph.start(PerceptionNode, **graph.world)
     graph.wait_for(lambda: queries, 'the first query')
-    graph.start(TeacherNode, **SMALL)
+    graph.start(TeacherNode, **graph.world)
     graph.wait_for(lambda: is_over(states), 'the end of the episode')
-
-
-class Person:
-    """Somebody with `ros2 topic pub`, `ros2 topic echo` and patience."""
-
-    def __init__(self, graph: Any) -> None:
-        self.graph = graph
-        self.queries = graph.listen('query')
-        self.acks = graph.listen('answer_ack', profile=qos.EVENTS)
-        self.mouth = graph.ears.create_publisher(String, 'answer', qos.EVENTS)
-
-    def query(self, number: int) -> dict[str, Any]:
-        """The query of this number, once it is asked."""
-        self.graph.wait_for(lambda: self.queries and self.queries[-1]['query_id'] == f'q{number}', f'query {number}')
-        return self.queries[-1]
-
-    def says(self, text: str) -> dict[str, Any]:
-        """Say something, and hear whether it was taken."""
-        before = len(self.acks)
-        self.graph.wait_for(lambda: self.mouth.get_subscription_count(), 'a learner that listens')
-        self.mouth.publish(String(data=text))
-        self.graph.wait_for(lambda: len(self.acks) > before, f'an acknowledgement of {text[:40]!r}')
-        return self.acks[-1]
-
-
-def answer(query: dict[str, Any], content: Any, **changes: Any) -> str:
-    document = {
-        'schema': 'al_questioner/answer/1',
-        'episode_id': query['episode_id'],
-        'query_id': query['query_id'],
-        'answer_id': 'a1',
-        'teacher_id': 'anna',
-        'outcome': 'answered',
-        'content': content,
-        **changes,
-    }
-    return json.dumps(document)
-
-
-PLAIN = {'label': 'snack', 'demonstration': 'none', 'feature_subset': 'colour,size'}
-
-
-def test_plain_words_teach(graph: Any) -> None:
-    """A person with nothing but `ros2 topic pub` could not answer."""
-    states = graph.listen('learner_state')
-    person = Person(graph)
-    start_robot(graph, budget=5.0, turns=4, strategy='random_fsq')
-    for number in (1, 2, 3):
-        query = person.query(number)
-        assert person.says(PLAIN[query['kind']])['accepted']
-    graph.wait_for(lambda: states and len(states[-1]['queries']) == 3, 'three answered queries')
-    assert {query['outcome'] for query in states[-1]['queries']} == {'answered'}
-
-
-def test_unusable_answers_are_refused_and_the_question_stays(graph: Any) -> None:
-    """Nonsense would be learnt, the question lost, or the node ended."""
-    states = graph.listen('learner_state')
-    person = Person(graph)
-    diagnostics = graph.listen('diagnostics', DiagnosticArray, qos.DIAGNOSTICS, '/diagnostics')
-    start_robot(graph, strategy='u_sampling', turns=3)
-    query = person.query(1)
-    refused = {
-        'pudding': 'does not answer',
-        '': 'does not answer',
-        '{"schema"': 'not valid JSON',
-        answer(query, 'pudding'): 'unknown label',
-        answer(query, 3): 'a label is one of',
-        answer(query, None): 'a label is one of',
-        answer(query, 'snack', query_id='q9'): "'q9'",
-        answer(query, 'snack', episode_id='another'): 'episode another',
-        answer(query, 'snack', outcome='unknown'): 'no content',
-        answer(query, 'snack', schema='al_questioner/answer/7'): 'schema',
-    }
-    for text, reason in refused.items():
-        ack = person.says(text)
-        assert not ack['accepted'], text
-        assert reason in ack['reason']
-    assert not states
-    assert person.says(answer(query, 'snack'))['accepted']
-    assert person.says(answer(query, 'snack'))['reason'] == 'already taken'
-    assert not person.says(answer(query, 'fruit'))['accepted']
-    graph.wait_for(lambda: states and len(states[-1]['queries']) == 1, 'the answered query')
-    assert states[-1]['labels']['snack'] == 1
-
-    def shown() -> bool:
-        values = [value for array in diagnostics for status in array.status for value in status.values]
-        return any(value.key == 'refused on answer' and value.value == '11' for value in values)
-
-    graph.wait_for(shown, 'the number of refusals on /diagnostics')
-
-
-def test_demonstration_of_an_object_that_has_gone_is_refused(graph: Any) -> None:
-    """A label would be attached to features that nobody named."""
-    person = Person(graph)
-    start_robot(graph, strategy='rarest_demo', turns=4)
-    query = person.query(1)
-    number = 1
-    while query['kind'] != 'demonstration':
-        assert person.says(PLAIN[query['kind']])['accepted']
-        number += 1
-        query = person.query(number)
-    ack = person.says(answer(query, 9999))
-    assert not ack['accepted']
-    assert 'object 9999 is not in the scene' in ack['reason']
-    assert person.says(answer(query, int(query['choices'][0])))['accepted']
-
-
-def test_unusable_scenes_are_refused_and_the_turn_goes_on(graph: Any) -> None:
-    """One bad frame of a camera would end the episode, or be learnt from."""
-    person = Person(graph)
-    turns = graph.listen('turn')
-    clouds = graph.listen('objects', PointCloud2)
-    diagnostics = graph.listen('diagnostics', DiagnosticArray, qos.DIAGNOSTICS, '/diagnostics')
-    perception = graph.start(PerceptionNode, **SMALL)
-    learner = graph.start(LearnerNode, **EPISODE)
-    graph.wait_for(lambda: clouds and turns, 'a scene')
-    cloud = clouds[-1]
-    graph.stop(perception)
-    graph.stop(learner)
-    turns.clear()
-    person.queries.clear()
-    eyes = graph.ears.create_publisher(PointCloud2, 'objects', qos.LATCHED)
-    graph.start(LearnerNode, **EPISODE)
-    graph.wait_for(lambda: turns, 'the first turn')
-    graph.wait_for(lambda: eyes.get_subscription_count() > 1, 'a learner that looks')
-    cloud.header.stamp.sec += 3600
-    good = bytes(cloud.data)
-    damaged = bytearray(good)
-    damaged[16:20] = np.float32(np.nan).tobytes()
-    for data, width, reason in ((bytes(damaged), cloud.width, 'not finite'), (b'', 0, 'empty')):
-        cloud.data, cloud.width, cloud.row_step = data, width, width * cloud.point_step
-        eyes.publish(cloud)
-        graph.wait_for(
-            lambda reason=reason: any(reason in s.message for array in diagnostics for s in array.status), reason
-        )
-    assert not person.queries
-    cloud.data, cloud.width, cloud.row_step = good, len(good) // cloud.point_step, len(good)
-    eyes.publish(cloud)
-    person.query(1)
 
 
 def test_a_teacher_of_another_world_does_not_answer(graph: Any) -> None:
     """A teacher who looks at another table would teach wrong labels, and nobody would notice."""
     diagnostics = graph.listen('diagnostics', DiagnosticArray, qos.DIAGNOSTICS, '/diagnostics')
     answers = graph.listen('answer', profile=qos.EVENTS)
-    start_robot(graph)
+    graph.start_robot()
     graph.start(TeacherNode, task=TASK, seed=5)
     reason = 'the learner has seed 4, this node 5'
     graph.wait_for(lambda: any(reason in s.message for array in diagnostics for s in array.status), reason)
@@ -331,9 +185,9 @@ def test_a_teacher_of_another_world_does_not_answer(graph: Any) -> None:
 def test_a_second_learner_takes_no_scene_of_the_first(graph: Any) -> None:
     """The latched scene of the last episode's last turn would be taken for the first of the next."""
     states = graph.listen('learner_state')
-    episode = {**EPISODE, 'strategy': 'farthest_fsq', 'turns': 12}
-    graph.start(PerceptionNode, **SMALL)
-    graph.start(TeacherNode, **SMALL)
+    episode = {**graph.episode, 'strategy': 'farthest_fsq', 'turns': 12}
+    graph.start(PerceptionNode, **graph.world)
+    graph.start(TeacherNode, **graph.world)
     ends = []
     for _ in range(2):
         learner = graph.start(LearnerNode, **episode)
@@ -348,7 +202,7 @@ def test_turns_are_paced(graph: Any) -> None:
     """`turn_period` would be ignored, and a person could not follow."""
     turns = graph.listen('turn')
     states = graph.listen('learner_state')
-    start_robot(graph, budget=0.0, turns=4, turn_period=0.2)
+    graph.start_robot(budget=0.0, turns=4, turn_period=0.2)
     graph.wait_for(lambda: is_over(states), 'the end of the episode')
     stamps = {turn['turn']: turn['stamp']['sec'] + turn['stamp']['nanosec'] / 1e9 for turn in turns}
     assert stamps[4] - stamps[min(stamps)] >= 0.2 * (4 - min(stamps)) - 0.01
@@ -358,8 +212,8 @@ def test_an_acknowledged_answer_is_not_repeated(graph: Any) -> None:
     """Every answer would be said for ever, and each time refused."""
     states = graph.listen('learner_state')
     acks = graph.listen('answer_ack', profile=qos.EVENTS)
-    start_robot(graph, turns=6)
-    teacher = graph.start(TeacherNode, **SMALL)
+    graph.start_robot(turns=6)
+    teacher = graph.start(TeacherNode, **graph.world)
     graph.wait_for(lambda: is_over(states), 'the end of the episode')
     graph.wait_for(lambda: teacher._unacknowledged is None, 'the last acknowledgement')
     assert all(ack['accepted'] for ack in acks)
@@ -370,8 +224,8 @@ def test_largest_object_id_passes_through(graph: Any) -> None:
     decisions = graph.listen('decision', PointCloud2, qos.EVENTS)
     clouds = graph.listen('objects', PointCloud2)
     arrays = graph.listen('scene_markers', MarkerArray)
-    perception = graph.start(PerceptionNode, **SMALL)
-    learner = graph.start(LearnerNode, **EPISODE)
+    perception = graph.start(PerceptionNode, **graph.world)
+    learner = graph.start(LearnerNode, **graph.episode)
     cloud = graph.wait_for(lambda: clouds and clouds[-1], 'a scene')
     graph.wait_for(lambda: decisions, 'a decision')
     graph.stop(perception)
@@ -385,7 +239,7 @@ def test_largest_object_id_passes_through(graph: Any) -> None:
     cloud.header.stamp.sec += 3600
     eyes = graph.ears.create_publisher(PointCloud2, 'objects', qos.LATCHED)
     eyes.publish(cloud)
-    graph.start(LearnerNode, **EPISODE)
+    graph.start(LearnerNode, **graph.episode)
     graph.wait_for(lambda: decisions and arrays, 'a decision about it')
     decision = decision_of_cloud(decisions[-1], SYMBOLS, 1)
     assert 2**32 - 2 in {action.object_id for action in decision.candidates}
@@ -397,7 +251,7 @@ def test_scenes_older_than_the_turn_are_reported(graph: Any) -> None:
     diagnostics = graph.listen('diagnostics', DiagnosticArray, qos.DIAGNOSTICS, '/diagnostics')
     turns = graph.listen('turn')
     eyes = graph.ears.create_publisher(PointCloud2, 'objects', qos.LATCHED)
-    graph.start(LearnerNode, **EPISODE)
+    graph.start(LearnerNode, **graph.episode)
     graph.wait_for(lambda: turns and eyes.get_subscription_count(), 'a learner that looks')
 
     def reported() -> bool:
@@ -412,7 +266,7 @@ def test_nodes_of_other_worlds_do_not_answer(graph: Any) -> None:
     diagnostics = graph.listen('diagnostics', DiagnosticArray, qos.DIAGNOSTICS, '/diagnostics')
     clouds = graph.listen('objects', PointCloud2)
     graph.start(PerceptionNode, task=TASK, seed=5)
-    graph.start(LearnerNode, **EPISODE)
+    graph.start(LearnerNode, **graph.episode)
     reason = 'the learner has seed 4, this node 5'
     graph.wait_for(lambda: any(reason in s.message for array in diagnostics for s in array.status), reason)
     assert not clouds
@@ -426,7 +280,7 @@ def test_two_robots_in_two_namespaces_do_not_hear_each_other(graph: Any) -> None
         states[robot] = graph.listen(robot, topic=f'/{namespace}/learner_state')
         graph.start(PerceptionNode, namespace=namespace, task=TASK, seed=seed)
         graph.start(TeacherNode, namespace=namespace, task=TASK, seed=seed)
-        graph.start(LearnerNode, namespace=namespace, **{**EPISODE, 'seed': seed})
+        graph.start(LearnerNode, namespace=namespace, **{**graph.episode, 'seed': seed})
     for robot, heard in states.items():
         graph.wait_for(lambda heard=heard: is_over(heard), f'the end of the episode of {robot}')
         assert len({state['episode_id'] for state in heard}) == 1
@@ -436,8 +290,8 @@ def test_two_robots_in_two_namespaces_do_not_hear_each_other(graph: Any) -> None
 def test_erring_teacher_with_delay_ends_the_episode(graph: Any) -> None:
     """A teacher who does not know, errs, or thinks for a while would stall the learner."""
     states = graph.listen('learner_state')
-    start_robot(graph, strategy='rarest_demo')
-    graph.start(TeacherNode, **SMALL, wrong_rate=0.3, unknown_rate=0.6, delay=0.02)
+    graph.start_robot(strategy='rarest_demo')
+    graph.start(TeacherNode, **graph.world, wrong_rate=0.3, unknown_rate=0.6, delay=0.02)
     graph.wait_for(lambda: is_over(states), 'the end of the episode')
     assert 'unknown' in {query['outcome'] for query in states[-1]['queries']}
 
@@ -446,7 +300,7 @@ def test_lost_answers_are_repeated(graph: Any) -> None:
     """One lost message would stall the episode for ever."""
     answers = graph.listen('answer', profile=qos.EVENTS)
     mouth = graph.ears.create_publisher(String, 'query', qos.LATCHED)
-    graph.start(TeacherNode, **SMALL)
+    graph.start(TeacherNode, **graph.world)
     members = {'query_id': 'q1', 'turn': 1, 'kind': 'feature_subset', 'object_id': None, 'symbol': None}
     members |= {
         'choices': ['colour'],
@@ -464,7 +318,7 @@ def test_lost_answers_are_repeated(graph: Any) -> None:
 def test_scene_of_the_graph_is_the_scene_offline(graph: Any) -> None:
     """Features would lose bits on the way, and a later query would differ."""
     clouds = graph.listen('objects', PointCloud2)
-    start_robot(graph)
+    graph.start_robot()
     graph.wait_for(lambda: clouds, 'a scene')
     seen = scene_of_cloud(clouds[0])
     offline = PerceivedWorld(WorldChoice(load_task(TASK), 4, 4).open()).scene(1)
