@@ -68,7 +68,9 @@ class Graph:
         """End one node."""
         self.nodes.remove(node)
         self.executor.remove_node(node)
-        node.destroy_node()
+        # In the thread that spins, which may still be looking at what the node has.
+        destroyed = self.executor.create_task(node.destroy_node)
+        self.wait_for(destroyed.done, 'the end of a node')
 
     def listen(
         self, kind: str, message_type: type = String, profile: Any = None, topic: str | None = None
@@ -102,11 +104,10 @@ class Graph:
 
     def close(self) -> None:
         """End everything."""
-        for node in (*self.nodes, self.ears):
-            self.executor.remove_node(node)
-            node.destroy_node()
         self.executor.shutdown()
         self._thread.join(5)
+        for node in (*self.nodes, self.ears):
+            node.destroy_node()
 
     def _spin(self) -> None:
         try:
