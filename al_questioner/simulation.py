@@ -1,24 +1,25 @@
 """One whole learning episode without ROS, and how well the learner does while it lasts.
 
-Accuracy is measured from outside: the evaluation is told what the learner was told, builds models of its own from it,
-and holds them against observations that the learner never sees.
+Accuracy is measured from outside: models of what the learner was told are held against observations that it never
+sees. A learner in another process is followed with models of the evaluation's own, which are the same to the last bit.
 """
 
 from __future__ import annotations
 
 import operator
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
-from functools import lru_cache
+from functools import cached_property, lru_cache
 from pathlib import Path
 
 import numpy as np
 from numpy.typing import NDArray
 
-from al_questioner.concepts import Kernel
+from al_questioner.concepts import Kernel, Knowledge
 from al_questioner.configuration import config_dir
 from al_questioner.domain import (
     Costs,
+    Decision,
     EpisodeSettings,
     Observation,
     QueryRecord,
@@ -93,6 +94,7 @@ class PerceivedWorld:
             self._seen, self._scene = observations, perceive(observations, self._measure)
         return self._scene
 
+    @cached_property
     def test_set(self) -> tuple[NDArray[np.float32], tuple[str, ...]]:
         """(k, m) features of the held-out observations, and their k symbols."""
         return perceive(self._world.test_observations()).features, self._world.test_labels()
@@ -184,14 +186,20 @@ class EpisodeResult:
 
 
 class Evaluation:
-    """Follows an episode turn by turn and measures, on held-out observations, a learner that was told the same."""
+    """Follows an episode turn by turn and measures, on held-out observations, a learner that was told the same.
 
-    def __init__(self, choice: WorldChoice, settings: EpisodeSettings) -> None:
+    Args:
+        choice: the world of the episode.
+        settings: of the episode.
+        world: that world, if it is open already: episodes that share it draw and measure every view once.
+    """
+
+    def __init__(self, choice: WorldChoice, settings: EpisodeSettings, world: PerceivedWorld | None = None) -> None:
         self.choice = choice
         self.settings = settings
-        self.world = PerceivedWorld(choice.open())
+        self.world = PerceivedWorld(choice.open()) if world is None else world
         self._knowledge = new_knowledge(settings)
-        self._features, self._labels = self.world.test_set()
+        self._features, self._labels = self.world.test_set
         self._queries: list[QueryRecord] = []
         self._accuracy: list[float] = []
         self._measured_version = -1
@@ -201,19 +209,20 @@ class Evaluation:
         """The last turn that was followed."""
         return len(self._accuracy)
 
-    def next_turn(self, record: QueryRecord | None) -> float:
+    def next_turn(self, record: QueryRecord | None, knowledge: Knowledge | None = None) -> float:
         """Accuracy after one more turn.
 
         Args:
             record: what was asked and told in it, None if nothing was asked.
+            knowledge: what the learner knows after it, where that is at hand, the same object at every turn; else the
+                evaluation learns the same.
         """
-        scene = self.world.scene(self.turn + 1)
-        self._knowledge.observe(scene)
         if record is not None:
-            self._knowledge.learn(record, scene)
             self._queries.append(record)
-        if self.settings.tunes_after(self.turn + 1):
-            self._knowledge.tune()
+        if knowledge is None:
+            self._follow(record)
+        else:
+            self._knowledge = knowledge
         if self._knowledge.model_version == self._measured_version:
             self._accuracy.append(self._accuracy[-1])
         else:
@@ -233,13 +242,25 @@ class Evaluation:
             self._knowledge.kernel,
         )
 
+    def _follow(self, record: QueryRecord | None) -> None:
+        scene = self.world.scene(self.turn + 1)
+        self._knowledge.observe(scene)
+        if record is not None:
+            self._knowledge.learn(record, scene)
+        if self.settings.tunes_after(self.turn + 1):
+            self._knowledge.tune()
+
 
 TurnWatcher = Callable[[int, QueryRecord | None, float], None]
 """Called after each turn with its number, what was asked and told in it, and the accuracy then."""
 
 
 def run_episode(
-    choice: WorldChoice, settings: EpisodeSettings, teacher: Teacher, watch: TurnWatcher | None = None
+    choice: WorldChoice,
+    settings: EpisodeSettings,
+    teacher: Teacher,
+    watch: TurnWatcher | None = None,
+    world: PerceivedWorld | None = None,
 ) -> EpisodeResult:
     """Play an episode in one process: what the three nodes do, without ROS.
 
@@ -248,22 +269,32 @@ def run_episode(
         settings: of the episode.
         teacher: who answers.
         watch: called after each turn.
+        world: the world of the choice, if it is open already.
     """
-    evaluation = Evaluation(choice, settings)
+    evaluation = Evaluation(choice, settings, world)
     play(evaluation, teacher, watch)
     return evaluation.result()
 
 
 def play(evaluation: Evaluation, teacher: Teacher, watch: TurnWatcher | None = None) -> None:
     """Play the episode that an evaluation is about to follow, see `run_episode`."""
-    world, settings = evaluation.world, evaluation.settings
-    episode = Episode(settings, generator(evaluation.choice.seed, 'learner'))
-    for turn in range(1, settings.turns + 1):
+    episode = Episode(evaluation.settings, generator(evaluation.choice.seed, 'learner'))
+    for decision, record in turns(episode, evaluation.world, teacher):
+        accuracy_now = evaluation.next_turn(record, episode.knowledge)
+        if watch is not None:
+            watch(decision.turn, record, accuracy_now)
+
+
+def turns(episode: Episode, world: PerceivedWorld, teacher: Teacher) -> Iterator[tuple[Decision, QueryRecord | None]]:
+    """Play an episode turn by turn.
+
+    Yields:
+        What was decided in each turn, and what came of it, None if nothing was asked.
+    """
+    for turn in range(1, episode.settings.turns + 1):
         decision = episode.ask(world.scene(turn))
         record = None
         if decision.query is not None:
             record = episode.tell(teacher.answer(decision.query, world.truth(turn)))
         episode.tune()
-        accuracy_now = evaluation.next_turn(record)
-        if watch is not None:
-            watch(turn, record, accuracy_now)
+        yield decision, record

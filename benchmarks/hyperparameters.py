@@ -26,14 +26,11 @@ import numpy as np
 from measuring import median_and_spread, print_table
 from scipy.stats import wilcoxon
 
-from al_questioner import simulation
 from al_questioner.concepts import hyperparameters
-from al_questioner.domain import Observation, Scene
-from al_questioner.perception import perceive
 from al_questioner.questioning import STRATEGIES
-from al_questioner.simulation import WorldChoice, episode_settings, run_episode
+from al_questioner.simulation import PerceivedWorld, WorldChoice, episode_settings, run_episode
 from al_questioner.teaching import ScriptedTeacher
-from al_questioner.world import World, load_task, make_world
+from al_questioner.world import load_task
 
 TASKS = ('prepare_lunch', 'kitchen_table', 'pack_lunchbox')
 FAST_STRATEGIES = ('u_sampling_fsq', 'farthest_fsq', 'rarest_demo')
@@ -85,27 +82,10 @@ class Outcome(NamedTuple):
     length_scale: float
 
 
-@lru_cache(maxsize=200)
-def perceived(observations: tuple[Observation, ...]) -> Scene:
-    """Features that the episodes on a world share: perception takes longer than all the rest."""
-    return perceive(observations)
-
-
-simulation.perceive = lambda observations, measure=None: perceived(tuple(observations))
-
-
 @lru_cache(maxsize=1)
-def opened(task: str, sample: int) -> World:
-    """A world that the episodes on it share, so that its views are drawn once."""
-    return make_world(load_task(task), sample, sample)
-
-
-class SharedWorld(WorldChoice):
-    """A choice whose world is the shared one."""
-
-    def open(self) -> World:
-        """See `WorldChoice.open`."""
-        return opened(self.task.name, self.sample)
+def opened(task: str, sample: int) -> PerceivedWorld:
+    """A world that the episodes on it share, so that its views are drawn and measured once."""
+    return PerceivedWorld(WorldChoice(load_task(task), sample, sample).open())
 
 
 def play(case: Case) -> Outcome:
@@ -118,7 +98,8 @@ def play(case: Case) -> Outcome:
     settings = episode_settings(
         task, case.strategy, case.budget, case.turns, amplitude=case.amplitude, tune_every=case.tune_every
     )
-    result = run_episode(SharedWorld(task, case.sample, case.sample), settings, teacher)
+    choice = WorldChoice(task, case.sample, case.sample)
+    result = run_episode(choice, settings, teacher, world=opened(case.task, case.sample))
     return Outcome(
         result.final_accuracy,
         statistics.mean(result.accuracy),

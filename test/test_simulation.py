@@ -49,7 +49,7 @@ def test_evaluation_believes_what_the_learner_believes(strategy: str, tune_every
     """Accuracy would be that of other models than the robot has."""
     settings = episode_settings(TASK, strategy, budget=8, turns=12, tune_every=tune_every)
     evaluation = Evaluation(CHOICE, settings)
-    features, labels = evaluation.world.test_set()
+    features, labels = evaluation.world.test_set
     episode = Episode(settings, generator(4, 'learner'))
     for turn in range(1, 13):
         decision = episode.ask(evaluation.world.scene(turn))
@@ -73,6 +73,16 @@ def test_playing_tunes_at_the_turns_that_are_due() -> None:
     assert plain.kernel == never_due.kernel
     assert often.accuracy != plain.accuracy
     assert often.kernel.amplitude != plain.kernel.amplitude == 4.0
+
+
+def test_episodes_on_an_open_world_are_those_on_a_new_one() -> None:
+    """A study whose strategies share a world would report episodes that nobody can play alone."""
+    world = PerceivedWorld(CHOICE.open())
+    for strategy in ('farthest_fsq', 'u_sampling', 'farthest_fsq'):
+        settings = episode_settings(TASK, strategy, budget=7, turns=11)
+        shared, alone = (run_episode(CHOICE, settings, teacher(), world=w) for w in (world, None))
+        assert shared.queries == alone.queries
+        assert shared.accuracy == alone.accuracy
 
 
 @pytest.mark.parametrize('strategy', list(STRATEGIES))

@@ -28,7 +28,7 @@ _LOGGER = logging.getLogger(__name__)
 
 
 class ConceptModels:
-    """q_y(x), the degree to which a thing x is a y, for every symbol y (DESIGN section 4).
+    """q_y(x), the degree to which a thing x is a y, for every symbol y (docs/method.md).
 
     All classifiers learn from the same examples: a label y is a positive example for y and a negative one for every
     other symbol, the label `NO_SYMBOL` is negative for all. Without examples q is 1/2; examples of one class are valid.
@@ -222,7 +222,7 @@ class ConceptModels:
 
     def _is_affordable(self, n_things: int) -> bool:
         """Whether an exact look-ahead takes no more than some seconds; if not, a warning is logged, once."""
-        operations = 8.0 * len(self.symbols) * (n_things * len(self._labels)) ** 2
+        operations = exact_operations(n_things, len(self.symbols), len(self._labels))
         if operations > EXACT_OPERATIONS and not self._warned:
             self._warned = True
             _LOGGER.warning(
@@ -279,6 +279,11 @@ class ConceptModels:
                 f'features have {points.shape[1]} columns, the models were fitted on {self._points.shape[1]}'
             )
         return points
+
+
+def exact_operations(n_things: int, n_symbols: int, n_labels: int) -> float:
+    """Multiplications and additions of an exact look-ahead: what `EXACT_OPERATIONS` limits."""
+    return 8.0 * n_symbols * (n_things * n_labels) ** 2
 
 
 def compile_models() -> None:

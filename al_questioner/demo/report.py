@@ -16,7 +16,7 @@ from al_questioner.teaching import ScriptedTeacher
 
 
 def episode_document(result: EpisodeResult, teacher: ScriptedTeacher, world: PerceivedWorld) -> dict[str, Any]:
-    """The JSON of a learning episode: its members of DESIGN section 5, and all that it takes to play it again."""
+    """The JSON of a learning episode: what docs/interfaces.md names, and all that it takes to play it again."""
     choice, settings = result.choice, result.settings
     return {
         'task': choice.task.name,

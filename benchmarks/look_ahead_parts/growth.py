@@ -17,7 +17,7 @@ from look_ahead_parts.states import Array, State, clustered_state
 from measuring import median_and_spread, print_table
 
 from al_questioner.concepts import ConceptModels
-from al_questioner.concepts.models import EXACT_OPERATIONS
+from al_questioner.concepts.models import EXACT_OPERATIONS, exact_operations
 from al_questioner.questioning.decision_features import symbol_given_object
 
 LONGEST = 12.0
@@ -75,7 +75,7 @@ def grow(labels: Sequence[int], scenes: Sequence[int], symbols: Sequence[int], l
             state = replace(whole, scene=whole.scene[:things])
             default = 'approximate' if approximates(models, state) else 'exact'
             cheap = measure(models, state, exact=False)
-            operations = nominal_operations(n, things, n_symbols)
+            operations = exact_operations(things, n_symbols, n)
             exact = measure(models, state, exact=True) if operations * rate <= longest else None
             if exact is not None and operations > largest:
                 largest, rate = operations, min(exact.seconds) / operations
@@ -125,11 +125,6 @@ def forgetting(models: ConceptModels, state: State) -> Callable[[], object]:
     other = state.scene[:1] + 1.0
     models.predict_proba(other)
     return lambda: models.predict_proba(other)
-
-
-def nominal_operations(n: int, things: int, symbols: int) -> float:
-    """What `EXACT_OPERATIONS` limits."""
-    return 8.0 * symbols * (things * n) ** 2
 
 
 def approximates(models: ConceptModels, state: State) -> bool:

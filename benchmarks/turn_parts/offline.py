@@ -116,11 +116,9 @@ def play_timed(choice: WorldChoice, settings: EpisodeSettings, teacher: Scripted
                 answer = teacher.answer(decision.query, world.truth(turn))
             with stages.timed(LEARNING, turn):
                 record = episode.tell(answer)
-                # Models are fitted when they are next used; here, so that the fit counts as learning.
-                _ = episode.knowledge.active_features
         with stages.timed(BELIEFS, turn):
             beliefs = episode.knowledge.predict_proba(scene.features)
         with stages.timed(EVALUATING, turn):
-            accuracy = evaluation.next_turn(record)
+            accuracy = evaluation.next_turn(record, episode.knowledge)
         turns.append(PlayedTurn(scene, decision, answer, record, beliefs))
     return PlayedEpisode(making, stages.seconds, tuple(turns), accuracy)
