@@ -93,6 +93,11 @@ def settled_actions(situation: Situation) -> set[Action]:
     return settled
 
 
+def rows_of(situation: Situation, kind: QueryKind) -> NDArray[np.intp]:
+    """Rows of the candidates of this kind, in canonical order."""
+    return np.flatnonzero([action.kind is kind for action in situation.candidates])
+
+
 def has_asked(situation: Situation, kind: QueryKind) -> bool:
     """Whether a query of this kind was put to the teacher in this episode, whatever came of it."""
     return any(record.kind is kind for record in situation.history)

@@ -6,7 +6,6 @@ and never ask about a view that has been labelled.
 
 from __future__ import annotations
 
-import math
 from abc import ABC, abstractmethod
 
 import numpy as np
@@ -14,7 +13,7 @@ from numpy.typing import NDArray
 
 from al_questioner.domain import QueryKind
 from al_questioner.questioning.candidates import is_affordable
-from al_questioner.questioning.choice import Choice, choose_best, has_asked, nothing_considered
+from al_questioner.questioning.choice import Choice, choose_best, has_asked, nothing_considered, rows_of
 from al_questioner.questioning.decision_features import prediction_entropy
 from al_questioner.questioning.situation import Situation
 
@@ -33,9 +32,9 @@ class SubsetFirst(ABC):
         """The feature subset query when it is due, else what the control is about."""
         utilities = nothing_considered(situation)
         if self._subset_is_due(situation):
-            utilities[_rows(situation, QueryKind.FEATURE_SUBSET)] = 1.0
+            utilities[rows_of(situation, QueryKind.FEATURE_SUBSET)] = 1.0
         else:
-            rows = _rows(situation, self.kind)
+            rows = rows_of(situation, self.kind)
             utilities[rows] = self.values(situation)[: len(rows)]
         return choose_best(situation, utilities, rng)
 
@@ -87,7 +86,7 @@ class Farthest(UnlabelledFirst):
 class RarestDemonstration(SubsetFirst):
     """rarest_demo: a demonstration of the symbol with the fewest examples, paced over the scenes.
 
-    With K scenes to come it spends at most k/K of the budget by the end of the k-th. In a scene it does not ask again
+    In a scene it does not ask again
     for a symbol of which it was shown what it knew already.
     """
 
@@ -96,10 +95,7 @@ class RarestDemonstration(SubsetFirst):
     def values(self, situation: Situation) -> NDArray[np.float64]:
         """(|Y|,) minus the number of examples; NaN for what is exhausted in this scene, or not due yet."""
         counts = np.array(list(situation.knowledge.positives.values()), dtype=np.float64)
-        scenes = math.ceil(situation.turns / situation.change_interval)
-        scene_number = (situation.turn - 1) // situation.change_interval + 1
-        share_left = situation.budget * scene_number / scenes - situation.spent
-        if situation.labelled.all() or not is_affordable(situation.costs.demonstration, share_left):
+        if situation.labelled.all() or not is_affordable(situation.costs.demonstration, situation.allowance):
             return np.full(len(counts), np.nan)
         times_labelled = situation.knowledge.times_labelled(situation.scene)
         exhausted = {
@@ -111,7 +107,3 @@ class RarestDemonstration(SubsetFirst):
             and times_labelled[situation.scene.index_of(record.object_id)] > 1
         }
         return np.where([symbol in exhausted for symbol in situation.symbols], np.nan, -counts)
-
-
-def _rows(situation: Situation, kind: QueryKind) -> list[int]:
-    return [row for row, action in enumerate(situation.candidates) if action.kind is kind]

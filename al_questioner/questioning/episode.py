@@ -22,6 +22,7 @@ from al_questioner.domain import (
     Scene,
 )
 from al_questioner.questioning.candidates import choices, question_text
+from al_questioner.questioning.choice import Strategy
 from al_questioner.questioning.situation import Situation
 from al_questioner.questioning.strategies import make_strategy
 
@@ -53,17 +54,22 @@ class Episode:
         settings: what is given to the learner before it asks.
         rng: breaks the strategy's ties.
         view_tolerance: when two views of an object are the same, see `Knowledge`.
+        strategy: who decides in the place of the strategy that the settings name.
 
     Raises:
         SettingsError: an unknown strategy, or weights that do not fit it.
     """
 
     def __init__(
-        self, settings: EpisodeSettings, rng: np.random.Generator, view_tolerance: float = VIEW_TOLERANCE
+        self,
+        settings: EpisodeSettings,
+        rng: np.random.Generator,
+        view_tolerance: float = VIEW_TOLERANCE,
+        strategy: Strategy | None = None,
     ) -> None:
         self.settings = settings
         self._rng = rng
-        self._strategy = make_strategy(settings.strategy, settings.weights)
+        self._strategy = make_strategy(settings.strategy, settings.weights) if strategy is None else strategy
         self.knowledge = new_knowledge(settings, view_tolerance)
         self._turn = 0
         self._spent = 0.0

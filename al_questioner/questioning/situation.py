@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
 from functools import cached_property
 
@@ -59,6 +60,13 @@ class Situation:
     def budget_left(self) -> float:
         """Budget before the action."""
         return max(0.0, self.budget - self.spent)
+
+    @property
+    def allowance(self) -> float:
+        """What may be spent in the present scene if, of K scenes, k/K of the budget is to last until the k-th ends."""
+        scenes = math.ceil(self.turns / self.change_interval)
+        number = (self.turn - 1) // self.change_interval + 1
+        return self.budget * number / scenes - self.spent
 
     @cached_property
     def candidates(self) -> tuple[Action, ...]:

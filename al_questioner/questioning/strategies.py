@@ -13,6 +13,7 @@ from al_questioner.questioning.choice import Choice, Strategy, choose_best, noth
 from al_questioner.questioning.controls import Farthest, RandomLabel, RarestDemonstration, UncertainUnlabelled
 from al_questioner.questioning.decision_features import prediction_entropy
 from al_questioner.questioning.expected_utility import expected_features
+from al_questioner.questioning.expert import ScriptedExpert
 from al_questioner.questioning.situation import Situation
 
 IROS_FEATURES = DECISION_FEATURES[:2]
@@ -79,6 +80,7 @@ STRATEGIES: Mapping[str, Callable[[Mapping[str, float]], Strategy]] = {
     'random_fsq': _unweighted(RandomLabel),
     'farthest_fsq': _unweighted(Farthest),
     'rarest_demo': _unweighted(RarestDemonstration),
+    'expert': _unweighted(ScriptedExpert),
 }
 """Makes each strategy, by name, from weights by decision feature."""
 

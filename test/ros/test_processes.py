@@ -28,6 +28,7 @@ STRATEGIES = [
     'random_fsq',
     'farthest_fsq',
     'rarest_demo',
+    'expert',
 ]
 
 
