@@ -16,7 +16,7 @@ PACKAGE = 'al_questioner'
 
 LAYERS = (
     {'domain'},
-    {'configuration'},
+    {'arguments', 'configuration', 'files', 'plotting'},
     {'concepts', 'messages', 'perception', 'world'},
     {'questioning', 'recording', 'teaching'},
     {'simulation'},

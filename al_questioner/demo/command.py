@@ -5,17 +5,18 @@ from __future__ import annotations
 import argparse
 import json
 import os
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from pathlib import Path
-from typing import NoReturn
 
 from rich.console import Console
 
+from al_questioner.arguments import LARGEST_SEED, Parser, number
 from al_questioner.concepts import compile_models
 from al_questioner.demo.pictures import draw_pictures
 from al_questioner.demo.progress import Progress
 from al_questioner.demo.report import episode_document, summary
 from al_questioner.domain import InputError, QueryRecord
+from al_questioner.files import make_folder, write_text
 from al_questioner.messages.schemas import LARGEST_TURN
 from al_questioner.questioning import STRATEGIES
 from al_questioner.simulation import (
@@ -30,29 +31,6 @@ from al_questioner.world import load_task
 
 PATIENCE = 30.0
 """Seconds without progress after which the warning of a node ends the demo."""
-LARGEST_SEED = 2**63 - 1
-"""ROS parameters have 64 bits."""
-
-
-def _number(kind: type[int] | type[float], lower: float, upper: float) -> Callable[[str], float]:
-    """An argument type: a finite number in a range."""
-
-    def read(text: str) -> float:
-        value = kind(text)
-        if not lower <= value <= upper:
-            raise argparse.ArgumentTypeError(f'must be at least {lower:g} and at most {upper:g}, not {text}')
-        return value
-
-    read.__name__ = kind.__name__
-    return read
-
-
-class Parser(argparse.ArgumentParser):
-    """A parser whose complaints are one line, as those of every executable here."""
-
-    def error(self, message: str) -> NoReturn:
-        """Raise an InputError instead of printing the usage."""
-        raise InputError(f'{message} (--help tells the arguments)')
 
 
 def parser() -> Parser:
@@ -64,15 +42,15 @@ def parser() -> Parser:
     result.add_argument('--weights-file', help='YAML file with weights of the decision features')
     result.add_argument('--budget', type=float, help="query budget (the task's)")
     result.add_argument('--turns', type=int, help="length of the episode (the task's)")
-    tune_every = _number(int, 0, LARGEST_TURN)
+    tune_every = number(int, 0, LARGEST_TURN)
     tune_help = "turns from one re-optimisation of the models' kernel to the next, 0 for never (%(default)s)"
     result.add_argument('--tune-every', type=tune_every, default=0, metavar='K', help=tune_help)
-    seed = _number(int, 0, LARGEST_SEED)
+    seed = number(int, 0, LARGEST_SEED)
     result.add_argument('--seed', type=seed, default=0, help='seed of everything drawn at random (%(default)s)')
     result.add_argument('--sample', type=seed, help='sample of observations to draw the scenes from (that of the seed)')
     result.add_argument('--wrong-rate', type=float, default=0.0, help='share of wrong answers (%(default)s)')
     result.add_argument('--unknown-rate', type=float, default=0.0, help='share of "I do not know" (%(default)s)')
-    period = _number(float, 0, 3600)
+    period = number(float, 0, 3600)
     period_help = 'least seconds from turn to turn, not offline (%(default)s)'
     result.add_argument('--turn-period', type=period, default=0.0, help=period_help)
     result.add_argument('--out', type=Path, default=Path('out/demo'), help='folder for the pictures (%(default)s)')
@@ -102,10 +80,10 @@ def main(arguments: Sequence[str]) -> int:
         choice.task.symbols, choice.task.relevant_groups, given.seed, given.wrong_rate, given.unknown_rate
     )
     evaluation = Evaluation(choice, settings)
-    _make_folder(given.out)
+    make_folder(given.out)
     if given.json is not None:
-        _make_folder(given.json.parent)
-        _write(given.json, '', mode='a')
+        make_folder(given.json.parent)
+        write_text(given.json, '', mode='a')
     console = Console()
     _tell(console, evaluation.world.report())
     with console.status('preparing the models, some ten seconds the first time ever'):
@@ -119,7 +97,7 @@ def main(arguments: Sequence[str]) -> int:
     pictures = draw_pictures(result, evaluation.world, given.out)
     if given.json is not None:
         document = episode_document(result, teacher, evaluation.world)
-        _write(given.json, json.dumps(document, indent=1) + '\n')
+        write_text(given.json, json.dumps(document, indent=1) + '\n')
     console.print(summary(result))
     _tell(console, evaluation.world.report())
     for path in (*pictures, *([given.json] if given.json else [])):
@@ -179,28 +157,3 @@ def _play_graph(given: argparse.Namespace, evaluation: Evaluation, watch: TurnWa
         log_dir=given.out / 'logs',
         patience=PATIENCE + given.turn_period,
     ).play(follow)
-
-
-def _make_folder(path: Path) -> None:
-    """Make a folder and those it lies in.
-
-    Raises:
-        InputError: it cannot be made.
-    """
-    try:
-        path.mkdir(parents=True, exist_ok=True)
-    except OSError as error:
-        raise InputError(f'{path} cannot be made a folder ({error.strerror})') from error
-
-
-def _write(path: Path, text: str, mode: str = 'w') -> None:
-    """Write a file, or, with mode `a`, see whether one could.
-
-    Raises:
-        InputError: it cannot be written.
-    """
-    try:
-        with path.open(mode, encoding='utf-8') as file:
-            file.write(text)
-    except OSError as error:
-        raise InputError(f'{path} cannot be written ({error.strerror})') from error

@@ -4,11 +4,6 @@ from __future__ import annotations
 
 from collections import Counter
 from pathlib import Path
-from typing import Any
-
-import matplotlib
-
-matplotlib.use('Agg')
 
 from matplotlib import pyplot as plt
 from matplotlib.colors import to_rgb
@@ -16,23 +11,9 @@ from matplotlib.figure import Figure
 from matplotlib.ticker import MaxNLocator
 
 from al_questioner.domain import Outcome, QueryKind, QueryRecord
+from al_questioner.plotting import KIND_COLOURS, STYLE, kind_name, mark_changes, mark_query, save
 from al_questioner.simulation import EpisodeResult, PerceivedWorld
 from al_questioner.world.table_image import Mark, draw_scene
-
-KIND_COLOURS = {
-    QueryKind.LABEL: '#2c6fbb',
-    QueryKind.DEMONSTRATION: '#d1622b',
-    QueryKind.FEATURE_SUBSET: '#3a923a',
-}
-_STYLE: dict[Any, Any] = {
-    'axes.spines.top': False,
-    'axes.spines.right': False,
-    'axes.grid': True,
-    'grid.alpha': 0.25,
-    'font.size': 11,
-    'figure.constrained_layout.use': True,
-}
-_DPI = 150
 
 
 def draw_pictures(result: EpisodeResult, world: PerceivedWorld, folder: Path) -> list[Path]:
@@ -42,15 +23,10 @@ def draw_pictures(result: EpisodeResult, world: PerceivedWorld, folder: Path) ->
         OSError: the folder cannot be written.
     """
     folder.mkdir(parents=True, exist_ok=True)
-    with plt.rc_context(_STYLE):
+    with plt.rc_context(STYLE):
         figures = {'learning_curve': _learning_curve(result), 'timeline': _timeline(result, world)}
         figures['scene'] = _scene(result, world)
-        paths = []
-        for name, figure in figures.items():
-            paths.append(folder / f'{name}.png')
-            figure.savefig(paths[-1], dpi=_DPI)
-            plt.close(figure)
-    return paths
+        return [save(figure, folder / f'{name}.png') for name, figure in figures.items()]
 
 
 def _learning_curve(result: EpisodeResult) -> Figure:
@@ -64,7 +40,7 @@ def _learning_curve(result: EpisodeResult) -> Figure:
         asked = [record.turn for record in result.queries if record.kind is kind]
         if asked:
             heights = [result.accuracy[turn - 1] for turn in asked]
-            axes.scatter(asked, heights, color=colour, s=26, zorder=3, label=f'{_name(kind)} query')
+            axes.scatter(asked, heights, color=colour, s=26, zorder=3, label=f'{kind_name(kind)} query')
     axes.set(xlabel='turn', ylabel='accuracy on held-out images', ylim=(0, 1.02), xlim=(0.5, turns[-1] + 0.5))
     axes.xaxis.set_major_locator(MaxNLocator(integer=True))
     axes.set_title(_title(result), loc='left', fontsize=11)
@@ -76,16 +52,12 @@ def _learning_curve(result: EpisodeResult) -> Figure:
 def _timeline(result: EpisodeResult, world: PerceivedWorld) -> Figure:
     figure, (asked, budget) = plt.subplots(2, 1, figsize=(9, 4.6), sharex=True, height_ratios=(3, 2))
     turns = result.settings.turns
-    for change in world.change_turns(turns):
-        for axes in (asked, budget):
-            axes.axvline(change - 0.5, color='gray', linewidth=0.9, alpha=0.7, zorder=1)
+    for axes in (asked, budget):
+        mark_changes(axes, world.change_turns(turns))
     rows = {kind: row for row, kind in enumerate(reversed(KIND_COLOURS))}
     for record in result.queries:
-        answered = record.outcome is Outcome.ANSWERED
-        colour = KIND_COLOURS[record.kind]
-        face = colour if answered else 'white'
-        asked.scatter(record.turn, rows[record.kind], s=52, facecolor=face, edgecolor=colour, linewidth=1.4, zorder=3)
-    asked.set_yticks(list(rows.values()), [_name(kind) for kind in rows])
+        mark_query(asked, record, rows[record.kind])
+    asked.set_yticks(list(rows.values()), [kind_name(kind) for kind in rows])
     asked.set_ylim(-0.6, len(rows) - 0.4)
     asked.set_title(f'{_title(result)}   (grey lines: the scene changes)', loc='left', fontsize=11)
     spent = [0.0]
@@ -128,11 +100,7 @@ def _mark(record: QueryRecord) -> Mark:
 
 
 def _counted(count: int, kind: QueryKind) -> str:
-    return f'{count} {_name(kind)} {"query" if count == 1 else "queries"}'
-
-
-def _name(kind: QueryKind) -> str:
-    return kind.value.replace('_', ' ')
+    return f'{count} {kind_name(kind)} {"query" if count == 1 else "queries"}'
 
 
 def _title(result: EpisodeResult) -> str:

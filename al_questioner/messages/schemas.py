@@ -65,7 +65,12 @@ SCHEMAS: dict[str, JsonSchema] = {
             'seed': _COUNT,
             'world': {'oneOf': [_WORLD, {'type': 'null'}]},
         },
-        {'tune_every': _COUNT},
+        {
+            'tune_every': _COUNT,
+            'amplitude': _POSITIVE,
+            'length_scale': {'anyOf': [_POSITIVE, {'type': 'null'}]},
+            'view_tolerance': _AMOUNT,
+        },
     ),
     'turn': _record(
         {

@@ -65,7 +65,8 @@ class ScriptedExpert:
         positives = np.array(list(situation.knowledge.positives.values()))
         rarest = positives == positives.min()
         likely = symbol_given_object(situation.probabilities)[fresh][:, rarest].sum(axis=1)
-        return labels[fresh[likely >= likely.max() - 1e-9]]
+        best: NDArray[np.intp] = labels[fresh[likely >= likely.max() - 1e-9]]
+        return best
 
     def _due(self, situation: Situation) -> float:
         """What an even pace leaves to spend by the end of this turn, the price of the subset query set aside."""

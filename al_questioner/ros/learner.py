@@ -128,6 +128,9 @@ class LearnerNode(QuestionerNode):
                 'strategy': settings.strategy,
                 'weights': dict(settings.weights),
                 'tune_every': settings.tune_every,
+                'amplitude': settings.amplitude,
+                'length_scale': settings.length_scale,
+                'view_tolerance': float(self._given['view_tolerance']),
                 'seed': self._world['seed'],
                 'world': self._world,
             }

@@ -1,0 +1,33 @@
+"""Command line arguments whose faults are one line, as those of every executable here."""
+
+from __future__ import annotations
+
+import argparse
+from collections.abc import Callable
+from typing import NoReturn
+
+from al_questioner.domain import InputError
+
+LARGEST_SEED = 2**63 - 1
+"""ROS parameters have 64 bits."""
+
+
+class Parser(argparse.ArgumentParser):
+    """A parser whose complaints are one line."""
+
+    def error(self, message: str) -> NoReturn:
+        """Raise an InputError instead of printing the usage."""
+        raise InputError(f'{message} (--help tells the arguments)')
+
+
+def number(kind: type[int] | type[float], lower: float, upper: float) -> Callable[[str], float]:
+    """An argument type: a finite number in a range."""
+
+    def read(text: str) -> float:
+        value = kind(text)
+        if not lower <= value <= upper:
+            raise argparse.ArgumentTypeError(f'must be at least {lower:g} and at most {upper:g}, not {text}')
+        return value
+
+    read.__name__ = kind.__name__
+    return read

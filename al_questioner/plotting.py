@@ -1,0 +1,60 @@
+"""What all figures share: a style fit to print, and a colour for each kind of query."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Any
+
+import matplotlib
+
+matplotlib.use('Agg')
+
+from matplotlib import pyplot as plt
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+
+from al_questioner.domain import Outcome, QueryKind, QueryRecord
+
+KIND_COLOURS = {
+    QueryKind.LABEL: '#2c6fbb',
+    QueryKind.DEMONSTRATION: '#d1622b',
+    QueryKind.FEATURE_SUBSET: '#3a923a',
+}
+STYLE: dict[Any, Any] = {
+    'axes.spines.top': False,
+    'axes.spines.right': False,
+    'axes.grid': True,
+    'grid.alpha': 0.25,
+    'font.size': 11,
+    'figure.constrained_layout.use': True,
+}
+DPI = 150
+
+
+def kind_name(kind: QueryKind) -> str:
+    """A kind of query in words."""
+    return kind.value.replace('_', ' ')
+
+
+def mark_changes(axes: Axes, change_turns: tuple[int, ...] | list[int]) -> None:
+    """A grey line before each turn that begins with a scene change."""
+    for change in change_turns:
+        axes.axvline(change - 0.5, color='gray', linewidth=0.9, alpha=0.7, zorder=1)
+
+
+def mark_query(axes: Axes, record: QueryRecord, height: float) -> None:
+    """A dot in the colour of the query's kind at its turn, hollow if it got no answer."""
+    colour = KIND_COLOURS[record.kind]
+    face = colour if record.outcome is Outcome.ANSWERED else 'white'
+    axes.scatter(record.turn, height, s=52, facecolor=face, edgecolor=colour, linewidth=1.4, zorder=3)
+
+
+def save(figure: Figure, path: Path) -> Path:
+    """Write a figure and forget it.
+
+    Raises:
+        OSError: it cannot be written.
+    """
+    figure.savefig(path, dpi=DPI)
+    plt.close(figure)
+    return path
