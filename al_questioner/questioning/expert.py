@@ -15,7 +15,7 @@ from al_questioner.questioning.situation import Situation
 LATEST_SUBSET_TURN = 5
 """By the end of this turn the expert has asked which features matter."""
 
-HEAD_START = 2.0
+HEAD_START = 1.0
 """Label queries by which it may run ahead of an even pace, at most; how many it does in a turn is drawn at random."""
 
 MISSED = 2

@@ -1,0 +1,91 @@
+"""How much a questioner with given weights resembles an expert whom it was not trained on."""
+
+from __future__ import annotations
+
+import dataclasses
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from scipy.special import log_softmax
+
+from al_questioner.domain import DECISION_FEATURES, QueryKind, QueryRecord, generator
+from al_questioner.imitation.demonstration import Array, Demonstration, Step, all_steps
+from al_questioner.questioning import Episode
+from al_questioner.questioning.choice import TIE
+from al_questioner.simulation import PerceivedWorld, turns
+from al_questioner.teaching import ScriptedTeacher
+
+
+@dataclass(frozen=True)
+class Agreement:
+    """With an expert's steps, in the states that the expert was in; means over the steps.
+
+    Attributes:
+        log_likelihood: log p(chosen) of the softmax policy, in nats a step; at most 0.
+        kind: probability that the best candidate, ties broken at random, is of the expert's kind.
+        ask: probability that the best candidate asks when the expert asks, and nothing when the expert does not.
+        choice: probability that the best candidate is the expert's.
+    """
+
+    log_likelihood: float
+    kind: float
+    ask: float
+    choice: float
+
+
+def agreement(weights: Array, demonstrations: Sequence[Demonstration]) -> Agreement:
+    """Of the questioner with these weights (7,), whose scale is that of the softmax."""
+    rows = [_agreement_of_step(weights, step) for step in all_steps(demonstrations)]
+    return Agreement(*(float(value) for value in np.mean(rows, axis=0)))
+
+
+def _agreement_of_step(weights: Array, step: Step) -> tuple[float, float, float, float]:
+    utilities = step.features @ weights
+    best = utilities >= utilities.max() - TIE * abs(utilities.max())
+    kinds = [action.kind for action in step.actions]
+    same_kind = np.array([kind is step.kind for kind in kinds])
+    asks = np.array([kind is not QueryKind.NO_QUERY for kind in kinds])
+    same_ask = asks == (step.kind is not QueryKind.NO_QUERY)
+    log_likelihood = log_softmax(utilities)[step.chosen]
+    return log_likelihood, same_kind[best].mean(), same_ask[best].mean(), best[step.chosen] / best.sum()
+
+
+@dataclass(frozen=True, eq=False)
+class Imitation:
+    """The learner in a demonstration's place: same world, budget and time, asking by itself.
+
+    Attributes:
+        feature_counts: (7,) as of a demonstration.
+        queries: what it asked.
+    """
+
+    feature_counts: Array
+    queries: tuple[QueryRecord, ...]
+
+
+def imitate(weights: Array, demonstration: Demonstration, open_world: Callable[[], PerceivedWorld]) -> Imitation:
+    """Play the demonstration's episode with dt_task_env and these weights (7,).
+
+    Args:
+        weights: w.
+        demonstration: of a simulated world.
+        open_world: opens it; called once.
+    """
+    choice = demonstration.world
+    if choice is None:
+        raise ValueError(f'{demonstration.name} has no simulated world')
+    named = dict(zip(DECISION_FEATURES, map(float, weights), strict=True))
+    settings = dataclasses.replace(demonstration.settings, strategy='dt_task_env', weights=named)
+    episode = Episode(settings, generator(choice.seed, 'learner'))
+    teacher = ScriptedTeacher(choice.task.symbols, choice.task.relevant_groups, choice.seed)
+    played = [decision for decision, _ in turns(episode, open_world(), teacher)]
+    counts = np.mean([decision.features[decision.chosen] for decision in played], axis=0)
+    return Imitation(np.asarray(counts), episode.records)
+
+
+def count_gap(imitations: Sequence[Imitation], demonstrations: Sequence[Demonstration], scale: Array) -> Array:
+    """(7,) expert's minus learner's feature counts, means over the episodes, in units of the features' scale (7,)."""
+    expert = np.mean([demonstration.feature_counts for demonstration in demonstrations], axis=0)
+    learner = np.mean([imitation.feature_counts for imitation in imitations], axis=0)
+    return np.asarray(np.divide(expert - learner, scale, out=np.zeros_like(scale), where=scale > 0))

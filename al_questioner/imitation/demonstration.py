@@ -1,0 +1,139 @@
+"""What an expert questioner shows: at each turn, what could be asked and what was."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+from numpy.typing import NDArray
+
+from al_questioner.domain import Action, Decision, EpisodeSettings, InputError, QueryKind, QueryRecord, generator
+from al_questioner.questioning import Episode
+from al_questioner.simulation import PerceivedWorld, WorldChoice, turns
+from al_questioner.teaching import ScriptedTeacher
+
+Array = NDArray[np.float64]
+
+
+@dataclass(frozen=True, eq=False)
+class Step:
+    """One decision.
+
+    Attributes:
+        turn: 1-based.
+        actions: the C candidates that were considered.
+        features: (C, 7) their expected decision features, in the order of `DECISION_FEATURES`.
+        chosen: index of the one that was chosen.
+    """
+
+    turn: int
+    actions: tuple[Action, ...]
+    features: Array
+    chosen: int
+
+    @property
+    def kind(self) -> QueryKind:
+        """Kind of what was chosen."""
+        return self.actions[self.chosen].kind
+
+    @property
+    def contrasts(self) -> Array:
+        """(C, 7) how the features of each candidate differ from those of the chosen one."""
+        difference: Array = self.features - self.features[self.chosen]
+        return difference
+
+
+@dataclass(frozen=True, eq=False)
+class Demonstration:
+    """One episode of an expert questioner, or as much of it as there is.
+
+    Attributes:
+        name: where it comes from, for people.
+        settings: of the episode.
+        world: the simulated world it took place in; None if it was another one.
+        steps: one per turn.
+        feature_names: of the objects.
+        queries: what was asked, and what came of it.
+        change_turns: turns that began with a scene change.
+    """
+
+    name: str
+    settings: EpisodeSettings
+    world: WorldChoice | None
+    steps: tuple[Step, ...]
+    feature_names: tuple[str, ...] = ()
+    queries: tuple[QueryRecord, ...] = ()
+    change_turns: tuple[int, ...] = ()
+
+    @property
+    def task_name(self) -> str:
+        """Of the simulated world; 'another world' if there is none."""
+        return 'another world' if self.world is None else self.world.task.name
+
+    @cached_property
+    def feature_counts(self) -> Array:
+        """(7,) features of what was chosen, mean over the turns: phi_E of equation 6, per turn."""
+        return np.asarray(np.mean([step.features[step.chosen] for step in self.steps], axis=0))
+
+
+def step_of(decision: Decision) -> Step:
+    """What a decision shows of its questioner.
+
+    Raises:
+        InputError: it carries no decision features, or chose what it did not consider.
+    """
+    considered = np.flatnonzero(~np.isnan(decision.utilities))
+    chosen = np.flatnonzero(considered == decision.chosen)
+    if len(chosen) != 1:
+        raise InputError(f'turn {decision.turn}: the chosen candidate is marked as not considered')
+    features = decision.features[considered]
+    if not np.isfinite(features).all():
+        raise InputError(f'turn {decision.turn}: the decision carries no decision features to learn from')
+    actions = tuple(decision.candidates[row] for row in considered)
+    return Step(decision.turn, actions, features, int(chosen[0]))
+
+
+def demonstrate(
+    choice: WorldChoice, settings: EpisodeSettings, teacher: ScriptedTeacher, world: PerceivedWorld | None = None
+) -> Demonstration:
+    """A demonstration by the strategy of the settings, played offline.
+
+    Args:
+        choice: the world; its seed is the questioner's too.
+        settings: of the episode.
+        teacher: who answers.
+        world: the world of the choice, if it is open already.
+
+    Raises:
+        InputError: a strategy that weighs no decision features.
+    """
+    seen = PerceivedWorld(choice.open()) if world is None else world
+    episode = Episode(settings, generator(choice.seed, 'learner'))
+    steps = tuple(step_of(decision) for decision, _ in turns(episode, seen, teacher))
+    return Demonstration(
+        name=f'{settings.strategy} {choice.task.name} {choice.seed}',
+        settings=settings,
+        world=choice,
+        steps=steps,
+        feature_names=seen.scene(1).feature_names,
+        queries=episode.records,
+        change_turns=tuple(seen.change_turns(settings.turns)),
+    )
+
+
+def all_steps(demonstrations: Sequence[Demonstration]) -> Iterator[Step]:
+    """The steps of several demonstrations."""
+    for demonstration in demonstrations:
+        yield from demonstration.steps
+
+
+def feature_scale(demonstrations: Sequence[Demonstration]) -> Array:
+    """(7,) by how much each feature varies among the candidates of a step: standard deviation around the step's mean.
+
+    A feature that is the same for all candidates of every step has scale 0: no choice depends on it.
+    """
+    deviations = [step.features - step.features.mean(axis=0) for step in all_steps(demonstrations)]
+    scale = np.sqrt(np.mean(np.concatenate(deviations) ** 2, axis=0))
+    return np.where(scale > 1e-9, scale, 0.0)

@@ -1,0 +1,177 @@
+"""Maximum entropy inverse reinforcement learning: weights whose rollouts have the expert's feature counts (equation 6).
+
+The gradient of the maximum entropy loss is the gap between the expert's counts and those of the rollouts (equation 7);
+its zero is sought. The policy is a softmax over one-step expected utility, which does not foresee that a query now may
+be missed later, so that steps along the gap itself do not lead there. They are preconditioned with the Jacobian of the
+counts, estimated from the same rollouts, see docs/method.md.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from al_questioner.imitation.demonstration import Array, Demonstration, feature_scale
+from al_questioner.imitation.identifiability import identify
+from al_questioner.imitation.rollouts import Rollout, Simulator
+
+DAMPING = 0.3
+"""Added to the squared singular values of the Jacobian: where the rollouts tell little, steps are short."""
+
+STEP = 0.5
+"""Share of the damped Gauss-Newton step that is taken, at most `LONGEST_STEP` in units of the features' scale."""
+LONGEST_STEP = 1.0
+
+MEMORY = 0.9
+"""Weight of the earlier iterations in the running mean of the Jacobian."""
+
+WINDOW = 10
+"""Iterations over which weights and gaps are averaged: single ones are as noisy as their few rollouts."""
+
+
+@dataclass(frozen=True)
+class MatchingSettings:
+    """How feature counts are matched.
+
+    Attributes:
+        iterations: at most.
+        rollouts: of each demonstration at each iteration.
+        patience: iterations without a new smallest mean gap after which it stops.
+        seed: of the rollouts.
+        jobs: number of processes.
+    """
+
+    iterations: int = 100
+    rollouts: int = 6
+    patience: int = 12
+    seed: int = 0
+    jobs: int = 1
+
+
+@dataclass(frozen=True, eq=False)
+class Iteration:
+    """One iteration.
+
+    Attributes:
+        weights: (7,) that were rolled out.
+        gap: (7,) expert's minus learner's counts, in units of the features' scale, over the training demonstrations.
+        validation_gap: the same over the validation demonstrations.
+    """
+
+    weights: Array
+    gap: Array
+    validation_gap: Array
+
+
+@dataclass(frozen=True, eq=False)
+class Matching:
+    """What came of it.
+
+    Attributes:
+        weights: (7,) mean over the window of iterations whose validation gap is smallest.
+        iterations: all that were made.
+        kept: index of the last iteration of that window.
+    """
+
+    weights: Array
+    iterations: tuple[Iteration, ...]
+    kept: int
+
+    def mean_gap_of_kept(self) -> Array:
+        """(7,) mean training gap over the window."""
+        return np.asarray(np.mean([iteration.gap for iteration in window_of(self.iterations, self.kept)], axis=0))
+
+
+def match_features(
+    training: Sequence[Demonstration],
+    validation: Sequence[Demonstration],
+    settings: MatchingSettings,
+    watch: Callable[[int, Iteration], None] | None = None,
+) -> Matching:
+    """Find the weights.
+
+    Args:
+        training: demonstrations whose feature counts are matched, each in its own world.
+        validation: those that choose among the iterations; empty: the training ones.
+        settings: how.
+        watch: called after each iteration with its number, from 1.
+
+    Raises:
+        InputError: a demonstration took place in no simulated world.
+    """
+    scale = feature_scale([*training, *validation])
+    varies = scale > 0
+    free = identify([*training, *validation])
+    scaled = np.zeros(len(scale))
+    jacobian = None
+    iterations: list[Iteration] = []
+    best, best_at = np.inf, 0
+    with Simulator([*training, *validation], settings.jobs) as simulator:
+        while len(iterations) < settings.iterations and len(iterations) - best_at <= settings.patience:
+            weights = np.divide(scaled, scale, out=np.zeros_like(scaled), where=varies)
+            rollouts = simulator.roll_out(weights, settings.rollouts, f'{settings.seed}/{len(iterations)}')
+            gap = _gap(training, rollouts[: len(training)], scale)
+            held_out = _gap(validation, rollouts[len(training) :], scale) if validation else gap
+            iterations.append(Iteration(weights, gap, held_out))
+            if watch is not None:
+                watch(len(iterations), iterations[-1])
+            smoothed = mean_gap(iterations, len(iterations) - 1)
+            if len(iterations) >= WINDOW and smoothed < best:
+                best, best_at = smoothed, len(iterations)
+            estimate = jacobian_of_counts(rollouts, scale)
+            jacobian = estimate if jacobian is None else MEMORY * jacobian + (1 - MEMORY) * estimate
+            scaled = scaled + gauss_newton_step(jacobian, gap, varies)
+            scaled -= free.null_space.T @ (free.null_space @ scaled)
+    kept = max(best_at, 1) - 1 if np.isfinite(best) else len(iterations) - 1
+    weights = np.mean([iteration.weights for iteration in window_of(iterations, kept)], axis=0)
+    return Matching(np.asarray(weights), tuple(iterations), kept)
+
+
+def window_of(iterations: Sequence[Iteration], last: int) -> Sequence[Iteration]:
+    """The window of iterations that ends with this one."""
+    return iterations[max(0, last + 1 - WINDOW) : last + 1]
+
+
+def mean_gap(iterations: Sequence[Iteration], last: int) -> float:
+    """Length of the mean validation gap over the window that ends with an iteration."""
+    gaps = [iteration.validation_gap for iteration in window_of(iterations, last)]
+    return float(np.linalg.norm(np.mean(gaps, axis=0)))
+
+
+def jacobian_of_counts(rollouts: Sequence[Sequence[Rollout]], scale: Array) -> Array:
+    """(7, 7) derivative of the expected feature counts by the weights, both in units of the features' scale.
+
+    By the likelihood ratio: d E[phi] / dw = Cov(phi, d log p / dw) over the rollouts of each world.
+    """
+    total = np.zeros((len(scale), len(scale)))
+    for of_world in rollouts:
+        counts = np.array([rollout.features for rollout in of_world])
+        scores = np.array([rollout.score for rollout in of_world])
+        total += (counts - counts.mean(axis=0)).T @ scores / max(1, len(of_world) - 1)
+    unit = np.divide(1.0, scale, out=np.zeros_like(scale), where=scale > 0)
+    return total / len(rollouts) * unit[:, None] * unit
+
+
+def gauss_newton_step(jacobian: Array, gap: Array, varies: NDArray[np.bool_]) -> Array:
+    """(7,) damped Gauss-Newton step towards a gap of zero, of limited length.
+
+    Args:
+        jacobian: (7, 7), see `jacobian_of_counts`.
+        gap: (7,) expert's minus learner's counts.
+        varies: (7,) whether the feature varies among candidates at all.
+    """
+    part = jacobian[np.ix_(varies, varies)]
+    normal = part.T @ part + DAMPING * np.eye(len(part))
+    step = np.zeros(len(gap))
+    step[varies] = np.linalg.solve(normal, part.T @ gap[varies])
+    length = float(np.linalg.norm(step))
+    return STEP * step * min(1.0, LONGEST_STEP / length) if length > 0 else step
+
+
+def _gap(demonstrations: Sequence[Demonstration], rollouts: Sequence[Sequence[Rollout]], scale: Array) -> Array:
+    expert = np.mean([demonstration.feature_counts for demonstration in demonstrations], axis=0)
+    learner = np.mean([np.mean([rollout.features for rollout in each], axis=0) for each in rollouts], axis=0)
+    return np.asarray(np.divide(expert - learner, scale, out=np.zeros_like(scale), where=scale > 0))

@@ -1,0 +1,145 @@
+"""Episodes that a questioner with given weights plays in the demonstrations' own worlds, as a softmax policy."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from concurrent.futures import ProcessPoolExecutor
+from dataclasses import dataclass
+from multiprocessing import get_context
+
+import numpy as np
+from scipy.special import softmax
+
+from al_questioner.domain import InputError, generator
+from al_questioner.imitation.demonstration import Array, Demonstration
+from al_questioner.questioning import Choice, Episode, Situation
+from al_questioner.questioning.choice import settled_actions
+from al_questioner.questioning.expected_utility import expected_features
+from al_questioner.simulation import PerceivedWorld, turns
+from al_questioner.teaching import ScriptedTeacher
+
+
+class SoftmaxQuestioner:
+    """Chooses a with probability proportional to exp(w . E[phi|a]): the stochastic policy that imitation assumes.
+
+    Attributes:
+        features: (7,) sum of the features of what was chosen so far.
+        score: (7,) sum of the gradients of log p(chosen) with respect to the weights so far.
+    """
+
+    computational_selection = False
+
+    def __init__(self, weights: Array) -> None:
+        self._weights = weights
+        self.features = np.zeros(len(weights))
+        self.score = np.zeros(len(weights))
+
+    def choose(self, situation: Situation, rng: np.random.Generator) -> Choice:
+        """Draw one of the candidates that are not settled."""
+        features = expected_features(situation)
+        settled = settled_actions(situation)
+        utilities = features @ self._weights
+        utilities[[action in settled for action in situation.candidates]] = -np.inf
+        probabilities = softmax(utilities)
+        index = int(rng.choice(len(utilities), p=probabilities))
+        self.features += features[index]
+        self.score += features[index] - probabilities @ features
+        return Choice(index, np.where(np.isinf(utilities), np.nan, utilities), features)
+
+
+@dataclass(frozen=True, eq=False)
+class Rollout:
+    """One episode of the softmax policy.
+
+    Attributes:
+        features: (7,) mean over the turns of the features of what was chosen: phi_L of equation 6, per turn.
+        score: (7,) gradient of the logarithm of the policy's probability of what was chosen.
+    """
+
+    features: Array
+    score: Array
+
+
+class Simulator:
+    """Plays rollouts in the worlds of demonstrations, with their limits and prices, in several processes if so wished.
+
+    What a rollout does depends on the weights and on the name of its random stream alone, not on the process.
+
+    Args:
+        demonstrations: each of a simulated world.
+        jobs: number of processes; 1 for this one.
+
+    Raises:
+        InputError: a demonstration took place in no simulated world, or its world cannot be opened.
+    """
+
+    def __init__(self, demonstrations: Sequence[Demonstration], jobs: int = 1) -> None:
+        self._stages = [_Stage(demonstration) for demonstration in demonstrations]
+        self._pool: ProcessPoolExecutor | None = None
+        if jobs > 1:
+            # Forked, so that each process inherits the worlds with all that was drawn and measured already.
+            fork = get_context('fork')
+            self._pool = ProcessPoolExecutor(jobs, fork, initializer=_inherit, initargs=(self._stages,))
+
+    def __enter__(self) -> Simulator:
+        return self
+
+    def __exit__(self, *_: object) -> None:
+        if self._pool is not None:
+            self._pool.shutdown(cancel_futures=True)
+
+    def roll_out(self, weights: Array, count: int, stream: str) -> list[list[Rollout]]:
+        """Rollouts of the softmax policy with these weights.
+
+        Args:
+            weights: (7,) w.
+            count: of rollouts for each demonstration.
+            stream: names their randomness.
+
+        Returns:
+            For each demonstration its rollouts.
+        """
+        parts = [(stage, number) for stage in range(len(self._stages)) for number in range(count)]
+        tasks = [(stage, weights, f'{stream}/{number}') for stage, number in parts]
+        if self._pool is None:
+            found = [self._stages[stage].play(w, name) for stage, w, name in tasks]
+        else:
+            found = list(self._pool.map(_play, tasks, chunksize=max(1, count // 4)))
+        return [found[first : first + count] for first in range(0, len(found), count)]
+
+
+class _Stage:
+    """The scenario of one demonstration."""
+
+    def __init__(self, demonstration: Demonstration) -> None:
+        choice = demonstration.world
+        if choice is None:
+            raise InputError(
+                f'{demonstration.name}: no simulated world to roll out in; use --method choice, which needs none'
+            )
+        self._seed, task = choice.seed, choice.task
+        self._teacher = ScriptedTeacher(task.symbols, task.relevant_groups, choice.seed)
+        self._settings = demonstration.settings
+        self._world = PerceivedWorld(choice.open())
+        for turn in (1, *self._world.change_turns(self._settings.turns)):
+            self._world.scene(turn)
+
+    def play(self, weights: Array, stream: str) -> Rollout:
+        questioner = SoftmaxQuestioner(weights)
+        episode = Episode(self._settings, generator(self._seed, f'rollout/{stream}'), strategy=questioner)
+        for _ in turns(episode, self._world, self._teacher):
+            pass
+        return Rollout(questioner.features / self._settings.turns, questioner.score)
+
+
+_STAGES: list[_Stage] = []
+"""Of the simulator that this process works for."""
+
+
+def _inherit(stages: Sequence[_Stage]) -> None:
+    _STAGES[:] = stages
+
+
+def _play(task: tuple[int, Array, str]) -> Rollout:
+    stage, weights, stream = task
+    return _STAGES[stage].play(weights, stream)

@@ -1,0 +1,186 @@
+"""From demonstrations to weights, and all that a reader should know of how they came about."""
+
+from __future__ import annotations
+
+import dataclasses
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, field
+from typing import Any
+
+import numpy as np
+
+from al_questioner import __version__
+from al_questioner.domain import DECISION_FEATURES, InputError
+from al_questioner.imitation.assessment import Agreement, agreement
+from al_questioner.imitation.choice_likelihood import RIDGE, fit_choices, fit_temperature
+from al_questioner.imitation.demonstration import Array, Demonstration, all_steps, feature_scale
+from al_questioner.imitation.feature_matching import Iteration, Matching, MatchingSettings, match_features
+from al_questioner.imitation.identifiability import Identifiability, identify
+
+METHODS = ('maxent', 'choice')
+
+
+@dataclass(frozen=True)
+class TrainingSettings:
+    """How weights are learnt.
+
+    Attributes:
+        method: 'maxent', see `feature_matching`, or 'choice', see `choice_likelihood`.
+        validation: number of demonstrations, the last ones, that choose among the iterations of maxent.
+        ridge: of the choice likelihood.
+        matching: settings of maxent.
+    """
+
+    method: str = 'maxent'
+    validation: int = 1
+    ridge: float = RIDGE
+    matching: MatchingSettings = field(default_factory=MatchingSettings)
+
+
+@dataclass(frozen=True, eq=False)
+class Training:
+    """Learnt weights.
+
+    Attributes:
+        weights: (7,), absolute values adding up to 1.
+        scale: what they are to be multiplied by to be those of the softmax policy.
+        settings: how they were learnt.
+        free: what the demonstrations tell nothing about.
+        agreement: with the demonstrations, validation ones included.
+        gap_before, gap_after: (7,) expert's minus learner's feature counts in units of the features' scale: of
+            rollouts (maxent) or expected at each of the expert's steps (choice); before training all weights are 0.
+        matching: the iterations of maxent.
+    """
+
+    weights: Array
+    scale: float
+    settings: TrainingSettings
+    free: Identifiability
+    agreement: Agreement
+    gap_before: Array
+    gap_after: Array
+    matching: Matching | None
+
+
+def train(
+    demonstrations: Sequence[Demonstration],
+    settings: TrainingSettings,
+    watch: Callable[[int, Iteration], None] | None = None,
+) -> Training:
+    """Learn the weights.
+
+    Args:
+        demonstrations: of the same task; for maxent, of simulated worlds.
+        settings: how.
+        watch: told of each iteration of maxent.
+
+    Raises:
+        InputError: demonstrations that do not fit together, or that the method cannot use.
+    """
+    check_alike(demonstrations)
+    free, scale = identify(demonstrations), feature_scale(demonstrations)
+    matching = None
+    if settings.method == 'maxent':
+        held_out = min(settings.validation, len(demonstrations) - 1)
+        split = len(demonstrations) - held_out
+        matching = match_features(demonstrations[:split], demonstrations[split:], settings.matching, watch)
+        found = matching.weights
+        gap_before, gap_after = matching.iterations[0].gap, matching.mean_gap_of_kept()
+    else:
+        found = fit_choices(demonstrations, ridge=settings.ridge)
+        gap_before, gap_after = (expected_gap(w, demonstrations, scale) for w in (np.zeros(len(scale)), found))
+    found = free.project(found, scale)
+    total = float(np.abs(found).sum())
+    if total == 0:
+        raise InputError('the demonstrations tell nothing about any weight')
+    found_scale = total if settings.method == 'choice' else fit_temperature(found / total, [*all_steps(demonstrations)])
+    return Training(
+        found / total,
+        found_scale,
+        settings,
+        free,
+        agreement(found / total * found_scale, demonstrations),
+        gap_before,
+        gap_after,
+        matching,
+    )
+
+
+def expected_gap(weights: Array, demonstrations: Sequence[Demonstration], scale: Array) -> Array:
+    """(7,) chosen minus expected features at the expert's steps, mean, in units of the features' scale.
+
+    Args:
+        weights: (7,) w of the softmax.
+        demonstrations: whose steps they are.
+        scale: (7,) see `feature_scale`.
+    """
+    gaps = []
+    for step in all_steps(demonstrations):
+        utilities = step.features @ weights
+        probabilities = np.exp(utilities - utilities.max())
+        gaps.append(-(probabilities / probabilities.sum()) @ step.contrasts)
+    return np.asarray(np.divide(np.mean(gaps, axis=0), scale, out=np.zeros_like(scale), where=scale > 0))
+
+
+def check_alike(demonstrations: Sequence[Demonstration]) -> None:
+    """See that demonstrations can be learnt from together.
+
+    Raises:
+        InputError: there is none, or one is of another task, or has other features, than the first.
+    """
+    if not demonstrations:
+        raise InputError('no demonstration was given')
+    first = demonstrations[0]
+    for other in demonstrations[1:]:
+        if other.task_name != first.task_name:
+            raise InputError(f'{other.name} is of task {other.task_name}, {first.name} of {first.task_name}')
+        if other.settings.symbols != first.settings.symbols:
+            raise InputError(
+                f'{other.name} is about {", ".join(other.settings.symbols)},'
+                f' {first.name} about {", ".join(first.settings.symbols)}'
+            )
+        if other.feature_names != first.feature_names:
+            raise InputError(
+                f'{other.name} was recorded with other features ({len(other.feature_names)})'
+                f' than {first.name} ({len(first.feature_names)})'
+            )
+
+
+def weights_document(training: Training, bags: Sequence[Mapping[str, str]]) -> dict[str, Any]:
+    """What `train_weights` writes: the weights, and where they come from.
+
+    Args:
+        training: the weights.
+        bags: `name` and `sha256` of each bag.
+    """
+    settings, matching = training.settings, training.matching
+    count = len(bags)
+    source = f'{count} recorded demonstration{"s" if count != 1 else ""} of an expert'
+    method = 'maximum entropy inverse reinforcement learning' if matching else "likelihood of the expert's choices"
+    details: dict[str, Any] = {'method': settings.method, 'version': __version__, 'bags': [dict(bag) for bag in bags]}
+    if matching:
+        details['settings'] = {
+            **{k: v for k, v in dataclasses.asdict(settings.matching).items() if k != 'jobs'},
+            'validation': settings.validation,
+        }
+        details['iterations'] = len(matching.iterations)
+        details['kept_iteration'] = matching.kept + 1
+    else:
+        details['settings'] = {'ridge': settings.ridge}
+    return {
+        'provenance': f'Learnt by train_weights from {source}: {method}. {training.free.describe().capitalize()}.',
+        'weights': by_feature(training.weights),
+        'training': {
+            **details,
+            'softmax_scale': float(f'{training.scale:.6g}'),
+            'unidentified': list(training.free.unidentified),
+            'gap_before': by_feature(training.gap_before, 4),
+            'gap_after': by_feature(training.gap_after, 4),
+            'agreement': {k: round(v, 4) for k, v in dataclasses.asdict(training.agreement).items()},
+        },
+    }
+
+
+def by_feature(values: Array, digits: int = 6) -> dict[str, float]:
+    """Numbers by decision feature, rounded for people."""
+    return {name: round(float(value), digits) + 0.0 for name, value in zip(DECISION_FEATURES, values, strict=True)}

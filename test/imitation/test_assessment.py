@@ -1,0 +1,45 @@
+"""Agreement with an expert, by hand."""
+
+import numpy as np
+import pytest
+
+from al_questioner.domain import Action, QueryKind
+from al_questioner.imitation.assessment import agreement, count_gap, imitate
+from al_questioner.imitation.demonstration import Demonstration, Step, feature_scale
+from al_questioner.simulation import PerceivedWorld
+
+LABELS = (Action(QueryKind.LABEL, 1), Action(QueryKind.LABEL, 2), Action(QueryKind.NO_QUERY))
+
+
+def demonstration(*chosen):
+    table = np.zeros((3, 7))
+    table[:, 0] = [1.0, 0.0, 1.0]
+    return Demonstration('x', None, None, tuple(Step(i + 1, LABELS, table, c) for i, c in enumerate(chosen)))
+
+
+def test_agreement_by_hand():
+    """Candidates 0 and 2 tie at the top: guessing between them is right half the time."""
+    weights = np.array([np.log(2), 0, 0, 0, 0, 0, 0])
+    found = agreement(weights, [demonstration(0, 1, 2)])
+    assert found.kind == pytest.approx((0.5 + 0.5 + 0.5) / 3)
+    assert found.ask == pytest.approx(0.5)
+    assert found.choice == pytest.approx((0.5 + 0 + 0.5) / 3)
+    assert found.log_likelihood == pytest.approx(np.log([0.4, 0.2, 0.4]).mean())
+
+
+def test_equal_weights_are_uniform():
+    """The baseline must be that of guessing."""
+    found = agreement(np.zeros(7), [demonstration(0, 2)])
+    assert found.log_likelihood == pytest.approx(-np.log(3))
+    assert found.kind == pytest.approx((2 / 3 + 1 / 3) / 2)
+
+
+def test_the_learner_is_tried_in_the_experts_place(experts):
+    """Same world, budget and time; else the gap would be that of other circumstances."""
+    shown = experts[0]
+    tried = imitate(np.array([1, 1, 1, 1, -1, 0, -9.0]), shown, lambda: PerceivedWorld(shown.world.open()))
+    assert sum(record.cost for record in tried.queries) <= shown.settings.budget
+    scale = feature_scale(experts)
+    gap = count_gap([tried], [shown], scale)
+    np.testing.assert_allclose(gap[:5] * scale[:5], (shown.feature_counts - tried.feature_counts)[:5])
+    assert gap[5] == 0.0

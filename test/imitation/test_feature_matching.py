@@ -1,0 +1,97 @@
+"""Feature matching: its parts against hand-made cases, the whole against weights that are known."""
+
+import dataclasses
+
+import numpy as np
+import pytest
+from scipy.special import softmax
+
+from al_questioner.domain import InputError
+from al_questioner.imitation.feature_matching import (
+    MatchingSettings,
+    gauss_newton_step,
+    jacobian_of_counts,
+    match_features,
+)
+from al_questioner.imitation.rollouts import Rollout, Simulator
+
+FEW = MatchingSettings(iterations=16, rollouts=4, patience=16, seed=1)
+
+
+def test_the_jacobian_is_that_of_a_single_choice():
+    """With one decision the counts are the chosen features, and d E[phi]/dw = Cov_p(phi) exactly."""
+    rng = np.random.default_rng(0)
+    features, weights = rng.random((5, 7)), rng.normal(size=7)
+    p = softmax(features @ weights)
+    mean = p @ features
+    exact = (features - mean).T @ ((features - mean) * p[:, None])
+    drawn = rng.choice(5, size=40_000, p=p)
+    rollouts = [Rollout(features[i], features[i] - mean) for i in drawn]
+    np.testing.assert_allclose(jacobian_of_counts([rollouts], np.ones(7)), exact, atol=0.004)
+
+
+def test_the_jacobian_is_in_units_of_the_scale():
+    """Features of small spread would hardly move."""
+    rng = np.random.default_rng(0)
+    rollouts = [Rollout(*rng.normal(size=(2, 7))) for _ in range(20)]
+    scale = np.array([1, 2, 0.5, 1, 1, 0, 4.0])
+    plain, scaled = (jacobian_of_counts([rollouts], s) for s in (np.ones(7), scale))
+    unit = np.where(scale > 0, 1 / np.where(scale > 0, scale, 1), 0)
+    np.testing.assert_allclose(scaled, plain * unit[:, None] * unit)
+
+
+def test_steps_lead_to_a_gap_of_zero_where_counts_are_linear():
+    """On E[phi] = J w + b the iteration must converge, also where the gap itself points the wrong way."""
+    rng = np.random.default_rng(1)
+    jacobian = rng.normal(size=(7, 7))
+    goal, weights = rng.normal(size=7), np.zeros(7)
+    for _ in range(4000):
+        weights = weights + gauss_newton_step(jacobian, goal - jacobian @ weights, np.ones(7, dtype=bool))
+    assert np.linalg.norm(goal - jacobian @ weights) < 0.05 * np.linalg.norm(goal)
+
+
+def test_a_step_is_never_long():
+    """One unlucky estimate would throw the weights away."""
+    step = gauss_newton_step(1e-3 * np.eye(7), np.full(7, 1e6), np.ones(7, dtype=bool))
+    assert np.linalg.norm(step) <= 0.5 + 1e-12
+
+
+def test_rollouts_do_not_depend_on_the_process(experts):
+    """The same seed would give other weights on another machine."""
+    weights = np.array([1, 1, 1, 1, -3, 0, -3.0])
+    found = []
+    for jobs in (1, 2):
+        with Simulator(experts, jobs) as simulator:
+            found.append([r for each in simulator.roll_out(weights, 2, 'x') for r in each])
+    for one, other in zip(*found, strict=True):
+        np.testing.assert_array_equal(one.features, other.features)
+        np.testing.assert_array_equal(one.score, other.score)
+    assert not np.array_equal(found[0][0].features, found[0][1].features)
+
+
+def test_the_score_sums_to_zero_on_average(experts):
+    """E[grad log p] = 0 for any policy; a wrong score would give a wrong Jacobian."""
+    weights = np.array([2, 1, 1, 1, -3, 0, -3.0])
+    with Simulator(experts[:1]) as simulator:
+        scores = np.array([r.score for r in simulator.roll_out(weights, 60, 'y')[0]])
+    error = scores.std(axis=0, ddof=1) / np.sqrt(len(scores))
+    assert (np.abs(scores.mean(axis=0)) <= 4 * error + 1e-12).all()
+
+
+def test_the_gap_falls_and_the_same_seed_finds_the_same(experts):
+    """Training would be a lottery."""
+    seen = []
+    one = match_features(experts, [], FEW, lambda number, iteration: seen.append(number))
+    other = match_features(experts, [], dataclasses.replace(FEW, jobs=2))
+    np.testing.assert_array_equal(one.weights, other.weights)
+    late = np.mean([iteration.gap for iteration in one.iterations[-8:]], axis=0)
+    assert np.linalg.norm(late) < 0.5 * np.linalg.norm(one.iterations[0].gap)
+    assert seen == list(range(1, len(one.iterations) + 1))
+    assert one.weights[5] == 0.0
+    assert one.weights[4] < 0
+
+
+def test_without_a_world_there_is_nothing_to_roll_out_in(made):
+    """The user of a real robot must be told what to use instead."""
+    with pytest.raises(InputError, match='use --method choice'):
+        match_features([made.synthetic(np.ones(7), 0, 5)], [], FEW)

@@ -1,0 +1,62 @@
+"""From demonstrations to the document that is written."""
+
+import dataclasses
+
+import numpy as np
+import pytest
+import yaml
+
+from al_questioner.domain import DECISION_FEATURES, InputError
+from al_questioner.imitation.feature_matching import MatchingSettings
+from al_questioner.imitation.pictures import draw_training
+from al_questioner.imitation.training import TrainingSettings, check_alike, expected_gap, train, weights_document
+from al_questioner.questioning import read_weights
+
+QUICK = MatchingSettings(iterations=3, rollouts=2)
+BAGS = [{'name': 'a', 'sha256': '00'}, {'name': 'b', 'sha256': '11'}]
+
+
+@pytest.mark.parametrize('method', ['maxent', 'choice'])
+def test_what_is_written_can_be_read_and_tells_where_it_comes_from(experts, tmp_path, method):
+    """The learner could not take the weights, or nobody could tell what they are."""
+    training = train(experts, TrainingSettings(method, matching=QUICK))
+    path = tmp_path / 'w.yaml'
+    path.write_text(yaml.safe_dump(weights_document(training, BAGS), sort_keys=False))
+    read = read_weights(path)
+    assert list(read.values) == list(DECISION_FEATURES)
+    assert sum(map(abs, read.values.values())) == pytest.approx(1, abs=1e-5)
+    assert 'remaining_time' in read.provenance
+    details = yaml.safe_load(path.read_text())['training']
+    assert details['method'] == method
+    assert details['bags'] == BAGS
+    assert details['unidentified'] == ['remaining_time']
+    assert set(details['gap_before']) == set(details['gap_after']) == set(DECISION_FEATURES)
+    assert draw_training(training, experts, [], tmp_path / 'w.png').stat().st_size > 10_000
+
+
+def test_unweighted_choices_leave_no_gap_at_the_experts_steps(made):
+    """At the maximum of the likelihood expected and chosen features are equal: equation 6, state by state."""
+    from al_questioner.imitation.choice_likelihood import fit_choices
+    from al_questioner.imitation.demonstration import feature_scale
+
+    shown = [made.synthetic(np.array([3, 1, -2, 0.5, -4, 0, -3.0]), 0, 100)]
+    found = fit_choices(shown, importance=np.ones(100), ridge=0.0)
+    assert np.abs(expected_gap(found, shown, feature_scale(shown))).max() < 1e-4
+    assert np.abs(expected_gap(np.zeros(7), shown, feature_scale(shown))).max() > 0.1
+
+
+def test_demonstrations_of_different_things_are_refused(experts, made):
+    """Weights of a mixture would be those of nobody."""
+    first = experts[0]
+    other_names = dataclasses.replace(first, name='b', feature_names=('size_x',))
+    other_task = made.synthetic(np.ones(7), 0, 3)
+    symbols = dataclasses.replace(first.settings, symbols=('cup', 'plate'))
+    for other, reason in (
+        (other_names, 'b was recorded with other features'),
+        (other_task, 'is of task another world, expert prepare_lunch 0 of prepare_lunch'),
+        (dataclasses.replace(first, name='c', settings=symbols), 'c is about cup, plate'),
+    ):
+        with pytest.raises(InputError, match=reason):
+            check_alike([first, other])
+    with pytest.raises(InputError, match='no demonstration'):
+        check_alike([])
