@@ -13,6 +13,8 @@ EXECUTABLES = {
     'perception': ('al_questioner.ros.perception', 'node: looks at the (simulated) table and publishes what it sees'),
     'learner': ('al_questioner.ros.learner', 'node: decides what to ask, asks, and learns from the answers'),
     'teacher': ('al_questioner.ros.teacher', 'node: answers the questions from a script'),
+    'record': ('al_questioner.ros.record', 'node: records an episode into a bag; --repair makes a killed one whole'),
+    'train_weights': ('al_questioner.imitation.command', "learns the decision weights from an expert's bags"),
     'demo': ('al_questioner.demo.command', 'plays one learning episode and shows how it went'),
 }
 """Module and one-line description of each executable; the module is imported only when it is run."""

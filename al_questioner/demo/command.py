@@ -55,6 +55,7 @@ def parser() -> Parser:
     result.add_argument('--turn-period', type=period, default=0.0, help=period_help)
     result.add_argument('--out', type=Path, default=Path('out/demo'), help='folder for the pictures (%(default)s)')
     result.add_argument('--json', type=Path, metavar='FILE', help='write the episode as JSON')
+    result.add_argument('--record', type=Path, metavar='BAG', help='record the episode into a new bag, not offline')
     result.add_argument('--namespace', help='of the ROS topics, not offline (one of its own for each run)')
     where = result.add_mutually_exclusive_group()
     where.add_argument('--offline', action='store_true', help='the same episode without ROS')
@@ -65,6 +66,11 @@ def parser() -> Parser:
 def main(arguments: Sequence[str]) -> int:
     """Run the demo."""
     given = parser().parse_args(arguments)
+    for option in ('record', 'namespace'):
+        if given.offline and getattr(given, option):
+            raise InputError(f'--{option} is of no use --offline: there is no ROS graph')
+    if given.record and given.one_process:
+        raise InputError('--record needs a process for each node: leave --one-process out')
     choice = WorldChoice(
         load_task(given.task), given.seed, given.seed if given.sample is None else given.sample, given.dataset
     )
@@ -100,7 +106,7 @@ def main(arguments: Sequence[str]) -> int:
         write_text(given.json, json.dumps(document, indent=1) + '\n')
     console.print(summary(result))
     _tell(console, evaluation.world.report())
-    for path in (*pictures, *([given.json] if given.json else [])):
+    for path in (*pictures, *(path for path in (given.json, given.record) if path)):
         console.print(f'  {path}', highlight=False, soft_wrap=True)
     return 0
 
@@ -156,4 +162,5 @@ def _play_graph(given: argparse.Namespace, evaluation: Evaluation, watch: TurnWa
         one_process=given.one_process,
         log_dir=given.out / 'logs',
         patience=PATIENCE + given.turn_period,
+        bag=given.record,
     ).play(follow)

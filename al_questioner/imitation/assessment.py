@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import dataclasses
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -64,13 +64,13 @@ class Imitation:
     queries: tuple[QueryRecord, ...]
 
 
-def imitate(weights: Array, demonstration: Demonstration, open_world: Callable[[], PerceivedWorld]) -> Imitation:
+def imitate(weights: Array, demonstration: Demonstration, world: PerceivedWorld) -> Imitation:
     """Play the demonstration's episode with dt_task_env and these weights (7,).
 
     Args:
         weights: w.
         demonstration: of a simulated world.
-        open_world: opens it; called once.
+        world: this world.
     """
     choice = demonstration.world
     if choice is None:
@@ -79,7 +79,7 @@ def imitate(weights: Array, demonstration: Demonstration, open_world: Callable[[
     settings = dataclasses.replace(demonstration.settings, strategy='dt_task_env', weights=named)
     episode = Episode(settings, generator(choice.seed, 'learner'))
     teacher = ScriptedTeacher(choice.task.symbols, choice.task.relevant_groups, choice.seed)
-    played = [decision for decision, _ in turns(episode, open_world(), teacher)]
+    played = [decision for decision, _ in turns(episode, world, teacher)]
     counts = np.mean([decision.features[decision.chosen] for decision in played], axis=0)
     return Imitation(np.asarray(counts), episode.records)
 

@@ -46,7 +46,7 @@ class MatchingSettings:
 
     iterations: int = 100
     rollouts: int = 6
-    patience: int = 12
+    patience: int = 8
     seed: int = 0
     jobs: int = 1
 

@@ -36,7 +36,7 @@ SECONDS_TO_STOP = 10.0
 
 @dataclass(frozen=True)
 class Graph:
-    """What the three nodes are started with.
+    """What the nodes are started with.
 
     Attributes:
         namespace: of all their topics, without a slash at its ends.
@@ -45,6 +45,7 @@ class Graph:
         one_process: run the nodes in this process instead of one process each.
         log_dir: where each process leaves what it prints.
         patience: seconds without progress after which a warning on /diagnostics is taken for the end.
+        bag: where a recorder beside them writes the episode to; None for no recorder. Not in one process.
     """
 
     namespace: str
@@ -53,6 +54,7 @@ class Graph:
     one_process: bool
     log_dir: Path
     patience: float
+    bag: Path | None = None
 
     def play(self, watch: StateWatcher) -> None:
         """Play an episode to its end.
@@ -75,17 +77,21 @@ class Graph:
             return observers[0]
 
         nodes = [self._maker(name) for name in NODES] if self.one_process else []
-        with self._processes(() if self.one_process else tuple(NODES)) as processes:
+        # The recorder first: the others wait for it.
+        names = (*(() if self.bag is None else ('record',)), *NODES)
+        with self._processes(() if self.one_process else names) as processes:
 
             def is_over() -> bool:
+                recorder = processes.get('record')
                 for name, process in processes.items():
                     if process.poll() == 2:
                         raise InputError(self._last_line(name))
-                    if process.poll() is not None:
+                    ended_well = process is recorder and process.poll() == 0 and observers[0].done
+                    if process.poll() is not None and not ended_well:
                         raise EpisodeError(f'{name} ended with status {process.returncode}: {self._last_line(name)}')
                 if observers[0].failure is not None:
                     raise observers[0].failure
-                return observers[0].done
+                return observers[0].done and (recorder is None or recorder.poll() == 0)
 
             run_nodes([make_observer, *nodes], [], '', is_over)
         if not observers[0].done:
@@ -116,9 +122,16 @@ class Graph:
 
     def _command(self, name: str) -> list[str]:
         command = [sys.executable, '-m', 'al_questioner', name, '--ros-args', '-r', f'__ns:=/{self.namespace}']
-        for key, value in self.parameters[name].items():
+        for key, value in self._parameters(name).items():
             command += ['-p', f'{key}:={json.dumps(value)}']
         return command
+
+    def _parameters(self, name: str) -> Mapping[str, Value]:
+        if self.bag is None:
+            return self.parameters[name]
+        if name == 'record':
+            return {'bag': str(self.bag), 'until_done': True}
+        return {**self.parameters[name], 'wait_for_recorder': True}
 
     def _log(self, name: str) -> Path:
         return self.log_dir / f'{name}.log'

@@ -71,6 +71,8 @@ class LearnerNode(QuestionerNode):
         self.on_message(String, 'answer', self._hear, qos.EVENTS)
         self.does('preparing the models, some ten seconds the first time ever')
         self.submit(compile_models)
+        if self._given['wait_for_recorder']:
+            self.await_recorder('decision', 'answer_ack')
         self.submit(self._begin_turn)
 
     def _begin_turn(self) -> None:

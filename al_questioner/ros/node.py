@@ -7,7 +7,7 @@ import threading
 import time
 import traceback
 from collections import Counter
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from functools import partial
 from typing import Any
 
@@ -28,6 +28,11 @@ from al_questioner.ros.worker import Worker
 DIAGNOSTICS_PERIOD = 1.0
 """Seconds between two messages on /diagnostics."""
 
+
+RECORDER = 'recorder'
+"""Name of the node that records."""
+SECONDS_FOR_RECORDER = 10.0
+"""After which the lack of a recorder is worth a warning."""
 
 REFUSAL_SHOWN = 60.0
 """Seconds for which a refusal makes the node's status a warning; its count stays."""
@@ -99,6 +104,28 @@ class QuestionerNode(Node):
         self._activity = activity
         self._overdue = time.monotonic() + expected_within
 
+    def await_recorder(self, *topics: str) -> None:
+        """Let nothing happen before a recorder listens to these topics: what is not latched would be lost to it.
+
+        It is the worker that waits, with what arrives meanwhile queued behind.
+        """
+
+        def wait() -> None:
+            self.does('waiting for a recorder', expected_within=SECONDS_FOR_RECORDER)
+            while self.context.ok() and not all(self._is_recorded(topic) for topic in topics):
+                time.sleep(0.05)
+            self.does('a recorder listens')
+
+        self.submit(wait)
+
+    def _is_recorded(self, topic: str) -> bool:
+        listeners = self.get_subscriptions_info_by_topic(self.resolve_topic_name(topic))
+        return any(listener.node_name == RECORDER for listener in listeners)
+
+    def counts(self) -> Mapping[str, int]:
+        """What the node counts, for /diagnostics."""
+        return {f'refused on {topic}': count for topic, count in dict(self._refused).items()}
+
     def destroy_node(self) -> None:
         """Stop the worker, then leave the graph."""
         self._worker.stop()
@@ -123,9 +150,7 @@ class QuestionerNode(Node):
             name=self.get_fully_qualified_name().lstrip('/'),
             message=message,
             hardware_id='al_questioner',
-            values=[
-                KeyValue(key=f'refused on {topic}', value=str(count)) for topic, count in dict(self._refused).items()
-            ],
+            values=[KeyValue(key=what, value=str(count)) for what, count in self.counts().items()],
         )
         array = DiagnosticArray(status=[status])
         array.header.stamp = self.get_clock().now().to_msg()

@@ -41,6 +41,8 @@ class PerceptionNode(QuestionerNode):
         self._painter = Worker('painter', self._failed)
         self._objects = self.create_publisher(PointCloud2, 'objects', qos.LATCHED)
         self._picture = self.create_publisher(Image, 'scene_image', qos.LATCHED)
+        if self._given['wait_for_recorder']:
+            self.await_recorder('objects')
         self.on_document('turn', self._look)
         for line in self._world.report().splitlines():
             self.get_logger().info(line)

@@ -19,7 +19,9 @@ WORLD_SETTINGS = (
 )
 """What perception, learner and teacher must agree on to speak of the same world."""
 
-PERCEPTION_SETTINGS = (Setting('frame_id', 'table', 'frame of the objects and of the picture'),)
+WAIT_FOR_RECORDER = Setting('wait_for_recorder', False, 'do nothing before a node named recorder listens')
+
+PERCEPTION_SETTINGS = (Setting('frame_id', 'table', 'frame of the objects and of the picture'), WAIT_FOR_RECORDER)
 
 TEACHER_SETTINGS = (
     Setting('mode', 'scripted', 'who answers: scripted'),
@@ -27,6 +29,7 @@ TEACHER_SETTINGS = (
     Setting('wrong_rate', 0.0, 'share of wrong answers', lower=0.0, upper=1.0),
     Setting('unknown_rate', 0.0, 'share of queries answered by "I do not know"', lower=0.0, upper=1.0),
     Setting('delay', 0.0, 'time the teacher takes to answer', unit='s', lower=0.0, upper=3600.0),
+    WAIT_FOR_RECORDER,
 )
 
 
@@ -71,10 +74,19 @@ def learner_settings(task: Task) -> tuple[Setting, ...]:
             upper=3600.0,
         ),
         Setting('episode_id', '', 'of the episode in all documents; empty: one that is not used again'),
+        WAIT_FOR_RECORDER,
     )
+
+
+RECORDER_SETTINGS = (
+    Setting('bag', '', 'directory of the new bag; empty: al_questioner_ and the date and time'),
+    Setting('storage', 'mcap', 'format of the file: mcap or sqlite3'),
+    Setting('until_done', False, 'end by itself when the learner says that its episode is over'),
+)
 
 
 def all_names() -> frozenset[str]:
     """Every parameter of every node: a file for all nodes sets parameters that a single one does not have."""
-    settings = (*WORLD_SETTINGS, *PERCEPTION_SETTINGS, *TEACHER_SETTINGS, *learner_settings(load_task(DEFAULT_TASK)))
+    learner = learner_settings(load_task(DEFAULT_TASK))
+    settings = (*WORLD_SETTINGS, *PERCEPTION_SETTINGS, *TEACHER_SETTINGS, *RECORDER_SETTINGS, *learner)
     return frozenset(setting.name for setting in settings)

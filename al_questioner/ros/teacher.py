@@ -42,6 +42,8 @@ class TeacherNode(QuestionerNode):
         self._delay = float(given['delay'])
         self._unacknowledged: Answer | None = None
         self._publish_answer = self.document_publisher('answer', qos.EVENTS)
+        if given['wait_for_recorder']:
+            self.await_recorder('answer')
         self.on_document('query', self._consider)
         self.on_document('answer_ack', self._acknowledged, qos.EVENTS)
         self.does('waiting for a query')

@@ -33,6 +33,12 @@ class Worker:
         self._jobs.put(None)
         self._thread.join(timeout)
 
+    def finish(self, timeout: float = 30.0) -> None:
+        """Do the jobs that wait, for at most `timeout` seconds, and then no more."""
+        self._jobs.put(None)
+        self._thread.join(timeout)
+        self._stopped.set()
+
     def _run(self) -> None:
         while True:
             job = self._jobs.get()

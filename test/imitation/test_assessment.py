@@ -37,7 +37,7 @@ def test_equal_weights_are_uniform():
 def test_the_learner_is_tried_in_the_experts_place(experts):
     """Same world, budget and time; else the gap would be that of other circumstances."""
     shown = experts[0]
-    tried = imitate(np.array([1, 1, 1, 1, -1, 0, -9.0]), shown, lambda: PerceivedWorld(shown.world.open()))
+    tried = imitate(np.array([1, 1, 1, 1, -1, 0, -9.0]), shown, PerceivedWorld(shown.world.open()))
     assert sum(record.cost for record in tried.queries) <= shown.settings.budget
     scale = feature_scale(experts)
     gap = count_gap([tried], [shown], scale)

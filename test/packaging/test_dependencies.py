@@ -16,9 +16,11 @@ DISTRIBUTIONS = {
     'cv2': ('opencv-python-headless', 'python3-opencv'),
     'jsonschema': ('jsonschema', 'python3-jsonschema'),
     'matplotlib': ('matplotlib', 'python3-matplotlib'),
+    'mcap': ('mcap', 'mcap-ros2-support'),
     'numba': ('numba', 'python3-numba'),
     'numpy': ('numpy', 'python3-numpy'),
     'rich': ('rich', 'python3-rich'),
+    'rosbags': ('rosbags', 'python3-rosbags-pip'),
     'scipy': ('scipy', 'python3-scipy'),
     'yaml': ('PyYAML', 'python3-yaml'),
 }

@@ -12,7 +12,13 @@ from al_questioner.domain import InputError
 from al_questioner.ros.learner import LearnerNode
 from al_questioner.ros.parameters import Setting, help_text
 from al_questioner.ros.perception import PerceptionNode
-from al_questioner.ros.settings import PERCEPTION_SETTINGS, TEACHER_SETTINGS, WORLD_SETTINGS, learner_settings
+from al_questioner.ros.settings import (
+    PERCEPTION_SETTINGS,
+    RECORDER_SETTINGS,
+    TEACHER_SETTINGS,
+    WORLD_SETTINGS,
+    learner_settings,
+)
 from al_questioner.ros.teacher import TeacherNode
 from al_questioner.world import load_task
 
@@ -25,7 +31,8 @@ FILES = sorted((config_dir() / 'params').glob('*.yaml'))
 def test_file_lists_every_parameter_at_its_default(path: Path) -> None:
     """A user would change a parameter that does not exist, or miss one that does."""
     content = read_yaml(path)
-    settings = (*WORLD_SETTINGS, *PERCEPTION_SETTINGS, *TEACHER_SETTINGS, *learner_settings(load_task(path.stem)))
+    learner = learner_settings(load_task(path.stem))
+    settings = (*WORLD_SETTINGS, *PERCEPTION_SETTINGS, *TEACHER_SETTINGS, *RECORDER_SETTINGS, *learner)
     expected = {setting.name: setting.default for setting in settings if setting.name != 'sample'}
     assert content == {'/**': {'ros__parameters': {**expected, 'task': path.stem}}}
 

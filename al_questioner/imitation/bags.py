@@ -1,0 +1,58 @@
+"""Demonstrations from bags."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from pathlib import Path
+
+from al_questioner.domain import InputError
+from al_questioner.imitation.demonstration import Demonstration, step_of
+from al_questioner.messages.documents import Document
+from al_questioner.recording import BagError, Session, read_sessions
+from al_questioner.simulation import WorldChoice
+from al_questioner.world import load_task
+
+
+def read_demonstrations(paths: Sequence[Path]) -> list[Demonstration]:
+    """The demonstrations of several bags, in the order given; a bag may hold several episodes.
+
+    Raises:
+        InputError: a bag that is none, broken, of something else, or whose decisions hold nothing to learn from.
+    """
+    found: list[Demonstration] = []
+    for path in paths:
+        sessions = read_sessions(path)
+        for number, session in enumerate(sessions, 1):
+            name = path.name if len(sessions) == 1 else f'{path.name} ({number})'
+            found.append(demonstration_of(session, name))
+    return found
+
+
+def demonstration_of(session: Session, name: str) -> Demonstration:
+    """What a recorded episode shows of its questioner.
+
+    Raises:
+        BagError: its decisions hold no decision features, or chose what was not considered.
+    """
+    try:
+        steps = tuple(step_of(turn.decision) for turn in session.turns)
+    except InputError as error:
+        raise BagError(f'{session.source}: strategy {session.settings.strategy}: {error}') from error
+    return Demonstration(
+        name=name,
+        settings=session.settings,
+        world=None if session.world is None else _world(session.source, session.world),
+        steps=steps,
+        feature_names=session.feature_names,
+        queries=tuple(turn.record for turn in session.turns if turn.record is not None),
+        change_turns=session.change_turns,
+    )
+
+
+def _world(source: Path, members: Document) -> WorldChoice:
+    try:
+        task = load_task(members['task'])
+    except InputError as error:
+        raise BagError(f'{source}: {error}') from error
+    dataset = Path(members['dataset']) if members['dataset'] else None
+    return WorldChoice(task, members['seed'], members['sample'], dataset)

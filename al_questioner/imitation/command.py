@@ -1,0 +1,128 @@
+"""The `train_weights` executable."""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Sequence
+from pathlib import Path
+
+import numpy as np
+import yaml
+from rich import progress as bars
+from rich.console import Console
+from rich.table import Table
+
+from al_questioner.arguments import LARGEST_SEED, Parser, number
+from al_questioner.files import make_folder, write_text
+from al_questioner.imitation.assessment import Imitation, imitate
+from al_questioner.imitation.bags import read_demonstrations
+from al_questioner.imitation.choice_likelihood import RIDGE
+from al_questioner.imitation.demonstration import Demonstration
+from al_questioner.imitation.feature_matching import Iteration, MatchingSettings
+from al_questioner.imitation.pictures import draw_training
+from al_questioner.imitation.training import METHODS, Training, TrainingSettings, by_feature, train, weights_document
+from al_questioner.recording import digest
+from al_questioner.simulation import PerceivedWorld
+
+MOST = 10_000
+
+
+def parser() -> Parser:
+    """The arguments of `train_weights`."""
+    defaults = MatchingSettings()
+    result = Parser(
+        prog='train_weights',
+        description="Learn the weights of the decision features from an expert's recorded episodes.",
+    )
+    result.add_argument('bags', nargs='+', type=Path, metavar='BAG', help='a bag of the `record` executable')
+    result.add_argument('--out', type=Path, required=True, metavar='FILE', help='the YAML file to write')
+    result.add_argument(
+        '--method',
+        choices=METHODS,
+        default=METHODS[0],
+        help='maxent: match the feature counts in rollouts, for simulated worlds (default);'
+        ' choice: likelihood of the choices, without a simulator',
+    )
+    count = number(int, 1, MOST)
+    result.add_argument('--seed', type=number(int, 0, LARGEST_SEED), default=0, help='of the rollouts (%(default)s)')
+    iterations_help = 'of maxent, at most (%(default)s)'
+    result.add_argument('--iterations', type=count, default=defaults.iterations, help=iterations_help)
+    rollouts_help = 'of each demonstration at each iteration of maxent (%(default)s)'
+    result.add_argument('--rollouts', type=count, default=defaults.rollouts, help=rollouts_help)
+    validation_help = 'number of demonstrations, the last ones, that choose among the iterations (%(default)s)'
+    result.add_argument('--validation', type=number(int, 0, MOST), default=1, help=validation_help)
+    ridge_help = 'strength of the prior of choice (%(default)s)'
+    result.add_argument('--ridge', type=number(float, 0, 1e6), default=RIDGE, help=ridge_help)
+    jobs = os.cpu_count() or 1
+    result.add_argument('--jobs', type=number(int, 1, 1024), default=jobs, help='processes of maxent (%(default)s)')
+    result.add_argument('--picture', type=Path, metavar='FILE', help='(the name of --out, ending in .png)')
+    return result
+
+
+def main(arguments: Sequence[str]) -> int:
+    """Learn weights, write them, and show what came of it."""
+    given = parser().parse_args(arguments)
+    console = Console()
+    picture = given.picture or given.out.with_suffix('.png')
+    for path in (given.out, picture):
+        make_folder(path.parent)
+        write_text(path, '', mode='a')
+    demonstrations = read_demonstrations(given.bags)
+    console.print(f'{len(demonstrations)} demonstrations, {sum(len(d.steps) for d in demonstrations)} turns')
+    matching = MatchingSettings(given.iterations, given.rollouts, seed=given.seed, jobs=given.jobs)
+    settings = TrainingSettings(given.method, given.validation, given.ridge, matching)
+    with bars.Progress(
+        bars.TextColumn('iteration {task.completed:.0f}, at most {task.total:.0f}'),
+        bars.BarColumn(),
+        bars.TextColumn('{task.description}'),
+        bars.TimeElapsedColumn(),
+        console=console,
+        transient=True,
+    ) as progress:
+        bar = progress.add_task('opening the worlds', total=given.iterations, visible=given.method == 'maxent')
+
+        def watch(iteration: int, state: Iteration) -> None:
+            gap, held_out = np.linalg.norm(state.gap), np.linalg.norm(state.validation_gap)
+            progress.update(bar, completed=iteration, description=f'gap {gap:.2f}, validation {held_out:.2f}')
+
+        training = train(demonstrations, settings, watch)
+    bags = [{'name': path.name, 'sha256': digest(path)} for path in given.bags]
+    write_text(given.out, yaml.safe_dump(weights_document(training, bags), sort_keys=False, width=100))
+    draw_training(training, demonstrations, _imitations(training, demonstrations), picture)
+    console.print(_table(training))
+    console.print(_summary(training), highlight=False)
+    for path in (given.out, picture):
+        console.print(f'  {path}', highlight=False, soft_wrap=True)
+    return 0
+
+
+def _imitations(training: Training, demonstrations: Sequence[Demonstration]) -> list[Imitation]:
+    """What the learner does in the place of the expert; nothing unless all worlds are simulated."""
+    found = []
+    for demonstration in demonstrations:
+        choice = demonstration.world
+        if choice is None:
+            return []
+        found.append(imitate(training.weights, demonstration, PerceivedWorld(choice.open())))
+    return found
+
+
+def _table(training: Training) -> Table:
+    table = Table('decision feature', 'weight', 'gap before', 'gap after')
+    columns = (training.weights, training.gap_before, training.gap_after)
+    named = [by_feature(column, 3) for column in columns]
+    for name in named[0]:
+        free = ' (not identified)' if name in training.free.unidentified else ''
+        table.add_row(name + free, *(f'{column[name]:.3f}' for column in named))
+    return table
+
+
+def _summary(training: Training) -> str:
+    before, after = (float(np.linalg.norm(gap)) for gap in (training.gap_before, training.gap_after))
+    agreed = training.agreement
+    return (
+        f"gap {before:.2f} before, {after:.2f} after (units of the features' spread)\n"
+        f'agreement with the expert: kind of query {agreed.kind:.2f}, whether to ask {agreed.ask:.2f},'
+        f' log-likelihood {agreed.log_likelihood:.2f} a turn\n'
+        f'{training.free.describe()}'
+    )

@@ -1,0 +1,158 @@
+"""Reading rosbag2 bags, without ROS: whole ones, whose message counts are right."""
+
+from __future__ import annotations
+
+import hashlib
+from collections import Counter
+from collections.abc import Iterator
+from dataclasses import dataclass
+from functools import lru_cache
+from pathlib import Path
+from typing import Any
+
+from rosbags.interfaces import ConnectionExtRosbag2, QosDurability
+from rosbags.rosbag2 import Reader
+from rosbags.typesys import Stores, get_typestore
+from rosbags.typesys.store import Typestore
+
+from al_questioner.domain import InputError
+
+STORAGE_SUFFIXES = {'mcap': '.mcap', 'sqlite3': '.db3'}
+"""Suffix of a bag's file by the name of its storage."""
+
+
+class BagError(InputError):
+    """A bag that cannot be read or written; the text says which and why."""
+
+
+@dataclass(frozen=True)
+class Topic:
+    """A topic of a bag.
+
+    Attributes:
+        name: as it was recorded, namespace included.
+        type: of its messages, such as 'std_msgs/msg/String'.
+        latched: whether its publisher was transient local.
+    """
+
+    name: str
+    type: str
+    latched: bool
+
+
+@dataclass(frozen=True)
+class BagMessage:
+    """A message of a bag.
+
+    Attributes:
+        topic: name of its topic.
+        type: of the message.
+        stamp: when it was received, nanoseconds since the epoch.
+        data: serialised, CDR.
+    """
+
+    topic: str
+    type: str
+    stamp: int
+    data: bytes
+
+
+@dataclass(frozen=True)
+class Bag:
+    """What a bag holds.
+
+    Attributes:
+        path: where it lies.
+        topics: its topics.
+        messages: all messages, in the order in which they were received.
+    """
+
+    path: Path
+    topics: tuple[Topic, ...]
+    messages: tuple[BagMessage, ...]
+
+
+def read_bag(path: Path) -> Bag:
+    """Read a bag of any storage and compression that rosbags knows.
+
+    Raises:
+        BagError: there is no bag, it is broken, it is empty, or messages are missing that its metadata counts.
+    """
+    _check_there(path)
+    try:
+        with Reader(path) as reader:
+            topics = tuple(
+                Topic(connection.topic, connection.msgtype, _is_latched(connection.ext))
+                for connection in reader.connections
+            )
+            expected = Counter[str]()
+            for connection in reader.connections:
+                expected[connection.topic] += connection.msgcount
+            messages = tuple(
+                BagMessage(connection.topic, connection.msgtype, stamp, bytes(data))
+                for connection, stamp, data in reader.messages()
+            )
+    except Exception as error:
+        raise BagError(f'{path}: cannot be read ({_one_line(error)}); try record --repair {path}') from error
+    found = Counter(message.topic for message in messages)
+    short = [f'{found[name]} of {count} on {name}' for name, count in expected.items() if found[name] != count]
+    if short:
+        raise BagError(f'{path}: messages are missing: {", ".join(short)}')
+    if not messages:
+        raise BagError(f'{path}: the bag is empty')
+    return Bag(path, topics, messages)
+
+
+def deserialize(message: BagMessage) -> Any:
+    """The message as an object of rosbags, whose members are those of ROS.
+
+    Raises:
+        BagError: a type that ROS 2 Jazzy does not have, or bytes that do not fit it.
+    """
+    try:
+        return typestore().deserialize_cdr(message.data, message.type)
+    except Exception as error:
+        raise BagError(f'{message.topic}: not a {message.type} ({_one_line(error)})') from error
+
+
+def storage_files(path: Path) -> Iterator[Path]:
+    """The files of a bag's directory that hold messages."""
+    for suffix in STORAGE_SUFFIXES.values():
+        yield from sorted(path.glob(f'*{suffix}'))
+
+
+def digest(path: Path) -> str:
+    """SHA-256 of all files of a bag that hold messages, in order, as hexadecimal digits."""
+    total = hashlib.sha256()
+    for file in [path] if path.is_file() else storage_files(path):
+        total.update(file.read_bytes())
+    return total.hexdigest()
+
+
+@lru_cache(maxsize=1)
+def typestore() -> Typestore:
+    """The message types of ROS 2 Jazzy."""
+    return get_typestore(Stores.ROS2_JAZZY)
+
+
+def _check_there(path: Path) -> None:
+    if not path.exists():
+        raise BagError(f'{path}: there is no such bag')
+    if path.is_dir() and not (path / 'metadata.yaml').is_file():
+        if any(storage_files(path)):
+            raise BagError(
+                f'{path}: metadata.yaml is missing, as after a recording that was killed: record --repair {path}'
+            )
+        raise BagError(f'{path}: is no bag (no metadata.yaml and no file with messages in it)')
+    if path.is_file() and path.suffix not in STORAGE_SUFFIXES.values():
+        raise BagError(f'{path}: is no bag (a directory with metadata.yaml, or a .mcap or .db3 file)')
+
+
+def _is_latched(extension: object) -> bool:
+    if not isinstance(extension, ConnectionExtRosbag2):
+        return False
+    return any(profile.durability is QosDurability.TRANSIENT_LOCAL for profile in extension.offered_qos_profiles)
+
+
+def _one_line(error: Exception) -> str:
+    return ' '.join(str(error).split()) or type(error).__name__

@@ -1,0 +1,202 @@
+"""The episodes that a bag holds, turn by turn, as the learner lived them."""
+
+from __future__ import annotations
+
+from collections import defaultdict
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Any
+
+from al_questioner.domain import Costs, Decision, EpisodeSettings, InputError, QueryRecord, Scene
+from al_questioner.messages import documents
+from al_questioner.messages.clouds import decision_of_cloud, scene_of_cloud
+from al_questioner.messages.documents import Document
+from al_questioner.recording.bags import Bag, BagError, BagMessage, deserialize, read_bag
+
+STRING = 'std_msgs/msg/String'
+CLOUD = 'sensor_msgs/msg/PointCloud2'
+TYPES: Mapping[str, str] = {
+    'episode': STRING,
+    'turn': STRING,
+    'objects': CLOUD,
+    'query': STRING,
+    'answer': STRING,
+    'answer_ack': STRING,
+    'decision': CLOUD,
+    'learner_state': STRING,
+}
+"""What a recording holds: message type by the last part of the topic's name."""
+
+
+@dataclass(frozen=True, eq=False)
+class RecordedTurn:
+    """One turn.
+
+    Attributes:
+        turn: 1-based.
+        scene: what was seen.
+        decision: what was weighed and chosen; its query is None.
+        record: what was asked and answered; None if nothing was.
+    """
+
+    turn: int
+    scene: Scene
+    decision: Decision
+    record: QueryRecord | None
+
+
+@dataclass(frozen=True, eq=False)
+class Session:
+    """One recorded episode, or its first turns if the recording ended before it did.
+
+    Attributes:
+        source: the bag.
+        episode_id: of the episode.
+        settings: of the episode.
+        view_tolerance: of the learner, see `concepts.Knowledge`.
+        seed: of the learner.
+        world: the simulated world, as `task`, `seed`, `sample` and `dataset`; None if it was another one.
+        feature_names: m names.
+        turns: from the first on, without a gap.
+    """
+
+    source: Path
+    episode_id: str
+    settings: EpisodeSettings
+    view_tolerance: float
+    seed: int
+    world: Document | None
+    feature_names: tuple[str, ...]
+    turns: tuple[RecordedTurn, ...]
+
+    @property
+    def change_turns(self) -> tuple[int, ...]:
+        """Turns whose scene differs from that of the turn before."""
+        pairs = zip(self.turns, self.turns[1:], strict=False)
+        return tuple(after.turn for before, after in pairs if _differ(before.scene, after.scene))
+
+
+def read_sessions(path: Path) -> list[Session]:
+    """All episodes of a bag, in the order in which they began.
+
+    Raises:
+        BagError: not a bag, a broken one, or one whose messages are not those of an episode; the text names the bag.
+    """
+    bag = read_bag(path)
+    by_namespace: dict[str, _Recorded] = defaultdict(_Recorded)
+    for topic in bag.topics:
+        name = topic.name.rsplit('/', 1)[-1]
+        if name in TYPES and topic.type != TYPES[name]:
+            raise BagError(f'{path}: topic {topic.name} holds {topic.type}, expected {TYPES[name]}')
+    for message in bag.messages:
+        namespace, _, name = message.topic.rpartition('/')
+        if name in TYPES:
+            try:
+                by_namespace[namespace].take(name, message)
+            except BagError:
+                raise
+            except InputError as error:
+                raise BagError(f'{path}: {message.topic}: {error}') from error
+    sessions = [session for recorded in by_namespace.values() for session in _sessions(bag, recorded)]
+    if not sessions:
+        raise BagError(f'{path}: no episode was recorded in it (no message on a topic named episode)')
+    return sessions
+
+
+@dataclass
+class _Recorded:
+    """What was recorded in one namespace."""
+
+    episodes: dict[str, Document] = field(default_factory=dict)
+    stamps: dict[str, dict[int, int]] = field(default_factory=lambda: defaultdict(dict))
+    states: dict[str, Document] = field(default_factory=dict)
+    clouds: list[tuple[int, BagMessage]] = field(default_factory=list)
+    decisions: dict[int, BagMessage] = field(default_factory=dict)
+
+    def take(self, name: str, message: BagMessage) -> None:
+        """Sort one message in; clouds are kept as they are until it is known which ones matter."""
+        content = deserialize(message)
+        if name == 'objects':
+            self.clouds.append((_stamp(content.header), message))
+        elif name == 'decision':
+            self.decisions[_stamp(content.header)] = message
+        elif name in ('episode', 'turn', 'learner_state'):
+            document = documents.read(name, content.data)
+            episode_id = document['episode_id']
+            if name == 'turn':
+                stamp = document['stamp']
+                self.stamps[episode_id][document['turn']] = stamp['sec'] * 10**9 + stamp['nanosec']
+            else:
+                (self.episodes if name == 'episode' else self.states)[episode_id] = document
+
+
+def _sessions(bag: Bag, recorded: _Recorded) -> list[Session]:
+    try:
+        return [_session(bag.path, recorded, document) for document in recorded.episodes.values()]
+    except BagError:
+        raise
+    except InputError as error:
+        raise BagError(f'{bag.path}: {error}') from error
+
+
+def _session(path: Path, recorded: _Recorded, document: Document) -> Session:
+    episode_id, names = document['episode_id'], tuple(document['feature_names'])
+    settings = EpisodeSettings(
+        symbols=tuple(document['symbols']),
+        budget=float(document['budget']),
+        turns=document['turns'],
+        strategy=document['strategy'],
+        weights={name: float(weight) for name, weight in document['weights'].items()},
+        change_interval=document['change_interval'],
+        costs=Costs(**{kind: float(document['costs'][kind]) for kind in ('label', 'demonstration', 'feature_subset')}),
+        tune_every=document.get('tune_every', 0),
+        **{name: document[name] for name in ('amplitude', 'length_scale') if name in document},
+    )
+    state = recorded.states.get(episode_id)
+    last = 0 if state is None else state['turn']
+    records = {} if state is None else {q['turn']: documents.record_of(q) for q in state['queries']}
+    turns = tuple(_turn(path, recorded, episode_id, turn, settings, records.get(turn)) for turn in range(1, last + 1))
+    for turn in turns:
+        if turn.scene.feature_names != names:
+            raise BagError(
+                f'{path}: the objects of turn {turn.turn} have other features than the episode announces'
+                f' ({len(turn.scene.feature_names)}, announced {len(names)})'
+            )
+    if not turns:
+        raise BagError(f'{path}: the recording ended before the first turn of episode {episode_id} did')
+    return Session(
+        source=path,
+        episode_id=episode_id,
+        settings=settings,
+        view_tolerance=float(document.get('view_tolerance', 1e-3)),
+        seed=document['seed'],
+        world=document['world'],
+        feature_names=names,
+        turns=turns,
+    )
+
+
+def _turn(
+    path: Path, recorded: _Recorded, episode_id: str, turn: int, settings: EpisodeSettings, record: QueryRecord | None
+) -> RecordedTurn:
+    stamp = recorded.stamps[episode_id].get(turn)
+    if stamp is None:
+        raise BagError(f'{path}: turn {turn} of {settings.turns} was not recorded: did the recording begin too late?')
+    # The learner takes the first cloud that is not older than the turn.
+    cloud = next((message for at, message in recorded.clouds if at >= stamp), None)
+    decision = recorded.decisions.get(stamp)
+    if cloud is None or decision is None:
+        missing = 'objects' if cloud is None else 'decision'
+        raise BagError(f'{path}: turn {turn} of {settings.turns} was recorded without its {missing}')
+    scene = scene_of_cloud(deserialize(cloud))
+    weighed = decision_of_cloud(deserialize(decision), settings.symbols, turn)
+    return RecordedTurn(turn, scene, weighed, record)
+
+
+def _differ(before: Scene, after: Scene) -> bool:
+    return before.object_ids != after.object_ids or before.features.tobytes() != after.features.tobytes()
+
+
+def _stamp(header: Any) -> int:
+    return int(header.stamp.sec) * 10**9 + int(header.stamp.nanosec)

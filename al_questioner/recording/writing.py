@@ -1,0 +1,157 @@
+"""Writing rosbag2 bags that survive the end of the writing process."""
+
+from __future__ import annotations
+
+import os
+from collections import Counter
+from collections.abc import Mapping, Sequence
+from pathlib import Path
+from types import TracebackType
+
+from rosbags.interfaces import (
+    Connection,
+    Qos,
+    QosDurability,
+    QosHistory,
+    QosLiveliness,
+    QosReliability,
+    QosTime,
+)
+from rosbags.rosbag2 import StoragePlugin, Writer
+from rosbags.rosbag2.storage_mcap import McapWriter
+from rosbags.rosbag2.storage_sqlite3 import Sqlite3Writer
+
+from al_questioner.recording.bags import STORAGE_SUFFIXES, BagError, Topic, typestore
+
+_STORAGES = {'mcap': StoragePlugin.MCAP, 'sqlite3': StoragePlugin.SQLITE3}
+_FOREVER = QosTime(9223372036, 854775807)
+
+
+class _DurableMcap(McapWriter):
+    """rosbags' writer keeps messages in memory until a chunk of 1 MiB is full; this one can be told to end a chunk."""
+
+    def sync(self) -> None:
+        if self.chunk.msgs:
+            self.close_chunk()
+        self.bio.flush()
+        os.fsync(self.bio.fileno())
+
+
+class _DurableSqlite3(Sqlite3Writer):
+    """rosbags' writer makes one transaction of the whole recording; this one can be told to commit."""
+
+    def sync(self) -> None:
+        self.conn.commit()
+
+
+class _Writer(Writer):
+    STORAGE_PLUGINS = {StoragePlugin.MCAP: _DurableMcap, StoragePlugin.SQLITE3: _DurableSqlite3}  # noqa: RUF012
+
+
+class BagWriter:
+    """A new bag, of the format that ROS 2 Jazzy writes.
+
+    What was written before the last `sync` survives whatever happens to the process or, as far as the disk keeps its
+    word, to the machine; `repair` makes a bag whole that was never closed. Use it as a context manager.
+
+    Args:
+        path: directory of the bag, which must not exist.
+        topics: what can be written.
+        storage: 'mcap' or 'sqlite3'.
+
+    Raises:
+        BagError: something is at the path already, it cannot be written to, or a type that Jazzy does not have.
+    """
+
+    def __init__(self, path: Path, topics: Sequence[Topic], storage: str = 'mcap') -> None:
+        if storage not in _STORAGES:
+            raise BagError(f'unknown storage {storage!r}; known: {", ".join(STORAGE_SUFFIXES)}')
+        if path.exists():
+            raise BagError(f'{path}: exists already; a bag is never overwritten')
+        self.path = path
+        self._counts = Counter[str]({topic.name: 0 for topic in topics})
+        try:
+            self._writer = _Writer(path, version=9, storage_plugin=_STORAGES[storage])
+            self._writer.open()
+        except OSError as error:
+            raise BagError(f'{path}: cannot be written ({error.strerror})') from error
+        try:
+            self._connections = {topic.name: self._connect(topic) for topic in topics}
+            self.sync()
+        except KeyError as error:
+            raise BagError(f'{path}: no message type {error} in ROS 2 Jazzy') from error
+
+    @property
+    def counts(self) -> Mapping[str, int]:
+        """Number of messages written, by topic."""
+        return self._counts
+
+    def write(self, topic: str, data: bytes, stamp: int) -> None:
+        """Write a message; it is safe after the next `sync`.
+
+        Args:
+            topic: name of one of the bag's topics.
+            data: serialised message, CDR.
+            stamp: when it was received, nanoseconds since the epoch.
+
+        Raises:
+            KeyError: not one of the topics.
+            OSError: it cannot be written.
+        """
+        self._writer.write(self._connections[topic], stamp, data)
+        self._counts[topic] += 1
+
+    def sync(self) -> None:
+        """Bring what was written to the disk.
+
+        Raises:
+            OSError: it cannot be written.
+        """
+        self._storage().sync()
+
+    def close(self) -> None:
+        """Finish the bag: its index, and `metadata.yaml`.
+
+        Raises:
+            OSError: it cannot be written.
+        """
+        if not self._writer.storage:
+            return
+        if not any(self._counts.values()):
+            # rosbags would write the largest integer for the start of nothing.
+            self._writer.min_timestamp = 0
+        self._writer.close()
+
+    def __enter__(self) -> BagWriter:
+        return self
+
+    def __exit__(
+        self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
+    ) -> None:
+        self.close()
+
+    def _connect(self, topic: Topic) -> Connection:
+        return self._writer.add_connection(
+            topic.name, topic.type, typestore=typestore(), offered_qos_profiles=[_qos(topic.latched)]
+        )
+
+    def _storage(self) -> _DurableMcap | _DurableSqlite3:
+        storage = self._writer.storage
+        if not isinstance(storage, (_DurableMcap, _DurableSqlite3)):
+            raise OSError(f'{self.path} is closed')
+        return storage
+
+
+def _qos(latched: bool) -> Qos:
+    """The profiles of `ros/qos.py`, in the words of rosbags."""
+    return Qos(
+        history=QosHistory.KEEP_LAST,
+        depth=1 if latched else 10,
+        reliability=QosReliability.RELIABLE,
+        durability=QosDurability.TRANSIENT_LOCAL if latched else QosDurability.VOLATILE,
+        deadline=_FOREVER,
+        lifespan=_FOREVER,
+        liveliness=QosLiveliness.AUTOMATIC,
+        liveliness_lease_duration=_FOREVER,
+        avoid_ros_namespace_conventions=False,
+    )

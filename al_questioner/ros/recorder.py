@@ -1,0 +1,127 @@
+"""The recorder node: writes what makes up a demonstration into a bag."""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Callable, Mapping
+from datetime import datetime
+from functools import partial
+from pathlib import Path
+from typing import Any
+
+from rclpy.clock import Clock
+from rclpy.clock_type import ClockType
+from rclpy.serialization import deserialize_message
+from sensor_msgs.msg import PointCloud2
+from std_msgs.msg import String
+
+from al_questioner.domain import InputError
+from al_questioner.messages import documents
+from al_questioner.recording import BagWriter, Topic
+from al_questioner.recording.session import CLOUD, STRING, TYPES
+from al_questioner.ros import qos
+from al_questioner.ros.node import RECORDER, QuestionerNode
+from al_questioner.ros.parameters import declare, refuse_unknown
+from al_questioner.ros.settings import RECORDER_SETTINGS, all_names
+
+CLASSES = {STRING: String, CLOUD: PointCloud2}
+EVENTS = ('answer', 'answer_ack', 'decision')
+"""What is not latched."""
+SYNC_PERIOD = 0.5
+"""Seconds from one time at which all is brought to the disk to the next: what a crash can cost."""
+DRAIN = 1.0
+"""Seconds after the end of an episode in which messages are still taken."""
+
+
+class RecorderNode(QuestionerNode):
+    """Writes every message of the recorded topics as it came, by the worker, and brings it to the disk twice a second.
+
+    Attributes:
+        done: whether the episode is over and all is written, if it is to end by itself then.
+        failure: what has made the recording impossible.
+    """
+
+    def __init__(self, **node_arguments: Any) -> None:
+        super().__init__(RECORDER, **node_arguments)
+        given = declare(self, RECORDER_SETTINGS)
+        refuse_unknown(self, all_names())
+        self.done = False
+        self.failure: Exception | None = None
+        self._until_done = bool(given['until_done'])
+        self._last_turns: dict[str, int] = {}
+        names = {name: self.resolve_topic_name(name) for name in TYPES}
+        topics = [Topic(names[name], type_, name not in EVENTS) for name, type_ in TYPES.items()]
+        path = Path(str(given['bag'])).expanduser() if given['bag'] else Path(_default_name())
+        self._bag = BagWriter(path, topics, str(given['storage']))
+        for name, type_ in TYPES.items():
+            self.create_subscription(
+                CLASSES[type_],
+                name,
+                self._taker(name, names[name]),
+                qos.RECORDED_EVENTS if name in EVENTS else qos.RECORDED_LATCHED,
+                raw=True,
+            )
+        steady = Clock(clock_type=ClockType.STEADY_TIME)
+        self.create_timer(SYNC_PERIOD, lambda: self.submit(self._sync), clock=steady)
+        self.does(f'recording to {path}')
+        self.get_logger().info(f'recording to {path}')
+
+    def counts(self) -> Mapping[str, int]:
+        """Number of messages written, by topic."""
+        return {**super().counts(), **{f'written of {topic}': count for topic, count in self._bag.counts.items()}}
+
+    def destroy_node(self) -> None:
+        """Write what is left and finish the bag."""
+        self._worker.finish()
+        super().destroy_node()
+        try:
+            self._bag.close()
+        except OSError as error:
+            self.failure = self.failure or error
+
+    def _taker(self, name: str, topic: str) -> Callable[[bytes], None]:
+        """What takes the messages of a topic, with the time at which they come."""
+        return lambda data: self.submit(partial(self._write, name, topic, bytes(data), time.time_ns()))
+
+    def _write(self, name: str, topic: str, data: bytes, stamp: int) -> None:
+        try:
+            self._bag.write(topic, data, stamp)
+        except OSError as error:
+            self.failure = error
+            raise
+        if name in ('turn', 'learner_state'):
+            self._look_into(name, data)
+
+    def _look_into(self, name: str, data: bytes) -> None:
+        """Say if a turn of an episode was missed; notice its end."""
+        try:
+            document = documents.read(name, deserialize_message(data, String).data)
+        except (InputError, RuntimeError) as error:
+            self.refuse(name, str(error))
+            return
+        if name == 'turn':
+            episode_id, turn = document['episode_id'], document['turn']
+            before = self._last_turns.get(episode_id, 0)
+            if turn > before + 1:
+                self.get_logger().warning(
+                    f'turns {before + 1} to {turn - 1} of episode {episode_id} were missed:'
+                    ' the recording cannot be used as a demonstration'
+                )
+            self._last_turns[episode_id] = turn
+        if name == 'learner_state' and document['done'] and self._until_done:
+            self.after(DRAIN, self._finish)
+
+    def _finish(self) -> None:
+        self._sync()
+        self.done = True
+
+    def _sync(self) -> None:
+        try:
+            self._bag.sync()
+        except OSError as error:
+            self.failure = error
+            raise
+
+
+def _default_name() -> str:
+    return f'al_questioner_{datetime.now():%Y_%m_%d-%H_%M_%S}'
