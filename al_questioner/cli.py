@@ -14,6 +14,10 @@ EXECUTABLES = {
     'learner': ('al_questioner.ros.learner', 'node: decides what to ask, asks, and learns from the answers'),
     'teacher': ('al_questioner.ros.teacher', 'node: answers the questions from a script'),
     'record': ('al_questioner.ros.record', 'node: records an episode into a bag; --repair makes a killed one whole'),
+    'replay': (
+        'al_questioner.ros.replay',
+        'plays a bag on its topics; --check tells whether it leads to the same again',
+    ),
     'train_weights': ('al_questioner.imitation.command', "learns the decision weights from an expert's bags"),
     'demo': ('al_questioner.demo.command', 'plays one learning episode and shows how it went'),
 }

@@ -19,7 +19,7 @@ LAYERS = (
     {'arguments', 'configuration', 'files', 'plotting'},
     {'concepts', 'messages', 'perception', 'world'},
     {'questioning', 'recording', 'teaching'},
-    {'simulation'},
+    {'rerun', 'simulation'},
     {'experiments', 'imitation', 'ros'},
     {'demo'},
     {'cli'},

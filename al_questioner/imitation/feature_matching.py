@@ -28,6 +28,9 @@ LONGEST_STEP = 1.0
 MEMORY = 0.9
 """Weight of the earlier iterations in the running mean of the Jacobian."""
 
+FIRST_ROLLOUTS = 8
+"""Times as many rollouts in the first iteration: a poor first Jacobian leads to where there is nothing to learn."""
+
 WINDOW = 10
 """Iterations over which weights and gaps are averaged: single ones are as noisy as their few rollouts."""
 
@@ -39,14 +42,14 @@ class MatchingSettings:
     Attributes:
         iterations: at most.
         rollouts: of each demonstration at each iteration.
-        patience: iterations without a new smallest mean gap after which it stops.
+        patience: iterations without a new smallest gap, training or validation, mean of the window, until it stops.
         seed: of the rollouts.
         jobs: number of processes.
     """
 
     iterations: int = 100
-    rollouts: int = 6
-    patience: int = 8
+    rollouts: int = 4
+    patience: int = 12
     seed: int = 0
     jobs: int = 1
 
@@ -108,24 +111,30 @@ def match_features(
     scaled = np.zeros(len(scale))
     jacobian = None
     iterations: list[Iteration] = []
-    best, best_at = np.inf, 0
+    smallest, fell_at = np.array([np.inf, np.inf]), 0
+    kept = 0
     with Simulator([*training, *validation], settings.jobs) as simulator:
-        while len(iterations) < settings.iterations and len(iterations) - best_at <= settings.patience:
+        while len(iterations) < settings.iterations and len(iterations) - fell_at <= settings.patience:
             weights = np.divide(scaled, scale, out=np.zeros_like(scaled), where=varies)
-            rollouts = simulator.roll_out(weights, settings.rollouts, f'{settings.seed}/{len(iterations)}')
+            count = settings.rollouts * (1 if iterations else FIRST_ROLLOUTS)
+            rollouts = simulator.roll_out(weights, count, f'{settings.seed}/{len(iterations)}')
             gap = _gap(training, rollouts[: len(training)], scale)
             held_out = _gap(validation, rollouts[len(training) :], scale) if validation else gap
             iterations.append(Iteration(weights, gap, held_out))
             if watch is not None:
                 watch(len(iterations), iterations[-1])
-            smoothed = mean_gap(iterations, len(iterations) - 1)
-            if len(iterations) >= WINDOW and smoothed < best:
-                best, best_at = smoothed, len(iterations)
+            if len(iterations) >= WINDOW:
+                smoothed = mean_gaps(iterations, len(iterations) - 1)
+                if (smoothed < smallest).any():
+                    fell_at = len(iterations)
+                if smoothed[1] < smallest[1]:
+                    kept = len(iterations) - 1
+                smallest = np.minimum(smallest, smoothed)
             estimate = jacobian_of_counts(rollouts, scale)
             jacobian = estimate if jacobian is None else MEMORY * jacobian + (1 - MEMORY) * estimate
             scaled = scaled + gauss_newton_step(jacobian, gap, varies)
             scaled -= free.null_space.T @ (free.null_space @ scaled)
-    kept = max(best_at, 1) - 1 if np.isfinite(best) else len(iterations) - 1
+    kept = kept or len(iterations) - 1
     weights = np.mean([iteration.weights for iteration in window_of(iterations, kept)], axis=0)
     return Matching(np.asarray(weights), tuple(iterations), kept)
 
@@ -135,22 +144,25 @@ def window_of(iterations: Sequence[Iteration], last: int) -> Sequence[Iteration]
     return iterations[max(0, last + 1 - WINDOW) : last + 1]
 
 
-def mean_gap(iterations: Sequence[Iteration], last: int) -> float:
-    """Length of the mean validation gap over the window that ends with an iteration."""
-    gaps = [iteration.validation_gap for iteration in window_of(iterations, last)]
-    return float(np.linalg.norm(np.mean(gaps, axis=0)))
+def mean_gaps(iterations: Sequence[Iteration], last: int) -> Array:
+    """(2,) length of the mean training and validation gap over the window that ends with an iteration."""
+    window = window_of(iterations, last)
+    means = np.mean([[iteration.gap, iteration.validation_gap] for iteration in window], axis=0)
+    return np.asarray(np.linalg.norm(means, axis=1))
 
 
 def jacobian_of_counts(rollouts: Sequence[Sequence[Rollout]], scale: Array) -> Array:
     """(7, 7) derivative of the expected feature counts by the weights, both in units of the features' scale.
 
-    By the likelihood ratio: d E[phi] / dw = Cov(phi, d log p / dw) over the rollouts of each world.
+    By the likelihood ratio: d E[phi_t] / dw = Cov(phi_t, sum_(s <= t) d log p(a_s) / dw) over the rollouts of each
+    world; what is chosen after turn t does not change the features of turn t and would add but noise.
     """
     total = np.zeros((len(scale), len(scale)))
     for of_world in rollouts:
-        counts = np.array([rollout.features for rollout in of_world])
-        scores = np.array([rollout.score for rollout in of_world])
-        total += (counts - counts.mean(axis=0)).T @ scores / max(1, len(of_world) - 1)
+        features = np.array([rollout.features for rollout in of_world])
+        scores = np.cumsum([rollout.scores for rollout in of_world], axis=1)
+        deviations = features - features.mean(axis=0)
+        total += np.einsum('rtf,rtg->fg', deviations, scores) / (max(1, len(of_world) - 1) * features.shape[1])
     unit = np.divide(1.0, scale, out=np.zeros_like(scale), where=scale > 0)
     return total / len(rollouts) * unit[:, None] * unit
 
@@ -173,5 +185,5 @@ def gauss_newton_step(jacobian: Array, gap: Array, varies: NDArray[np.bool_]) ->
 
 def _gap(demonstrations: Sequence[Demonstration], rollouts: Sequence[Sequence[Rollout]], scale: Array) -> Array:
     expert = np.mean([demonstration.feature_counts for demonstration in demonstrations], axis=0)
-    learner = np.mean([np.mean([rollout.features for rollout in each], axis=0) for each in rollouts], axis=0)
+    learner = np.mean([np.mean([rollout.feature_counts for rollout in each], axis=0) for each in rollouts], axis=0)
     return np.asarray(np.divide(expert - learner, scale, out=np.zeros_like(scale), where=scale > 0))

@@ -12,7 +12,7 @@ from matplotlib.ticker import MaxNLocator
 
 from al_questioner.imitation.assessment import Imitation
 from al_questioner.imitation.demonstration import Demonstration
-from al_questioner.imitation.feature_matching import WINDOW, mean_gap
+from al_questioner.imitation.feature_matching import WINDOW, mean_gaps
 from al_questioner.imitation.training import Training, by_feature
 from al_questioner.plotting import KIND_COLOURS, STYLE, kind_name, mark_changes, mark_query, save
 
@@ -57,7 +57,7 @@ def _draw_convergence(axes: Axes, training: Training) -> None:
     axes.plot(numbers, [np.linalg.norm(i.gap) for i in matching.iterations], color='#2c6fbb', label='training')
     held_out = [np.linalg.norm(i.validation_gap) for i in matching.iterations]
     axes.plot(numbers, held_out, color='#d1622b', alpha=0.5, label='validation')
-    smoothed = [mean_gap(matching.iterations, last) for last in range(len(numbers))]
+    smoothed = [mean_gaps(matching.iterations, last)[1] for last in range(len(numbers))]
     axes.plot(numbers, smoothed, color='#d1622b', linewidth=2, label=f'validation, mean of {WINDOW}')
     axes.axvline(matching.kept + 1, color='black', linestyle=':', label='kept')
     axes.set(xlabel='iteration', ylabel='feature-count gap (scales)', ylim=(0, None))

@@ -23,16 +23,16 @@ class SoftmaxQuestioner:
     """Chooses a with probability proportional to exp(w . E[phi|a]): the stochastic policy that imitation assumes.
 
     Attributes:
-        features: (7,) sum of the features of what was chosen so far.
-        score: (7,) sum of the gradients of log p(chosen) with respect to the weights so far.
+        features: per turn so far, (7,) those of what was chosen.
+        scores: per turn so far, (7,) gradient of log p(chosen) with respect to the weights.
     """
 
     computational_selection = False
 
     def __init__(self, weights: Array) -> None:
         self._weights = weights
-        self.features = np.zeros(len(weights))
-        self.score = np.zeros(len(weights))
+        self.features: list[Array] = []
+        self.scores: list[Array] = []
 
     def choose(self, situation: Situation, rng: np.random.Generator) -> Choice:
         """Draw one of the candidates that are not settled."""
@@ -42,8 +42,8 @@ class SoftmaxQuestioner:
         utilities[[action in settled for action in situation.candidates]] = -np.inf
         probabilities = softmax(utilities)
         index = int(rng.choice(len(utilities), p=probabilities))
-        self.features += features[index]
-        self.score += features[index] - probabilities @ features
+        self.features.append(features[index])
+        self.scores.append(features[index] - probabilities @ features)
         return Choice(index, np.where(np.isinf(utilities), np.nan, utilities), features)
 
 
@@ -52,12 +52,17 @@ class Rollout:
     """One episode of the softmax policy.
 
     Attributes:
-        features: (7,) mean over the turns of the features of what was chosen: phi_L of equation 6, per turn.
-        score: (7,) gradient of the logarithm of the policy's probability of what was chosen.
+        features: (T, 7) those of what was chosen in each turn.
+        scores: (T, 7) gradient of the logarithm of the probability of what was chosen in each turn.
     """
 
     features: Array
-    score: Array
+    scores: Array
+
+    @property
+    def feature_counts(self) -> Array:
+        """(7,) mean over the turns: phi_L of equation 6, per turn."""
+        return np.asarray(self.features.mean(axis=0))
 
 
 class Simulator:
@@ -129,7 +134,7 @@ class _Stage:
         episode = Episode(self._settings, generator(self._seed, f'rollout/{stream}'), strategy=questioner)
         for _ in turns(episode, self._world, self._teacher):
             pass
-        return Rollout(questioner.features / self._settings.turns, questioner.score)
+        return Rollout(np.array(questioner.features), np.array(questioner.scores))
 
 
 _STAGES: list[_Stage] = []

@@ -6,9 +6,12 @@ EU(a) = w . E[phi | a]: the expectation is taken once, whatever the weights.
 
 from __future__ import annotations
 
+from functools import lru_cache
+
 import numpy as np
 
-from al_questioner.domain import DECISION_FEATURES, QueryKind
+from al_questioner.concepts import Knowledge
+from al_questioner.domain import DECISION_FEATURES, Action, QueryKind, Scene
 from al_questioner.questioning import decision_features as phi
 from al_questioner.questioning.decision_features import Array
 from al_questioner.questioning.situation import Situation
@@ -24,40 +27,54 @@ def expected_features(situation: Situation) -> Array:
     computational selector picks from the labels so far; without labels, or once the teacher has answered an FSQ, the
     beliefs stay as they are.
     """
-    scene, actions = situation.scene, situation.candidates
-    q = situation.probabilities
-    positives = np.array(list(situation.knowledge.positives.values()))
-    expected = np.empty((len(actions), len(DECISION_FEATURES)))
-    expected[:, :4] = task_features(q, positives)
+    expected = np.empty((len(situation.candidates), len(DECISION_FEATURES)))
+    knowledge = situation.knowledge
+    expected[:, :4] = _expected_task_features(knowledge, knowledge.model_version, situation.scene, situation.candidates)
     expected[:, 4:] = environment_features(situation)
-
-    if any(action.kind in INSTANCE_QUERIES for action in actions):
-        by_object, by_symbol = _after_instance_queries(situation, positives)
-        for row, action in enumerate(actions):
-            if action.kind is QueryKind.LABEL and action.object_id is not None:
-                expected[row, :4] = by_object[scene.index_of(action.object_id)]
-            elif action.kind is QueryKind.DEMONSTRATION and action.symbol is not None:
-                expected[row, :4] = by_symbol[situation.symbols.index(action.symbol)]
-
-    if situation.knowledge.labelled_views and not situation.knowledge.subset_was_told:
-        for row, action in enumerate(actions):
-            if action.kind is QueryKind.FEATURE_SUBSET:
-                expected[row, :4] = task_features(situation.knowledge.predict_after_selection(scene), positives)
     return expected
 
 
-def _after_instance_queries(situation: Situation, positives: Array) -> tuple[Array, Array]:
+@lru_cache(maxsize=1)
+def _expected_task_features(
+    knowledge: Knowledge, model_version: int, scene: Scene, actions: tuple[Action, ...]
+) -> Array:
+    """(C, 4) those of the learning task; a turn without a question changes none of them.
+
+    Args:
+        knowledge: what the learner knows.
+        model_version: of this knowledge, which tells it from what it was before.
+        scene: what is seen.
+        actions: the C candidates.
+    """
+    q = knowledge.predict_proba(scene.features)
+    positives = np.array(list(knowledge.positives.values()))
+    expected = np.empty((len(actions), 4))
+    expected[:] = task_features(q, positives)
+
+    if any(action.kind in INSTANCE_QUERIES for action in actions):
+        by_object, by_symbol = _after_instance_queries(knowledge, scene, q, positives)
+        for row, action in enumerate(actions):
+            if action.kind is QueryKind.LABEL and action.object_id is not None:
+                expected[row] = by_object[scene.index_of(action.object_id)]
+            elif action.kind is QueryKind.DEMONSTRATION and action.symbol is not None:
+                expected[row] = by_symbol[knowledge.symbols.index(action.symbol)]
+
+    if knowledge.labelled_views and not knowledge.subset_was_told:
+        for row, action in enumerate(actions):
+            if action.kind is QueryKind.FEATURE_SUBSET:
+                expected[row] = task_features(knowledge.predict_after_selection(scene), positives)
+    return expected
+
+
+def _after_instance_queries(knowledge: Knowledge, scene: Scene, q: Array, positives: Array) -> tuple[Array, Array]:
     """Expected task features after LQ(x), (|X|, 4), and after DQ(y), (|Y|, 4).
 
     The look-ahead is taken in as it comes: of a large scene its whole table need not fit into memory.
     """
-    p_symbol, p_object = (
-        phi.symbol_given_object(situation.probabilities),
-        phi.object_given_symbol(situation.probabilities),
-    )
+    p_symbol, p_object = phi.symbol_given_object(q), phi.object_given_symbol(q)
     by_object, by_symbol = np.empty((len(p_symbol), 4)), np.zeros((len(positives), 4))
     one_more = positives + np.eye(len(positives), dtype=int)
-    for rows, beliefs in situation.knowledge.look_ahead_chunks(situation.scene):
+    for rows, beliefs in knowledge.look_ahead_chunks(scene):
         after = task_features(beliefs, one_more)
         by_object[rows] = np.einsum('xy,xyf->xf', p_symbol[rows], after)
         by_symbol += np.einsum('xy,xyf->yf', p_object[rows], after)

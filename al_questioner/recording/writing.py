@@ -68,6 +68,9 @@ class BagWriter:
             raise BagError(f'unknown storage {storage!r}; known: {", ".join(STORAGE_SUFFIXES)}')
         if path.exists():
             raise BagError(f'{path}: exists already; a bag is never overwritten')
+        unknown = sorted({topic.type for topic in topics} - typestore().fielddefs.keys())
+        if unknown:
+            raise BagError(f'{path}: no message type {", ".join(unknown)} in ROS 2 Jazzy')
         self.path = path
         self._counts = Counter[str]({topic.name: 0 for topic in topics})
         try:
@@ -75,11 +78,8 @@ class BagWriter:
             self._writer.open()
         except OSError as error:
             raise BagError(f'{path}: cannot be written ({error.strerror})') from error
-        try:
-            self._connections = {topic.name: self._connect(topic) for topic in topics}
-            self.sync()
-        except KeyError as error:
-            raise BagError(f'{path}: no message type {error} in ROS 2 Jazzy') from error
+        self._connections = {topic.name: self._connect(topic) for topic in topics}
+        self.sync()
 
     @property
     def counts(self) -> Mapping[str, int]:

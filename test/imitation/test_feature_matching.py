@@ -26,14 +26,26 @@ def test_the_jacobian_is_that_of_a_single_choice():
     mean = p @ features
     exact = (features - mean).T @ ((features - mean) * p[:, None])
     drawn = rng.choice(5, size=40_000, p=p)
-    rollouts = [Rollout(features[i], features[i] - mean) for i in drawn]
+    rollouts = [Rollout(features[i : i + 1], features[i : i + 1] - mean) for i in drawn]
+    np.testing.assert_allclose(jacobian_of_counts([rollouts], np.ones(7)), exact, atol=0.004)
+
+
+def test_the_jacobian_knows_that_the_future_does_not_change_the_past():
+    """Two independent choices: the second must not seem to move the features of the first; exact in the mean."""
+    rng = np.random.default_rng(2)
+    features = rng.random((2, 4, 7))
+    p = softmax(features @ rng.normal(size=7), axis=1)
+    means = np.einsum('tc,tcf->tf', p, features)
+    exact = np.mean([(f - m).T @ ((f - m) * q[:, None]) for f, m, q in zip(features, means, p, strict=True)], axis=0)
+    drawn = [np.array([features[t, rng.choice(4, p=p[t])] for t in (0, 1)]) for _ in range(20_000)]
+    rollouts = [Rollout(chosen, chosen - means) for chosen in drawn]
     np.testing.assert_allclose(jacobian_of_counts([rollouts], np.ones(7)), exact, atol=0.004)
 
 
 def test_the_jacobian_is_in_units_of_the_scale():
     """Features of small spread would hardly move."""
     rng = np.random.default_rng(0)
-    rollouts = [Rollout(*rng.normal(size=(2, 7))) for _ in range(20)]
+    rollouts = [Rollout(*rng.normal(size=(2, 5, 7))) for _ in range(20)]
     scale = np.array([1, 2, 0.5, 1, 1, 0, 4.0])
     plain, scaled = (jacobian_of_counts([rollouts], s) for s in (np.ones(7), scale))
     unit = np.where(scale > 0, 1 / np.where(scale > 0, scale, 1), 0)
@@ -65,7 +77,7 @@ def test_rollouts_do_not_depend_on_the_process(experts):
             found.append([r for each in simulator.roll_out(weights, 2, 'x') for r in each])
     for one, other in zip(*found, strict=True):
         np.testing.assert_array_equal(one.features, other.features)
-        np.testing.assert_array_equal(one.score, other.score)
+        np.testing.assert_array_equal(one.scores, other.scores)
     assert not np.array_equal(found[0][0].features, found[0][1].features)
 
 
@@ -73,7 +85,7 @@ def test_the_score_sums_to_zero_on_average(experts):
     """E[grad log p] = 0 for any policy; a wrong score would give a wrong Jacobian."""
     weights = np.array([2, 1, 1, 1, -3, 0, -3.0])
     with Simulator(experts[:1]) as simulator:
-        scores = np.array([r.score for r in simulator.roll_out(weights, 60, 'y')[0]])
+        scores = np.array([r.scores.sum(axis=0) for r in simulator.roll_out(weights, 60, 'y')[0]])
     error = scores.std(axis=0, ddof=1) / np.sqrt(len(scores))
     assert (np.abs(scores.mean(axis=0)) <= 4 * error + 1e-12).all()
 

@@ -1,0 +1,76 @@
+"""Playing a recorded session once more: whether the same scenes and answers give the same decisions."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from al_questioner.domain import NO_SYMBOL, Answer, Content, Outcome, QueryKind, QueryRecord, generator
+from al_questioner.questioning import Episode
+from al_questioner.recording import RecordedTurn, Session
+
+
+@dataclass(frozen=True)
+class Divergence:
+    """The first decision that is another one.
+
+    Attributes:
+        turn: in which it was made.
+        what: is different, in words.
+    """
+
+    turn: int
+    what: str
+
+
+def first_divergence(session: Session) -> Divergence | None:
+    """Play the scenes and answers of a session to a learner with its settings, and compare every decision.
+
+    Decisions are the same if they weigh the same candidates, choose the same one and, to the last bit, see the same
+    features and utilities in them.
+
+    Raises:
+        InputError: the strategy of the session, or its weights, do not exist.
+    """
+    episode = Episode(session.settings, generator(session.seed, 'learner'), session.view_tolerance)
+    for recorded in session.turns:
+        decision = episode.ask(recorded.scene)
+        theirs = recorded.decision
+        if decision.candidates != theirs.candidates:
+            return Divergence(
+                recorded.turn, f'{len(decision.candidates)} candidates, {len(theirs.candidates)} recorded'
+            )
+        if decision.chosen != theirs.chosen:
+            chosen = [d.candidates[d.chosen] for d in (decision, theirs)]
+            return Divergence(recorded.turn, f'{chosen[0]} is chosen, {chosen[1]} was recorded')
+        for name, ours, other in (
+            ('features', decision.features, theirs.features),
+            ('utilities', decision.utilities, theirs.utilities),
+        ):
+            if not np.array_equal(ours, other, equal_nan=True):
+                largest = np.nanmax(np.abs(ours - other))
+                return Divergence(recorded.turn, f'the {name} differ by up to {largest:.3g}')
+        if decision.query is not None and recorded.record is None:
+            return Divergence(recorded.turn, 'a question is asked whose answer was not recorded')
+        if decision.query is not None and recorded.record is not None:
+            episode.tell(_answer(decision.query.query_id, recorded))
+        episode.tune()
+    return None
+
+
+def _answer(query_id: str, turn: RecordedTurn) -> Answer:
+    record = turn.record
+    if record is None:
+        raise ValueError(f'turn {turn.turn} has no record')
+    return Answer(query_id, 'recorded', 'recorded', record.outcome, _content(record))
+
+
+def _content(record: QueryRecord) -> Content:
+    if record.outcome is not Outcome.ANSWERED:
+        return None
+    if record.kind is QueryKind.LABEL:
+        return record.symbol
+    if record.kind is QueryKind.DEMONSTRATION:
+        return NO_SYMBOL if record.object_id is None else record.object_id
+    return record.groups

@@ -1,0 +1,233 @@
+"""Bags as written, read, killed and repaired."""
+
+from __future__ import annotations
+
+import os
+import signal
+import sqlite3
+import subprocess
+import sys
+
+import pytest
+import yaml
+from mcap.reader import make_reader
+from rosbags.rosbag2 import Reader
+
+from al_questioner.recording import BagError, BagWriter, Topic, deserialize, digest, read_bag, repair
+from al_questioner.recording.bags import typestore
+
+STRING = 'std_msgs/msg/String'
+TOPICS = [Topic('/x/turn', STRING, True), Topic('/x/answer', STRING, False)]
+
+
+def text(content):
+    return bytes(typestore().serialize_cdr(typestore().types[STRING](content), STRING))
+
+
+def write(path, count=10, storage='mcap'):
+    with BagWriter(path, TOPICS, storage) as bag:
+        for number in range(count):
+            bag.write('/x/turn', text(str(number)), 1000 + number)
+    return path
+
+
+@pytest.mark.parametrize('storage', ['mcap', 'sqlite3'])
+def test_what_is_written_is_read(tmp_path, storage):
+    """A demonstration would not be the one that was given."""
+    bag = read_bag(write(tmp_path / 'b', storage=storage))
+    assert [deserialize(message).data for message in bag.messages] == list('0123456789')
+    assert [message.stamp for message in bag.messages] == list(range(1000, 1010))
+    assert set(bag.topics) == set(TOPICS)
+
+
+def test_an_mcap_bag_is_what_rosbag2_writes(tmp_path):
+    """`ros2 bag` and Foxglove would not read it: held against the mcap library and the documented metadata."""
+    path = write(tmp_path / 'b')
+    with (path / 'b.mcap').open('rb') as file:
+        reader = make_reader(file, validate_crcs=True)
+        summary = reader.get_summary()
+        found = [(schema.name, channel.topic, message.log_time) for schema, channel, message in reader.iter_messages()]
+        assert reader.get_header().profile == 'ros2'
+    assert found[3] == (STRING, '/x/turn', 1003)
+    assert summary.statistics.message_count == 10
+    (schema,) = summary.schemas.values()
+    assert (schema.name, schema.encoding) == (STRING, 'ros2msg')
+    assert b'string data' in schema.data
+    assert {channel.message_encoding for channel in summary.channels.values()} == {'cdr'}
+    information = yaml.safe_load((path / 'metadata.yaml').read_text())['rosbag2_bagfile_information']
+    assert information['version'] == 9
+    assert information['storage_identifier'] == 'mcap'
+    assert information['relative_file_paths'] == ['b.mcap']
+    turn, answer = (topic['topic_metadata'] for topic in information['topics_with_message_count'])
+    assert turn['type_description_hash'].startswith('RIHS01_')
+    assert (turn['offered_qos_profiles'][0]['durability'], turn['offered_qos_profiles'][0]['depth']) == (
+        'transient_local',
+        1,
+    )
+    assert answer['offered_qos_profiles'][0]['durability'] == 'volatile'
+
+
+def test_a_sqlite3_bag_has_the_tables_of_rosbag2(tmp_path):
+    """`ros2 bag` would not read it."""
+    path = write(tmp_path / 'b', storage='sqlite3')
+    database = sqlite3.connect(path / 'b.db3')
+    assert database.execute('SELECT schema_version FROM schema').fetchall() == [(4,)]
+    assert database.execute('SELECT count(*) FROM messages').fetchall() == [(10,)]
+    columns = [row[1] for row in database.execute('PRAGMA table_info(topics)')]
+    assert columns == ['id', 'name', 'type', 'serialization_format', 'offered_qos_profiles', 'type_description_hash']
+    database.close()
+
+
+@pytest.mark.parametrize('storage', ['mcap', 'sqlite3'])
+def test_a_bag_without_messages_is_finished_and_refused(tmp_path, storage):
+    """An empty recording must not look like a broken one."""
+    with pytest.raises(BagError, match='the bag is empty'):
+        read_bag(write(tmp_path / 'b', 0, storage))
+
+
+def test_a_bag_is_never_overwritten(tmp_path):
+    """A demonstration with a person cannot be repeated."""
+    path = write(tmp_path / 'b')
+    before = digest(path)
+    with pytest.raises(BagError, match='exists already'):
+        BagWriter(path, TOPICS)
+    (tmp_path / 'file').write_text('mine')
+    with pytest.raises(BagError, match='exists already'):
+        BagWriter(tmp_path / 'file', TOPICS)
+    assert digest(path) == before
+
+
+def test_what_cannot_be_written_is_said(tmp_path):
+    """The user would believe that a recording runs."""
+    with pytest.raises(BagError, match=r"unknown storage 'bag'; known: mcap, sqlite3"):
+        BagWriter(tmp_path / 'b', TOPICS, 'bag')
+    with pytest.raises(BagError, match='no message type'):
+        BagWriter(tmp_path / 'c', [Topic('/x', 'my_msgs/msg/Mine', False)])
+    (tmp_path / 'file').write_text('')
+    with pytest.raises(BagError, match='cannot be written'):
+        BagWriter(tmp_path / 'file' / 'b', TOPICS)
+
+
+def truncate(path):
+    file = path / 'b.mcap'
+    file.write_bytes(file.read_bytes()[:-100])
+
+
+def miscount(path):
+    metadata = (path / 'metadata.yaml').read_text()
+    (path / 'metadata.yaml').write_text(metadata.replace('message_count: 10', 'message_count: 12'))
+
+
+@pytest.mark.parametrize(
+    ('damage', 'reason'),
+    [
+        (lambda path: (path / 'metadata.yaml').unlink(), r'metadata\.yaml is missing.*record --repair'),
+        (truncate, r'cannot be read \(.*record --repair'),
+        (miscount, r'messages are missing: 10 of 12 on /x/turn'),
+        (lambda path: (path / 'metadata.yaml').write_text('a: ['), 'cannot be read'),
+        (lambda path: (path / 'metadata.yaml').write_text('[]'), 'cannot be read'),
+        (lambda path: (path / 'b.mcap').unlink(), 'cannot be read'),
+        (lambda path: (path / 'b.mcap').write_bytes(b'nothing'), 'cannot be read'),
+    ],
+)
+def test_a_broken_bag_is_one_clear_line(tmp_path, damage, reason):
+    """Half a demonstration would be learnt from in silence, or a traceback be all that the user sees."""
+    path = write(tmp_path / 'b')
+    damage(path)
+    with pytest.raises(BagError, match=reason) as raised:
+        read_bag(path)
+    assert '\n' not in str(raised.value)
+    assert str(path) in str(raised.value)
+
+
+def test_what_is_no_bag_is_said(tmp_path):
+    """The user has mistyped."""
+    with pytest.raises(BagError, match='there is no such bag'):
+        read_bag(tmp_path / 'missing')
+    with pytest.raises(BagError, match='is no bag'):
+        read_bag(tmp_path)
+    (tmp_path / 'notes.txt').write_text('hello')
+    with pytest.raises(BagError, match='is no bag'):
+        read_bag(tmp_path / 'notes.txt')
+
+
+def test_bytes_of_another_type_are_refused(tmp_path):
+    """Garbage would be learnt from."""
+    with BagWriter(tmp_path / 'b', TOPICS) as bag:
+        bag.write('/x/turn', b'\x00\x01\x00\x00\xff\xff\xff\x7f', 5)
+    (message,) = read_bag(tmp_path / 'b').messages
+    with pytest.raises(BagError, match=r'/x/turn: not a std_msgs/msg/String'):
+        deserialize(message)
+
+
+KILLED = """
+import os, sys
+from pathlib import Path
+from al_questioner.recording import BagWriter, Topic
+bag = BagWriter(Path(sys.argv[1]), [Topic('/x/turn', 'std_msgs/msg/String', True)], sys.argv[2])
+for number in range(50):
+    bag.write('/x/turn', b'\\x00\\x01\\x00\\x00\\x02\\x00\\x00\\x00a\\x00', 1000 + number)
+    if number == 39:
+        bag.sync()
+print('ready', flush=True)
+time.sleep(60)
+"""
+
+
+@pytest.mark.parametrize('storage', ['mcap', 'sqlite3'])
+def test_a_killed_recording_is_repaired(tmp_path, storage):
+    """What was synced before SIGKILL must be there; a rosbags writer alone would lose all."""
+    path = tmp_path / 'b'
+    process = subprocess.Popen([sys.executable, '-c', KILLED, str(path), storage], stdout=subprocess.PIPE)
+    assert process.stdout.readline() == b'ready\n'
+    os.kill(process.pid, signal.SIGKILL)
+    process.wait()
+    process.stdout.close()
+    with pytest.raises(BagError, match='record --repair'):
+        read_bag(path)
+    report = repair(path)
+    assert not report.was_whole
+    assert report.kept['/x/turn'] == 40
+    assert report.original.is_file()
+    assert [message.stamp for message in read_bag(path).messages] == list(range(1000, 1040))
+    with Reader(path) as reader:
+        assert reader.message_count == 40
+    again = repair(path)
+    assert (again.was_whole, again.kept['/x/turn']) == (True, 40)
+
+
+@pytest.mark.parametrize('cut', [0.3, 0.5, 0.7, 0.9, 0.99])
+def test_a_cut_file_is_repaired_as_far_as_it_goes(tmp_path, cut):
+    """A full disk or a pulled plug ends a file anywhere."""
+    path = tmp_path / 'b'
+    with BagWriter(path, TOPICS) as bag:
+        for number in range(200):
+            bag.write('/x/turn', text('x' * 100), number)
+            bag.sync()
+    file = path / 'b.mcap'
+    content = file.read_bytes()
+    file.write_bytes(content[: int(cut * len(content))])
+    kept = repair(path).kept['/x/turn']
+    assert 0 < kept <= 200
+    assert [message.stamp for message in read_bag(path).messages] == list(range(kept))
+
+
+def test_what_cannot_be_repaired_is_said(tmp_path):
+    """Nobody should wait for a demonstration that is gone."""
+    with pytest.raises(BagError, match='is no bag'):
+        repair(tmp_path)
+    path = tmp_path / 'b'
+    path.mkdir()
+    (path / 'b.mcap').write_bytes(b'nothing')
+    with pytest.raises(BagError, match='no message can be read'):
+        repair(path)
+
+
+def test_writing_after_the_end_is_an_error(tmp_path):
+    """Messages would vanish."""
+    bag = BagWriter(tmp_path / 'b', TOPICS)
+    bag.write('/x/turn', text('a'), 1)
+    bag.close()
+    bag.close()
+    with pytest.raises(OSError, match='closed'):
+        bag.sync()

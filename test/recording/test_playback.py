@@ -1,0 +1,129 @@
+"""The schedule of a playback, with a clock that the test turns."""
+
+from __future__ import annotations
+
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from al_questioner.domain import InputError
+from al_questioner.recording import BagMessage
+from al_questioner.recording.playback import SECOND, Playback
+
+
+def messages(*seconds, topic='/r/objects'):
+    return [BagMessage(topic, 'std_msgs/msg/String', 10**18 + round(s * SECOND), b'') for s in seconds]
+
+
+def stamps(found):
+    return [(message.stamp - 10**18) / SECOND for message in found]
+
+
+def test_messages_come_when_they_came():
+    """Watchers would see another episode."""
+    play = Playback(messages(0, 1, 1, 3))
+    assert stamps(play.due(100.0)) == [0]
+    assert play.wait(100.25) == pytest.approx(0.75)
+    assert stamps(play.due(101.0)) == [1, 1]
+    assert stamps(play.due(102.9)) == []
+    assert not play.done
+    assert stamps(play.due(103.0)) == [3]
+    assert play.done
+    assert play.wait(104.0) is None
+
+
+def test_the_rate_divides_the_time():
+    """--rate would do nothing, or the opposite."""
+    play = Playback(messages(0, 1, 3), rate=2.0)
+    play.due(0.0)
+    assert play.wait(0.0) == pytest.approx(0.5)
+    assert stamps(play.due(0.5)) == [1]
+    play.change_rate(0.5, 0.5)
+    assert play.wait(0.5) == pytest.approx(2.0)
+    assert play.stamp(1.5) == 10**18 + 2 * SECOND
+
+
+def test_a_pause_loses_no_time():
+    """All messages of the pause would come at once after it."""
+    play = Playback(messages(0, 1))
+    play.due(0.0)
+    play.pause(0.4)
+    assert play.due(50.0) == []
+    assert play.wait(50.0) is None
+    assert play.elapsed(50.0) == pytest.approx(0.4)
+    play.pause(60.0)
+    assert play.wait(60.0) == pytest.approx(0.6)
+    assert stamps(play.due(60.6)) == [1]
+
+
+def test_a_step_is_a_turn_or_a_message():
+    """A person could not look at one turn after the other."""
+    all_ = [
+        *messages(0, topic='/r/turn'),
+        *messages(0.1, 0.2),
+        *messages(1.0, topic='/r/turn'),
+        *messages(1.1),
+    ]
+    play = Playback(all_, paused=True)
+    assert play.due(0.0) == []
+    assert stamps(play.step(0.0, turn=True)) == [0, 0.1, 0.2]
+    assert play.elapsed(9.0) == pytest.approx(0.2)
+    assert stamps(play.step(9.0, turn=False)) == [1.0]
+    assert stamps(play.step(9.0, turn=True)) == [1.1]
+    assert play.step(9.0, turn=True) == []
+    assert play.done
+
+
+def test_a_loop_begins_anew():
+    """--loop would stop, or play the end for ever."""
+    play = Playback(messages(0, 1), loop=True)
+    assert stamps(play.due(0.0) + play.due(1.0)) == [0, 1]
+    assert not play.done
+    assert play.wait(1.0) == 0.0
+    assert stamps(play.due(1.5)) == [0]
+    assert play.wait(1.5) == pytest.approx(1.0)
+
+
+def test_a_bag_of_one_moment_loops_without_end_but_not_at_once():
+    """One call would never return."""
+    play = Playback(messages(0, 0), loop=True)
+    assert len(play.due(0.0)) == 2
+    assert len(play.due(0.0)) == 2
+
+
+@pytest.mark.parametrize('rate', [0.0, -1.0, float('nan'), float('inf')])
+def test_impossible_rates_are_refused(rate):
+    """A playback would stand still or run backwards."""
+    with pytest.raises(InputError, match='rate must be a number above 0'):
+        Playback(messages(0), rate)
+    with pytest.raises(InputError, match='nothing to play'):
+        Playback([])
+
+
+@given(
+    gaps=st.lists(st.floats(0, 2), min_size=1, max_size=20),
+    looks=st.lists(st.tuples(st.floats(0, 1), st.sampled_from(['look', 'pause', 'turn', 'step', 'up'])), max_size=60),
+)
+def test_whatever_is_pressed_every_message_comes_once_and_in_order(gaps, looks):
+    """A watcher would miss part of the demonstration, or see it twice."""
+    times, total = [], 0.0
+    for gap in gaps:
+        total += gap
+        times.append(total)
+    all_ = messages(*times)
+    play, now, seen = Playback(all_), 0.0, []
+    for passed, key in looks:
+        now += passed
+        if key == 'pause':
+            play.pause(now)
+        elif key == 'up':
+            play.change_rate(now, 1.25)
+        elif key in ('turn', 'step'):
+            seen += play.step(now, turn=key == 'turn')
+        seen += play.due(now)
+    if play.paused:
+        play.pause(now)
+    while not play.done:
+        now += play.wait(now) + 1e-6
+        seen += play.due(now)
+    assert seen == all_

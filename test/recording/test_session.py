@@ -1,0 +1,119 @@
+"""Episodes in bags: whole ones as they were lived, and each way of not being one."""
+
+from __future__ import annotations
+
+import dataclasses
+
+import numpy as np
+import pytest
+
+from al_questioner.imitation.bags import read_demonstrations
+from al_questioner.recording import BagError, read_sessions, repair
+from al_questioner.rerun import first_divergence
+
+
+@pytest.mark.parametrize('storage', ['mcap', 'sqlite3'])
+def test_a_session_is_what_was_lived(bags, tmp_path, storage):
+    """The expert's scenes, choices and answers would be others than those learnt from."""
+    lived = bags.write_episode(tmp_path / 'b', storage)
+    (session,) = read_sessions(tmp_path / 'b')
+    assert session.settings == lived.settings
+    assert session.world['task'] == 'prepare_lunch'
+    assert session.change_turns == (5,) or session.change_turns == ()
+    assert [turn.record for turn in session.turns if turn.record] == list(lived.episode.records)
+    for turn in session.turns:
+        np.testing.assert_array_equal(turn.scene.features, lived.world.scene(turn.turn).features)
+    assert first_divergence(session) is None
+
+
+def test_another_learner_diverges_and_the_turn_is_named(bags, tmp_path):
+    """A check that finds nothing would be worth nothing."""
+    bags.write_episode(tmp_path / 'b', strategy='random_fsq')
+    (session,) = read_sessions(tmp_path / 'b')
+    assert first_divergence(session) is None
+    other = first_divergence(dataclasses.replace(session, seed=session.seed + 1))
+    assert other is not None
+    assert other.turn >= 2
+    assert 'was recorded' in other.what
+    changed = dataclasses.replace(session, settings=dataclasses.replace(session.settings, strategy='farthest_fsq'))
+    assert first_divergence(changed) is not None
+
+
+def test_features_of_another_look_are_a_divergence(bags, tmp_path):
+    """The same choice for other reasons is not the same decision."""
+    bags.write_episode(tmp_path / 'b')
+    (session,) = read_sessions(tmp_path / 'b')
+    first = session.turns[0]
+    decision = dataclasses.replace(first.decision, features=first.decision.features + 1e-9)
+    turns = (dataclasses.replace(first, decision=decision), *session.turns[1:])
+    found = first_divergence(dataclasses.replace(session, turns=turns))
+    assert found is not None
+    assert found.turn == 1
+    assert 'the features differ by up to 1e-09' in found.what
+
+
+def test_an_unfinished_recording_counts_as_far_as_it_goes(bags, tmp_path):
+    """A killed recording of a person's half hour would be lost; repaired, it trains."""
+    bags.write_episode(tmp_path / 'b', close=False)
+    with pytest.raises(BagError, match='record --repair'):
+        read_sessions(tmp_path / 'b')
+    repair(tmp_path / 'b')
+    (demonstration,) = read_demonstrations([tmp_path / 'b'])
+    assert len(demonstration.steps) == 8
+
+
+@pytest.mark.parametrize(
+    ('missing', 'reason'),
+    [
+        ([('turn', 3)], 'turn 3 of 8 was not recorded'),
+        ([('decision', 4)], 'turn 4 of 8 was recorded without its decision'),
+        ([('objects', 8)], 'turn 8 of 8 was recorded without its objects'),
+        ([('episode', 1)], 'no episode was recorded'),
+        ([('learner_state', turn) for turn in range(1, 9)], 'ended before the first turn'),
+    ],
+)
+def test_what_is_missing_is_named(bags, tmp_path, missing, reason):
+    """An episode with holes would be learnt from as if the expert had done nothing."""
+    bags.write_episode(tmp_path / 'b', missing=missing)
+    with pytest.raises(BagError, match=reason):
+        read_sessions(tmp_path / 'b')
+
+
+def test_other_message_types_are_named(bags, tmp_path):
+    """A bag of another program with topics of the same name."""
+    writing = bags.Writing(tmp_path / 'b', types={**bags.TYPES, 'turn': 'sensor_msgs/msg/PointCloud2'})
+    writing.say('episode', {}, bags.START)
+    writing.bag.close()
+    with pytest.raises(BagError, match=r'topic /robot/turn holds sensor_msgs/msg/PointCloud2, expected std_msgs'):
+        read_sessions(tmp_path / 'b')
+
+
+def test_documents_that_are_none_are_named(bags, tmp_path):
+    """A bag of another version, or of nobody's."""
+    writing = bags.Writing(tmp_path / 'b')
+    writing.say('episode', {'symbols': ['a', 'b']}, bags.START)
+    writing.bag.close()
+    with pytest.raises(BagError, match=r'/robot/episode: .*is a required property'):
+        read_sessions(tmp_path / 'b')
+
+
+def test_objects_with_other_features_than_announced_are_named(bags, tmp_path, monkeypatch):
+    """The decision would belong to another scene."""
+    original = bags.Writing.say
+
+    def renamed(self, name, members, stamp, episode_id='e1'):
+        if name == 'episode':
+            members = {**members, 'feature_names': members['feature_names'][:-1]}
+        original(self, name, members, stamp, episode_id)
+
+    monkeypatch.setattr(bags.Writing, 'say', renamed)
+    bags.write_episode(tmp_path / 'b')
+    with pytest.raises(BagError, match='the objects of turn 1 have other features than the episode announces'):
+        read_sessions(tmp_path / 'b')
+
+
+def test_decisions_without_features_cannot_be_learnt_from(bags, tmp_path):
+    """A control weighs nothing: its bag is no demonstration for the decision features."""
+    bags.write_episode(tmp_path / 'b', strategy='random_fsq')
+    with pytest.raises(BagError, match='strategy random_fsq: turn 1: the decision carries no decision features'):
+        read_demonstrations([tmp_path / 'b'])
