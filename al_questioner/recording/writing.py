@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+import sqlite3
 from collections import Counter
 from collections.abc import Mapping, Sequence
 from pathlib import Path
@@ -17,7 +18,7 @@ from rosbags.interfaces import (
     QosReliability,
     QosTime,
 )
-from rosbags.rosbag2 import StoragePlugin, Writer
+from rosbags.rosbag2 import CompressionMode, StoragePlugin, Writer
 from rosbags.rosbag2.storage_mcap import McapWriter
 from rosbags.rosbag2.storage_sqlite3 import Sqlite3Writer
 
@@ -38,7 +39,16 @@ class _DurableMcap(McapWriter):
 
 
 class _DurableSqlite3(Sqlite3Writer):
-    """rosbags' writer makes one transaction of the whole recording; this one can be told to commit."""
+    """rosbags' writer makes one transaction of the whole recording; this one can be told to commit.
+
+    It may be used by another thread than the one that made it, as long as there is only one at a time.
+    """
+
+    def __init__(self, path: Path, compression: CompressionMode) -> None:
+        super().__init__(path, compression)
+        self.conn.close()
+        self.conn = sqlite3.connect(self.path, check_same_thread=False)
+        self.cursor = self.conn.cursor()
 
     def sync(self) -> None:
         self.conn.commit()

@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING
 
 from rich.console import Console
 from rich.live import Live
+from rich.text import Text
 
 from al_questioner.arguments import Parser, number
 from al_questioner.domain import EpisodeError
@@ -62,7 +63,7 @@ def main(arguments: Sequence[str]) -> int:
 
         def watch() -> bool:
             if console.is_terminal:
-                live.update(_status(made[0]), refresh=True)
+                live.update(Text(_status(made[0])), refresh=True)
             return made[0].quit or playback.done
 
         with Keys(lambda key: made[0].press(key) if made else None):
@@ -93,5 +94,9 @@ def _check(path: Path, console: Console) -> int:
         divergence = first_divergence(session)
         if divergence is not None:
             raise EpisodeError(f'{path}: {session.episode_id}: turn {divergence.turn}: {divergence.what}')
-        console.print(f'{path}: {session.episode_id}: {len(session.turns)} decisions, all as recorded', highlight=False)
+        console.print(
+            f'{path}: {session.episode_id}: {len(session.turns)} decisions, all as recorded',
+            highlight=False,
+            soft_wrap=True,
+        )
     return 0

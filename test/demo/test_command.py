@@ -112,3 +112,17 @@ def test_help_lists_the_executables(capsys: pytest.CaptureFixture[str]) -> None:
     """A newcomer would not learn what there is."""
     assert main(['--help']) == 0
     assert 'teacher' in capsys.readouterr().out
+
+
+@pytest.mark.parametrize(
+    ('options', 'reason'),
+    [
+        (['--offline', '--record', 'bag'], '--record is of no use --offline'),
+        (['--offline', '--namespace', 'robot'], '--namespace is of no use --offline'),
+        (['--one-process', '--record', 'bag'], '--record needs a process for each node'),
+    ],
+)
+def test_options_that_would_be_ignored_are_refused(tmp_path, capsys, options, reason):
+    """A user would wait for a recording that nobody makes."""
+    assert main(['demo', *options, '--out', str(tmp_path)]) == 2
+    assert reason in capsys.readouterr().err

@@ -14,6 +14,8 @@ from pathlib import Path
 
 import pytest
 
+from al_questioner.imitation.bags import read_demonstrations
+
 ROOT = Path(__file__).resolve().parents[2]
 DEADLINE = 90
 CROPS = ROOT.parent / 'shared' / 'data' / 'tabletop_rgbd' / 'crops' / 'rgbd-dataset'
@@ -205,3 +207,37 @@ def test_an_unusable_namespace_is_named(tmp_path: Path) -> None:
     assert done.returncode == 2
     assert 'namespace' in done.stderr
     assert done.stderr.count('\n') == 1
+
+
+def test_a_recorded_demo_is_a_demonstration(tmp_path: Path) -> None:
+    """The bags that people share would not be what the real graph did."""
+    bag = tmp_path / 'bag'
+    shown = ['--task', 'prepare_lunch', '--strategy', 'expert', '--budget', '6', '--turns', '8', '--seed', '4']
+    episode = play(tmp_path, 'graph', *shown, '--record', str(bag))
+    (demonstration,) = read_demonstrations([bag])
+    assert len(demonstration.steps) == 8
+    assert [query.turn for query in demonstration.queries] == [query['turn'] for query in episode['queries']]
+
+
+@pytest.mark.slow
+def test_a_killed_recorder_loses_no_more_than_its_last_second(processes: Processes, tmp_path: Path) -> None:
+    """Half an hour of a person's time would be gone."""
+    bag = tmp_path / 'bag'
+    recorder = processes.node('record', bag=str(bag))
+    processes.wait_for_log('record', 'recording to')
+    world = {'task': 'prepare_lunch', 'seed': 4, 'wait_for_recorder': True}
+    processes.node('perception', **world)
+    processes.node('teacher', **world)
+    processes.node('learner', **world, strategy='expert', budget=9.0, turns=12, turn_period=0.1)
+    processes.wait_for_log('learner', 'turn 4:')
+    # Longer than the time between two writes to the disk, so that turn 4 must be there.
+    time.sleep(1.0)
+    os.killpg(recorder.pid, signal.SIGKILL)
+    recorder.wait()
+    repaired = run('record', '--repair', str(bag))
+    assert repaired.returncode == 0, repaired.stderr
+    assert 'messages kept' in repaired.stdout
+    (demonstration,) = read_demonstrations([bag])
+    assert len(demonstration.steps) >= 4
+    out = tmp_path / 'w.yaml'
+    assert run('train_weights', str(bag), '--method', 'choice', '--out', str(out)).returncode == 0

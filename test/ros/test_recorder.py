@@ -1,0 +1,106 @@
+"""The recorder: everything that makes up a demonstration is in the bag, from the first turn to the last."""
+
+from __future__ import annotations
+
+import json
+from collections import Counter
+from pathlib import Path
+from typing import Any
+
+import pytest
+from diagnostic_msgs.msg import DiagnosticArray
+
+from al_questioner.cli import main
+from al_questioner.domain import InputError
+from al_questioner.recording import BagError, deserialize, read_bag, read_sessions
+from al_questioner.rerun import first_divergence
+from al_questioner.ros import qos
+from al_questioner.ros.learner import LearnerNode
+from al_questioner.ros.perception import PerceptionNode
+from al_questioner.ros.recorder import RecorderNode
+from al_questioner.ros.teacher import TeacherNode
+
+EPISODE = {'strategy': 'expert', 'budget': 8.0, 'turns': 10}
+
+
+def documents(bag: Any, name: str) -> list[dict[str, Any]]:
+    return [json.loads(deserialize(m).data) for m in bag.messages if m.topic.endswith(f'/{name}')]
+
+
+@pytest.mark.parametrize('storage', ['mcap', 'sqlite3'])
+def test_a_recording_holds_the_whole_episode(graph: Any, tmp_path: Path, storage: str) -> None:
+    """A demonstration with holes cannot be learnt from. The nodes wait for the recorder, however late it comes."""
+    graph.start(PerceptionNode, **graph.world, wait_for_recorder=True)
+    graph.start(TeacherNode, **graph.world, wait_for_recorder=True)
+    graph.start(LearnerNode, **{**graph.episode, **EPISODE, 'wait_for_recorder': True})
+    recorder = graph.start(RecorderNode, bag=str(tmp_path / 'b'), storage=storage, until_done=True)
+    graph.wait_for(lambda: recorder.done, 'the end of the recording')
+    graph.stop(recorder)
+    assert recorder.failure is None
+    bag = read_bag(tmp_path / 'b')
+    assert [document['turn'] for document in documents(bag, 'turn')] == list(range(1, 11))
+    counts = Counter(message.topic.rsplit('/', 1)[-1] for message in bag.messages)
+    assert counts['decision'] == counts['objects'] == counts['turn'] == 10
+    asked = [document['query_id'] for document in documents(bag, 'query')]
+    assert {document['query_id'] for document in documents(bag, 'answer')} == set(asked)
+    assert {d['query_id'] for d in documents(bag, 'answer_ack') if d['accepted']} == set(asked)
+    assert documents(bag, 'learner_state')[-1]['done']
+    (session,) = read_sessions(tmp_path / 'b')
+    assert len(session.turns) == 10
+    assert [turn.record.turn for turn in session.turns if turn.record] == [
+        query['turn'] for query in documents(bag, 'learner_state')[-1]['queries']
+    ]
+    assert first_divergence(session) is None
+
+
+def test_what_was_missed_is_said(graph: Any, tmp_path: Path) -> None:
+    """A user would find out after the person has gone that the beginning is missing."""
+    states = graph.listen('learner_state')
+    graph.start_robot(**{**EPISODE, 'turn_period': 0.2})
+    graph.start(TeacherNode, **graph.world)
+    graph.wait_for(lambda: len(states) >= 3, 'three turns')
+    recorder = graph.start(RecorderNode, bag=str(tmp_path / 'b'), until_done=True)
+    graph.wait_for(lambda: recorder.done, 'the end of the recording')
+    graph.stop(recorder)
+    with pytest.raises(BagError, match='turn 1 of 10 was not recorded: did the recording begin too late'):
+        read_sessions(tmp_path / 'b')
+
+
+def test_counts_are_told_and_a_late_end_keeps_everything(graph: Any, tmp_path: Path) -> None:
+    """Whoever ends the recording by hand would lose what still waits to be written."""
+    diagnostics = graph.listen('/diagnostics', DiagnosticArray, qos.DIAGNOSTICS)
+    recorder = graph.start(RecorderNode, bag=str(tmp_path / 'b'))
+    turns = graph.listen('turn')
+    graph.start_robot(**EPISODE)
+    topic = f'/{graph.namespace}/turn'
+
+    def written() -> int:
+        values = {v.key: v.value for a in diagnostics for s in a.status for v in s.values}
+        return int(values.get(f'written of {topic}', 0))
+
+    graph.wait_for(lambda: turns and written() >= 1, 'a count on /diagnostics')
+    graph.stop(recorder)
+    assert Counter(message.topic for message in read_bag(tmp_path / 'b').messages)[topic] >= 1
+
+
+def test_an_existing_bag_is_left_alone(graph: Any, tmp_path: Path) -> None:
+    """A demonstration cannot be given twice."""
+    (tmp_path / 'b').mkdir()
+    with pytest.raises(InputError, match='exists already'):
+        graph.start(RecorderNode, bag=str(tmp_path / 'b'))
+
+
+def test_repairing_says_what_was_kept(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    """A user would not know whether the repair was worth anything."""
+    from al_questioner.recording import BagWriter, Topic
+
+    bag = BagWriter(tmp_path / 'b', [Topic('/turn', 'std_msgs/msg/String', True)])
+    bag.write('/turn', b'\x00\x01\x00\x00\x02\x00\x00\x00a\x00', 5)
+    bag.sync()
+    assert main(['record', '--repair', str(tmp_path / 'b')]) == 0
+    assert '1 messages kept' in capsys.readouterr().out
+    assert main(['record', '--repair', str(tmp_path / 'b')]) == 0
+    assert 'is whole: 1 messages' in capsys.readouterr().out
+    for arguments in (['--repair'], ['--repair', 'a', 'b'], ['--repair', str(tmp_path / 'c')]):
+        assert main(['record', *arguments]) == 2
+        assert capsys.readouterr().err.count('\n') == 1
