@@ -321,7 +321,7 @@ class EpisodeSettings:
         if NO_SYMBOL in self.symbols:
             raise SettingsError(f'{NO_SYMBOL!r} cannot be a symbol: it stands for things that belong to no symbol')
         if not (np.isfinite(self.budget) and self.budget >= 0):
-            raise SettingsError(f'budget must be a number of 0 or more, not {self.budget}')
+            raise SettingsError(f'budget must be a finite number of 0 or more, not {self.budget}')
         if self.turns < 1:
             raise SettingsError(f'turns must be 1 or more, not {self.turns}')
         if self.change_interval < 1:

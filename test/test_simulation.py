@@ -159,7 +159,7 @@ def settings(**changes: object) -> EpisodeSettings:
 @pytest.mark.parametrize(
     ('changes', 'reason'),
     [
-        ({'budget': -1.0}, 'budget must be a number of 0 or more, not -1'),
+        ({'budget': -1.0}, 'budget must be a finite number of 0 or more, not -1'),
         ({'budget': float('nan')}, 'budget'),
         ({'budget': float('inf')}, 'budget'),
         ({'turns': 0}, 'turns must be 1 or more, not 0'),

@@ -14,7 +14,17 @@ from std_msgs.msg import Header, String
 from visualization_msgs.msg import MarkerArray
 
 from al_questioner.concepts import compile_models
-from al_questioner.domain import Answer, AnswerError, Costs, EpisodeSettings, InputError, Scene, SceneError, generator
+from al_questioner.domain import (
+    Answer,
+    AnswerError,
+    Content,
+    Costs,
+    EpisodeSettings,
+    InputError,
+    Scene,
+    SceneError,
+    generator,
+)
 from al_questioner.messages import documents
 from al_questioner.messages.clouds import cloud_of_decision, scene_of_cloud
 from al_questioner.messages.documents import Document
@@ -150,8 +160,10 @@ class LearnerNode(QuestionerNode):
             self._acknowledge(answer, accepted=False, reason=str(error))
             raise
         self._acknowledge(answer, accepted=True, reason='' if is_new else 'already taken')
-        if is_new:
+        if is_new and answer is not None:
             self._last_answer = answer
+            told = answer.outcome.value if answer.content is None else answer.content
+            self.get_logger().info(f'turn {self._episode.turn}: {answer.teacher_id} says {_spoken(told)}')
             self._end_turn()
 
     def _acknowledge(self, answer: Answer | None, accepted: bool, reason: str) -> None:
@@ -219,6 +231,10 @@ class LearnerNode(QuestionerNode):
         pending = self._episode.pending
         asked = pending.action.object_id if pending else None
         self._markers.publish(markers(scene, beliefs, self._settings.symbols, asked, self._header, MARKER_TYPES))
+
+
+def _spoken(content: Content) -> str:
+    return ', '.join(content) if isinstance(content, tuple) else str(content)
 
 
 def _episode_settings(task: Task, given: Mapping[str, Any]) -> EpisodeSettings:

@@ -53,6 +53,7 @@ class QuestionerNode(Node):
         self._failure = ''
         self._activity = 'starting'
         self._overdue = math.inf
+        self._said_overdue = False
         self._worker = Worker(name, self._failed)
         self._diagnostics = self.create_publisher(DiagnosticArray, '/diagnostics', qos.DIAGNOSTICS)
         self.create_timer(DIAGNOSTICS_PERIOD, self._publish_diagnostics, clock=Clock(clock_type=ClockType.STEADY_TIME))
@@ -103,6 +104,7 @@ class QuestionerNode(Node):
         """Say in a few words what the node is doing, for /diagnostics; warn there if that lasts longer (seconds)."""
         self._activity = activity
         self._overdue = time.monotonic() + expected_within
+        self._said_overdue = False
 
     def await_recorder(self, *topics: str) -> None:
         """Let nothing happen before a recorder listens to these topics: what is not latched would be lost to it.
@@ -141,6 +143,9 @@ class QuestionerNode(Node):
         level, message = DiagnosticStatus.OK, self._activity
         if time.monotonic() > self._overdue:
             level, message = DiagnosticStatus.WARN, f'{self._activity} for too long'
+            if not self._said_overdue:
+                self._said_overdue = True
+                self.get_logger().warning(f'{message}: is everything running that should be?')
         if time.monotonic() - self._refused_at < REFUSAL_SHOWN:
             level, message = DiagnosticStatus.WARN, f'{self._activity}; refused {self._last_refusal}'
         if self._failure:

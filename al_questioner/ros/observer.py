@@ -33,7 +33,7 @@ class ObserverNode(QuestionerNode):
         super().__init__('observer', **node_arguments)
         self.episode_id = episode_id
         self.done = False
-        self.failure: Exception | None = None
+        self.failure: BaseException | None = None
         self._watch = watch
         self._patience = patience
         self._last_progress = time.monotonic()
@@ -47,7 +47,8 @@ class ObserverNode(QuestionerNode):
         self._last_progress = time.monotonic()
         try:
             self._watch(document['turn'], tuple(documents.record_of(record) for record in document['queries']))
-        except Exception as error:
+        except (Exception, SystemExit) as error:
+            # SystemExit is how rich ends a program whose output nobody reads any more.
             self.failure = error
             raise
         self.done = document['done']

@@ -24,17 +24,25 @@ class AnswerByHand(Node):
         self.answers = self.create_publisher(String, 'answer', 10)
         self.create_subscription(String, 'query', self.show_query, latched)
         self.create_subscription(String, 'answer_ack', self.show_ack, 10)
+        self.create_subscription(String, 'learner_state', self.show_state, latched)
 
     def show_query(self, message: String) -> None:
         """Print a question and what would answer it."""
         query = json.loads(message.data)
-        print(f'\n{query["text"]}  [{" ".join(query["choices"])} | none ? skip]')
+        if query['kind'] == 'feature_subset':
+            print(f'\n{query["text"]}  [{",".join(query["choices"])} | ? skip]')
+        else:
+            print(f'\n{query["text"]}  [{" ".join(query["choices"])} | none ? skip]')
 
     def show_ack(self, message: String) -> None:
-        """Print why an answer was not taken."""
+        """Print whether an answer was taken, and if not, why."""
         ack = json.loads(message.data)
-        if not ack['accepted']:
-            print(f'not taken: {ack["reason"]}')
+        print('taken' if ack['accepted'] else f'not taken: {ack["reason"]}')
+
+    def show_state(self, message: String) -> None:
+        """Print that the episode is over."""
+        if json.loads(message.data)['done']:
+            print('the episode is over: there are no more questions')
 
     def say(self, word: str) -> None:
         """Publish an answer."""
@@ -53,12 +61,14 @@ def main() -> None:
     """Read answers until the input ends."""
     rclpy.init()
     node = AnswerByHand()
-    threading.Thread(target=spin, args=(node,), daemon=True).start()
+    thread = threading.Thread(target=spin, args=(node,), daemon=True)
+    thread.start()
     try:
         while True:
             node.say(input())
     except (EOFError, KeyboardInterrupt):
         rclpy.try_shutdown()
+        thread.join()
 
 
 if __name__ == '__main__':
