@@ -9,7 +9,7 @@ from dataclasses import dataclass
 import numpy as np
 from scipy.special import log_softmax
 
-from al_questioner.domain import DECISION_FEATURES, QueryKind, QueryRecord, generator
+from al_questioner.domain import DECISION_FEATURES, Outcome, QueryKind, QueryRecord, generator
 from al_questioner.imitation.demonstration import Array, Demonstration, Step, all_steps
 from al_questioner.questioning import Episode
 from al_questioner.questioning.choice import TIE
@@ -82,6 +82,17 @@ def imitate(weights: Array, demonstration: Demonstration, world: PerceivedWorld)
     played = [decision for decision, _ in turns(episode, world, teacher)]
     counts = np.mean([decision.features[decision.chosen] for decision in played], axis=0)
     return Imitation(np.asarray(counts), episode.records)
+
+
+def predict_queries(weights: Array, demonstration: Demonstration) -> tuple[QueryRecord, ...]:
+    """What a learner with these weights (7,) would ask in each of the states that the expert was in."""
+    found = []
+    for step in demonstration.steps:
+        action = step.actions[int(np.argmax(step.features @ weights))]
+        if action.kind is not QueryKind.NO_QUERY:
+            cost = demonstration.settings.costs.of(action.kind)
+            found.append(QueryRecord(step.turn, action.kind, action.object_id, action.symbol, cost, Outcome.ANSWERED))
+    return tuple(found)
 
 
 def count_gap(imitations: Sequence[Imitation], demonstrations: Sequence[Demonstration], scale: Array) -> Array:

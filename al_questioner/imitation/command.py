@@ -13,8 +13,9 @@ from rich.console import Console
 from rich.table import Table
 
 from al_questioner.arguments import LARGEST_SEED, Parser, number
+from al_questioner.domain import QueryRecord
 from al_questioner.files import make_folder, write_text
-from al_questioner.imitation.assessment import Imitation, imitate
+from al_questioner.imitation.assessment import imitate, predict_queries
 from al_questioner.imitation.bags import read_demonstrations
 from al_questioner.imitation.choice_likelihood import RIDGE
 from al_questioner.imitation.demonstration import Demonstration
@@ -22,6 +23,7 @@ from al_questioner.imitation.feature_matching import Iteration, MatchingSettings
 from al_questioner.imitation.pictures import draw_training
 from al_questioner.imitation.training import METHODS, Training, TrainingSettings, by_feature, train, weights_document
 from al_questioner.recording import digest
+from al_questioner.recording.bags import STORAGE_SUFFIXES
 from al_questioner.simulation import PerceivedWorld
 
 MOST = 10_000
@@ -67,7 +69,8 @@ def main(arguments: Sequence[str]) -> int:
     for path in (given.out, picture):
         make_folder(path.parent)
         write_text(path, '', mode='a')
-    demonstrations = read_demonstrations(given.bags)
+    paths = _without_other_files(given.bags, console)
+    demonstrations = read_demonstrations(paths)
     console.print(f'{len(demonstrations)} demonstrations, {sum(len(d.steps) for d in demonstrations)} turns')
     matching = MatchingSettings(given.iterations, given.rollouts, seed=given.seed, jobs=given.jobs)
     settings = TrainingSettings(given.method, given.validation, given.ridge, matching)
@@ -86,9 +89,9 @@ def main(arguments: Sequence[str]) -> int:
             progress.update(bar, completed=iteration, description=f'gap {gap:.2f}, validation {held_out:.2f}')
 
         training = train(demonstrations, settings, watch)
-    bags = [{'name': path.name, 'sha256': digest(path)} for path in given.bags]
+    bags = [{'name': path.name, 'sha256': digest(path)} for path in paths]
     write_text(given.out, yaml.safe_dump(weights_document(training, bags), sort_keys=False, width=100))
-    draw_training(training, demonstrations, _imitations(training, demonstrations), picture)
+    draw_training(training, demonstrations, _learner(training, demonstrations), picture)
     console.print(_table(training))
     console.print(_summary(training), highlight=False)
     for path in (given.out, picture):
@@ -96,14 +99,24 @@ def main(arguments: Sequence[str]) -> int:
     return 0
 
 
-def _imitations(training: Training, demonstrations: Sequence[Demonstration]) -> list[Imitation]:
-    """What the learner does in the place of the expert; nothing unless all worlds are simulated."""
+def _without_other_files(paths: Sequence[Path], console: Console) -> list[Path]:
+    """The paths without files that are no bags, such as a README that `bags/*` names too; all if nothing is left."""
+    kept = [path for path in paths if not path.is_file() or path.suffix in STORAGE_SUFFIXES.values()]
+    for path in paths:
+        if kept and path not in kept:
+            console.print(f'{path} is passed over: it is no bag', highlight=False, soft_wrap=True)
+    return kept or list(paths)
+
+
+def _learner(training: Training, demonstrations: Sequence[Demonstration]) -> list[tuple[QueryRecord, ...]]:
+    """What the learner asks in the expert's place: by itself, or, for want of a simulator, in the expert's states."""
+    if training.matching is None:
+        return [predict_queries(training.weights, demonstration) for demonstration in demonstrations]
     found = []
     for demonstration in demonstrations:
-        choice = demonstration.world
-        if choice is None:
-            return []
-        found.append(imitate(training.weights, demonstration, PerceivedWorld(choice.open())))
+        if demonstration.world is not None:
+            world = PerceivedWorld(demonstration.world.open())
+            found.append(imitate(training.weights, demonstration, world).queries)
     return found
 
 

@@ -10,7 +10,7 @@ from matplotlib import pyplot as plt
 from matplotlib.axes import Axes
 from matplotlib.ticker import MaxNLocator
 
-from al_questioner.imitation.assessment import Imitation
+from al_questioner.domain import QueryRecord
 from al_questioner.imitation.demonstration import Demonstration
 from al_questioner.imitation.feature_matching import WINDOW, mean_gaps
 from al_questioner.imitation.training import Training, by_feature
@@ -18,14 +18,14 @@ from al_questioner.plotting import KIND_COLOURS, STYLE, kind_name, mark_changes,
 
 
 def draw_training(
-    training: Training, demonstrations: Sequence[Demonstration], imitations: Sequence[Imitation], path: Path
+    training: Training, demonstrations: Sequence[Demonstration], learner: Sequence[Sequence[QueryRecord]], path: Path
 ) -> Path:
     """Write a picture of the convergence, the weights, and the timelines.
 
     Args:
         training: what is drawn.
         demonstrations: of the expert.
-        imitations: what the learner does in their place; none where there is no world to try it in.
+        learner: what the learner asks in each one's place.
         path: of the picture.
 
     Raises:
@@ -37,7 +37,7 @@ def draw_training(
         grid = figure.add_gridspec(2, 2, height_ratios=(3.2, height - 3.2))
         _draw_convergence(figure.add_subplot(grid[0, 0]), training)
         _draw_weights(figure.add_subplot(grid[0, 1]), training)
-        _draw_timelines(figure.add_subplot(grid[1, :]), demonstrations, imitations)
+        _draw_timelines(figure.add_subplot(grid[1, :]), demonstrations, learner)
         return save(figure, path)
 
 
@@ -62,7 +62,7 @@ def _draw_convergence(axes: Axes, training: Training) -> None:
     axes.axvline(matching.kept + 1, color='black', linestyle=':', label='kept')
     axes.set(xlabel='iteration', ylabel='feature-count gap (scales)', ylim=(0, None))
     axes.xaxis.set_major_locator(MaxNLocator(integer=True))
-    axes.legend(frameon=False, fontsize=9)
+    axes.legend(frameon=True, framealpha=1, edgecolor='none', fontsize=9)
 
 
 def _draw_weights(axes: Axes, training: Training) -> None:
@@ -77,13 +77,13 @@ def _draw_weights(axes: Axes, training: Training) -> None:
     axes.set_xlabel('weight')
 
 
-def _draw_timelines(axes: Axes, demonstrations: Sequence[Demonstration], imitations: Sequence[Imitation]) -> None:
+def _draw_timelines(
+    axes: Axes, demonstrations: Sequence[Demonstration], learner: Sequence[Sequence[QueryRecord]]
+) -> None:
     """Two rows for each demonstration, the expert's above the learner's."""
     ticks: list[tuple[float, str]] = []
     for number, demonstration in enumerate(demonstrations):
-        rows = [(f'expert, {demonstration.name}', demonstration.queries)]
-        if imitations:
-            rows.append(('learner', imitations[number].queries))
+        rows = [(f'expert, {demonstration.name}', demonstration.queries), ('learner', learner[number])]
         for offset, (label, queries) in enumerate(rows):
             height = -(number + 0.42 * offset)
             ticks.append((height, label))

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from al_questioner.domain import Action, QueryKind
-from al_questioner.imitation.assessment import agreement, count_gap, imitate
+from al_questioner.imitation.assessment import agreement, count_gap, imitate, predict_queries
 from al_questioner.imitation.demonstration import Demonstration, Step, feature_scale
 from al_questioner.simulation import PerceivedWorld
 
@@ -43,3 +43,10 @@ def test_the_learner_is_tried_in_the_experts_place(experts):
     gap = count_gap([tried], [shown], scale)
     np.testing.assert_allclose(gap[:5] * scale[:5], (shown.feature_counts - tried.feature_counts)[:5])
     assert gap[5] == 0.0
+
+
+def test_predicted_queries_are_the_best_candidates_of_each_state(experts):
+    """The picture of a robot's training would show another learner."""
+    always = predict_queries(np.array([0, 0, 0, 0, -1.0, 0, -1000]), experts[0])
+    assert {query.turn for query in always} == {s.turn for s in experts[0].steps if len(s.actions) > 1}
+    assert predict_queries(np.array([0, 0, 0, 0, -1.0, 0, 0]), experts[0]) == ()

@@ -31,7 +31,7 @@ def test_what_is_written_can_be_read_and_tells_where_it_comes_from(experts, tmp_
     assert details['bags'] == BAGS
     assert details['unidentified'] == ['remaining_time']
     assert set(details['gap_before']) == set(details['gap_after']) == set(DECISION_FEATURES)
-    assert draw_training(training, experts, [], tmp_path / 'w.png').stat().st_size > 10_000
+    assert draw_training(training, experts, [d.queries for d in experts], tmp_path / 'w.png').stat().st_size > 10_000
 
 
 def test_unweighted_choices_leave_no_gap_at_the_experts_steps(made):
