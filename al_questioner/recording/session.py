@@ -110,37 +110,54 @@ class _Recorded:
 
     episodes: dict[str, Document] = field(default_factory=dict)
     stamps: dict[str, dict[int, int]] = field(default_factory=lambda: defaultdict(dict))
-    states: dict[str, Document] = field(default_factory=dict)
+    states: list[BagMessage] = field(default_factory=list)
     clouds: list[tuple[int, BagMessage]] = field(default_factory=list)
     decisions: dict[int, BagMessage] = field(default_factory=dict)
 
     def take(self, name: str, message: BagMessage) -> None:
         """Sort one message in; clouds are kept as they are until it is known which ones matter."""
+        if name == 'learner_state':
+            self.states.append(message)
+            return
         content = deserialize(message)
         if name == 'objects':
             self.clouds.append((_stamp(content.header), message))
         elif name == 'decision':
             self.decisions[_stamp(content.header)] = message
-        elif name in ('episode', 'turn', 'learner_state'):
+        elif name in ('episode', 'turn'):
             document = documents.read(name, content.data)
             episode_id = document['episode_id']
             if name == 'turn':
                 stamp = document['stamp']
                 self.stamps[episode_id][document['turn']] = stamp['sec'] * 10**9 + stamp['nanosec']
             else:
-                (self.episodes if name == 'episode' else self.states)[episode_id] = document
+                self.episodes[episode_id] = document
+
+    def last_states(self) -> dict[str, Document]:
+        """The last state of the learner, by episode: it tells all that came before, so the others are not read."""
+        found: dict[str, Document] = {}
+        for message in reversed(self.states):
+            if self.episodes.keys() <= found.keys():
+                break
+            document = documents.read('learner_state', deserialize(message).data)
+            found.setdefault(document['episode_id'], document)
+        return found
 
 
 def _sessions(bag: Bag, recorded: _Recorded) -> list[Session]:
     try:
-        return [_session(bag.path, recorded, document) for document in recorded.episodes.values()]
+        states = recorded.last_states()
+        return [
+            _session(bag.path, recorded, document, states.get(episode_id))
+            for episode_id, document in recorded.episodes.items()
+        ]
     except BagError:
         raise
     except InputError as error:
         raise BagError(f'{bag.path}: {error}') from error
 
 
-def _session(path: Path, recorded: _Recorded, document: Document) -> Session:
+def _session(path: Path, recorded: _Recorded, document: Document, state: Document | None) -> Session:
     episode_id, names = document['episode_id'], tuple(document['feature_names'])
     settings = EpisodeSettings(
         symbols=tuple(document['symbols']),
@@ -153,7 +170,6 @@ def _session(path: Path, recorded: _Recorded, document: Document) -> Session:
         tune_every=document.get('tune_every', 0),
         **{name: document[name] for name in ('amplitude', 'length_scale') if name in document},
     )
-    state = recorded.states.get(episode_id)
     last = 0 if state is None else state['turn']
     records = {} if state is None else {q['turn']: documents.record_of(q) for q in state['queries']}
     turns = tuple(_turn(path, recorded, episode_id, turn, settings, records.get(turn)) for turn in range(1, last + 1))
