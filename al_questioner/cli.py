@@ -19,6 +19,7 @@ EXECUTABLES = {
         'plays a bag on its topics; --check tells whether it leads to the same again',
     ),
     'train_weights': ('al_questioner.imitation.command', "learns the decision weights from an expert's bags"),
+    'experiment': ('al_questioner.experiments.command', "plays, tests and draws the paper's comparison"),
     'demo': ('al_questioner.demo.command', 'plays one learning episode and shows how it went'),
 }
 """Module and one-line description of each executable; the module is imported only when it is run."""

@@ -14,6 +14,7 @@ CHECKOUT = Path(__file__).resolve().parents[2]
 
 DISTRIBUTIONS = {
     'cv2': ('opencv-python-headless', 'python3-opencv'),
+    'joblib': ('joblib', 'python3-joblib'),
     'jsonschema': ('jsonschema', 'python3-jsonschema'),
     'matplotlib': ('matplotlib', 'python3-matplotlib'),
     'mcap': ('mcap', 'mcap-ros2-support'),
@@ -25,6 +26,9 @@ DISTRIBUTIONS = {
     'yaml': ('PyYAML', 'python3-yaml'),
 }
 """PyPI and rosdep name by imported module, for what is no part of ROS."""
+
+OPTIONAL = {'dask'}
+"""Imported only by those who ask for it."""
 
 
 def imported_distributions() -> list[str]:
@@ -52,7 +56,12 @@ def requirements(section: str, option: str) -> list[str]:
     return config[section][option].split()
 
 
-@pytest.mark.parametrize('module', imported_distributions())
+def test_what_is_imported_only_when_wished_for_is_an_extra() -> None:
+    """A user who wants a cluster would have to guess what to install."""
+    assert 'dask[distributed]' in requirements('options.extras_require', 'cluster')
+
+
+@pytest.mark.parametrize('module', sorted(set(imported_distributions()) - OPTIONAL))
 def test_an_imported_module_is_required(module: str) -> None:
     pypi, rosdep = DISTRIBUTIONS.get(module, (None, module))
     assert rosdep in rosdep_keys()

@@ -1,0 +1,1 @@
+"""The paper's experiments: which episodes, played where, tested how, drawn and written down."""

@@ -1,0 +1,186 @@
+"""The figures of the paper, and two more: how well and how each strategy asks."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from pathlib import Path
+
+import numpy as np
+from matplotlib import pyplot as plt
+from matplotlib.axes import Axes
+from matplotlib.ticker import MaxNLocator
+
+from al_questioner.domain import QueryKind
+from al_questioner.experiments.plan import CONTROLS, PAPER_CONDITIONS, Cell, Condition
+from al_questioner.experiments.results import Results
+from al_questioner.experiments.statistics import mean_and_error
+from al_questioner.files import make_folder
+from al_questioner.plotting import KIND_COLOURS, STYLE, kind_name, mark_changes, save
+
+COLOURS = {
+    'dt_task_env': '#c1272d',
+    'dt_task': '#2c6fbb',
+    'dt_iros': '#3a923a',
+    'u_sampling': '#000000',
+    'u_sampling_fsq': '#777777',
+    'random_fsq': '#b8860b',
+    'farthest_fsq': '#8e44ad',
+    'rarest_demo': '#d1622b',
+}
+
+
+def draw_figures(results: Results, change_intervals: Mapping[str, int], folder: Path) -> list[Path]:
+    """Write all figures of all tasks and return their paths.
+
+    Args:
+        results: of the experiment.
+        change_intervals: turns between scene changes, by task.
+        folder: of the pictures.
+
+    Raises:
+        InputError: the folder cannot be made.
+        OSError: a picture cannot be written.
+    """
+    make_folder(folder)
+    paths = []
+    with plt.rc_context(STYLE):
+        for task in results.tasks:
+            paths.append(_learning_curves(results, task, folder / f'learning_curves_{task}.png'))
+            paths.append(_behaviour(results, task, change_intervals[task], folder / f'behaviour_{task}.png'))
+            paths.append(_kinds(results, task, folder / f'queries_{task}.png'))
+            paths.append(_budget(results, task, folder / f'budget_{task}.png'))
+    return paths
+
+
+def condition_name(condition: Condition) -> str:
+    """The condition in words, with the paper's number if it has one."""
+    numbered = {value: name for name, value in PAPER_CONDITIONS.items()}
+    limits = f'budget {condition.budget:g}, {condition.turns} turns'
+    return f'{numbered[condition]}: {limits}' if condition in numbered else limits
+
+
+def _grid(count: int) -> tuple[int, int]:
+    columns = 2 if count > 1 else 1
+    return -(-count // columns), columns
+
+
+def _panels(results: Results, task: str) -> list[Condition]:
+    """The conditions as the paper lays them out: budget rises upwards, time to the right."""
+    return sorted(results.conditions(task), key=lambda condition: (-condition.budget, condition.turns))
+
+
+def _learning_curves(results: Results, task: str, path: Path) -> Path:
+    conditions = _panels(results, task)
+    rows, columns = _grid(len(conditions))
+    figure, axes = plt.subplots(rows, columns, figsize=(5.2 * columns, 3.6 * rows), sharey=True, squeeze=False)
+    for panel, condition in zip(axes.flat, conditions, strict=False):
+        for strategy in results.strategies:
+            curves = results.curves(task, condition, strategy)
+            if not len(curves):
+                continue
+            mean, error = mean_and_error(curves)
+            turns = np.arange(1, len(mean) + 1)
+            style = '--' if strategy in CONTROLS else '-'
+            colour = COLOURS.get(strategy)
+            (line,) = panel.plot(turns, mean, style, color=colour, linewidth=1.6, label=strategy)
+            panel.fill_between(turns, mean - error, mean + error, color=line.get_color(), alpha=0.13, linewidth=0)
+        panel.set_title(condition_name(condition), loc='left', fontsize=10)
+        panel.set(xlabel='turn', ylabel='accuracy', ylim=(0, 1), xlim=(0, condition.turns))
+    for panel in axes.flat[len(conditions) :]:
+        panel.set_axis_off()
+    handles, labels = axes.flat[0].get_legend_handles_labels()
+    figure.legend(handles, labels, loc='outside lower center', ncols=4, frameon=False)
+    figure.suptitle(f'{task}: mean and standard error over the samples', x=0.01, ha='left', fontsize=11)
+    return save(figure, path)
+
+
+def _behaviour(results: Results, task: str, change_interval: int, path: Path) -> Path:
+    """When each strategy asked what, in the first sample."""
+    conditions = [c for c in _panels(results, task) if c.turns > 40] or _panels(results, task)[:1]
+    height = 0.34 * len(results.strategies) + 0.9
+    figure, axes = plt.subplots(len(conditions), 1, figsize=(10, height * len(conditions) + 0.4), squeeze=False)
+    for panel, condition in zip(axes.flat, conditions, strict=True):
+        for row, strategy in enumerate(results.strategies):
+            group = results.group(task, condition, strategy)
+            if group:
+                _draw_queries(panel, results, group[0].cell, -row)
+        mark_changes(panel, list(range(1 + change_interval, condition.turns + 1, change_interval)))
+        panel.set_yticks([-row for row in range(len(results.strategies))], results.strategies, fontsize=9)
+        panel.set(xlim=(0, condition.turns + 1), xlabel='turn')
+        panel.set_title(condition_name(condition), loc='left', fontsize=10)
+    _kind_legend(axes.flat[-1])
+    return save(figure, path)
+
+
+def _draw_queries(axes: Axes, results: Results, cell: Cell, height: float) -> None:
+    for kind, colour in KIND_COLOURS.items():
+        turns = [turn.turn for turn in results.turns_of(cell) if turn.kind == kind.value]
+        axes.scatter(turns, [height] * len(turns), color=colour, s=16, zorder=3, linewidth=0)
+
+
+def _kind_legend(axes: Axes) -> None:
+    for kind, colour in KIND_COLOURS.items():
+        axes.scatter([], [], color=colour, s=24, label=f'{kind_name(kind)} query')
+    axes.legend(frameon=False, loc='upper center', bbox_to_anchor=(0.5, -0.28), ncols=3, fontsize=9)
+
+
+def _kinds(results: Results, task: str, path: Path) -> Path:
+    """Queries of each kind, mean over the samples."""
+    conditions = _panels(results, task)
+    rows, columns = _grid(len(conditions))
+    figure, axes = plt.subplots(rows, columns, figsize=(5.2 * columns, 2.9 * rows), squeeze=False)
+    for panel, condition in zip(axes.flat, conditions, strict=False):
+        positions = -np.arange(len(results.strategies))
+        left = np.zeros(len(results.strategies))
+        for kind, colour in KIND_COLOURS.items():
+            counts = np.array([_mean_count(results, task, condition, name, kind) for name in results.strategies])
+            panel.barh(positions, counts, left=left, color=colour, label=kind_name(kind))
+            left += counts
+        panel.set_yticks(positions, results.strategies, fontsize=9)
+        panel.set_xlabel('queries')
+        panel.set_title(condition_name(condition), loc='left', fontsize=10)
+    for panel in axes.flat[len(conditions) :]:
+        panel.set_axis_off()
+    handles, labels = axes.flat[0].get_legend_handles_labels()
+    figure.legend(handles, labels, loc='outside lower center', ncols=3, frameon=False)
+    return save(figure, path)
+
+
+def _mean_count(results: Results, task: str, condition: Condition, strategy: str, kind: QueryKind) -> float:
+    group = results.group(task, condition, strategy)
+    counts = [sum(turn.kind == kind.value for turn in results.turns_of(row.cell)) for row in group]
+    return float(np.mean(counts)) if counts else 0.0
+
+
+def _budget(results: Results, task: str, path: Path) -> Path:
+    """Share of the budget spent over time, mean over the samples."""
+    conditions = _panels(results, task)
+    rows, columns = _grid(len(conditions))
+    figure, axes = plt.subplots(rows, columns, figsize=(5.2 * columns, 3.0 * rows), sharey=True, squeeze=False)
+    for panel, condition in zip(axes.flat, conditions, strict=False):
+        for strategy in results.strategies:
+            spent = _spent(results, task, condition, strategy)
+            if len(spent):
+                style = '--' if strategy in CONTROLS else '-'
+                share = spent.mean(axis=0) / (condition.budget or 1)
+                panel.step(
+                    np.arange(1, len(share) + 1),
+                    share,
+                    style,
+                    where='post',
+                    color=COLOURS.get(strategy),
+                    label=strategy,
+                )
+        panel.set_title(condition_name(condition), loc='left', fontsize=10)
+        panel.set(xlabel='turn', ylabel='share of budget spent', ylim=(0, 1.02), xlim=(0, condition.turns))
+        panel.xaxis.set_major_locator(MaxNLocator(integer=True))
+    for panel in axes.flat[len(conditions) :]:
+        panel.set_axis_off()
+    handles, labels = axes.flat[0].get_legend_handles_labels()
+    figure.legend(handles, labels, loc='outside lower center', ncols=4, frameon=False)
+    return save(figure, path)
+
+
+def _spent(results: Results, task: str, condition: Condition, strategy: str) -> np.ndarray:
+    group: Sequence[Cell] = [row.cell for row in results.group(task, condition, strategy)]
+    return np.array([[turn.spent for turn in results.turns_of(cell)] for cell in group])

@@ -1,0 +1,147 @@
+"""Which episodes an experiment consists of, and what they share."""
+
+from __future__ import annotations
+
+import dataclasses
+import itertools
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass, field
+from typing import Any
+
+from al_questioner.domain import SettingsError
+from al_questioner.questioning import STRATEGIES
+from al_questioner.world import Task, load_task
+
+
+@dataclass(frozen=True)
+class Condition:
+    """The limits of an episode: query budget, and number of turns."""
+
+    budget: float
+    turns: int
+
+    def __str__(self) -> str:
+        return f'{self.budget:g}/{self.turns}'
+
+
+PAPER_CONDITIONS = {
+    'C1': Condition(25, 40),
+    'C2': Condition(25, 150),
+    'C3': Condition(500, 40),
+    'C4': Condition(500, 150),
+}
+"""Section 4.3 of the paper."""
+PAPER_STRATEGIES = ('u_sampling', 'dt_iros', 'dt_task', 'dt_task_env')
+CONTROLS = ('u_sampling_fsq', 'random_fsq', 'farthest_fsq', 'rarest_demo')
+PAPER_TASKS = ('prepare_lunch', 'pack_lunchbox')
+
+
+@dataclass(frozen=True)
+class Variation:
+    """What an experiment changes in its tasks and learners; the default changes nothing.
+
+    Attributes:
+        change_interval: turns between scene changes; None for the task's.
+        synchrony: how synchronously the objects change their state, in [0, 1]; None for the task's.
+        wrong_rate: share of the teacher's answers that are wrong.
+        weights: by strategy, weights of the decision features; those that ship for the others.
+    """
+
+    change_interval: int | None = None
+    synchrony: float | None = None
+    wrong_rate: float = 0.0
+    weights: Mapping[str, Mapping[str, float]] = field(default_factory=dict)
+
+    def task(self, name: str) -> Task:
+        """The task, varied.
+
+        Raises:
+            InputError: no such task.
+        """
+        task = load_task(name)
+        changes: dict[str, Any] = {}
+        if self.change_interval is not None:
+            changes['change_interval'] = self.change_interval
+        if self.synchrony is not None:
+            changes['synchrony'] = self.synchrony
+        return dataclasses.replace(task, scenes=dataclasses.replace(task.scenes, **changes)) if changes else task
+
+
+@dataclass(frozen=True, order=True)
+class Cell:
+    """One episode of an experiment. Sample, scenes and seed are the same for all strategies: the design is paired."""
+
+    task: str
+    budget: float
+    turns: int
+    strategy: str
+    sample: int
+
+    @property
+    def condition(self) -> Condition:
+        """The limits of the episode."""
+        return Condition(self.budget, self.turns)
+
+    @property
+    def seed(self) -> int:
+        """Of scenes, learner and teacher."""
+        return self.sample
+
+
+@dataclass(frozen=True)
+class Plan:
+    """All episodes of an experiment: every combination.
+
+    Attributes:
+        tasks: names in `config/tasks`.
+        conditions: limits.
+        strategies: names.
+        samples: numbers of samples of observations.
+        variation: what is changed in all of them.
+
+    Raises:
+        InputError: an unknown task or strategy, or nothing to play.
+    """
+
+    tasks: tuple[str, ...]
+    conditions: tuple[Condition, ...]
+    strategies: tuple[str, ...]
+    samples: tuple[int, ...]
+    variation: Variation = Variation()
+
+    def __post_init__(self) -> None:
+        for name, values in (
+            ('task', self.tasks),
+            ('condition', self.conditions),
+            ('strategy', self.strategies),
+            ('sample', self.samples),
+        ):
+            if not values:
+                raise SettingsError(f'the experiment has no {name}')
+            if len(set(values)) < len(values):
+                raise SettingsError(f'the experiment names a {name} twice')
+        for strategy in self.strategies:
+            if strategy not in STRATEGIES:
+                raise SettingsError(f'unknown strategy {strategy!r}; known: {", ".join(STRATEGIES)}')
+        for name in self.tasks:
+            self.variation.task(name)
+
+    def groups(self) -> Iterator[tuple[Cell, ...]]:
+        """The cells, together those that share a world and their limits: they are played in one go."""
+        for task, sample, condition in itertools.product(self.tasks, self.samples, self.conditions):
+            yield tuple(Cell(task, condition.budget, condition.turns, strategy, sample) for strategy in self.strategies)
+
+    def cells(self) -> Sequence[Cell]:
+        """All cells."""
+        return [cell for group in self.groups() for cell in group]
+
+    def document(self) -> dict[str, Any]:
+        """What determines the results, for the manifest."""
+        variation = dataclasses.asdict(self.variation)
+        return {
+            'tasks': list(self.tasks),
+            'conditions': [dataclasses.asdict(condition) for condition in self.conditions],
+            'strategies': list(self.strategies),
+            'samples': list(self.samples),
+            'variation': variation,
+        }

@@ -1,0 +1,131 @@
+"""Playing the episodes of an experiment, wherever: what a worker process does."""
+
+from __future__ import annotations
+
+import dataclasses
+import statistics
+from collections.abc import Sequence
+from dataclasses import dataclass
+from functools import lru_cache
+from pathlib import Path
+from typing import Any
+
+from al_questioner.experiments.plan import Cell, Variation
+from al_questioner.simulation import EpisodeResult, PerceivedWorld, WorldChoice, episode_settings, run_episode
+from al_questioner.teaching import ScriptedTeacher
+
+Row = dict[str, Any]
+
+EPISODE_COLUMNS = (
+    'task',
+    'budget',
+    'turns',
+    'strategy',
+    'sample',
+    'seed',
+    'final_accuracy',
+    'mean_accuracy',
+    'queries',
+    'spent',
+)
+TURN_COLUMNS = (
+    *EPISODE_COLUMNS[:6],
+    'turn',
+    'accuracy',
+    'kind',
+    'object_id',
+    'symbol',
+    'outcome',
+    'spent',
+)
+
+
+@dataclass(frozen=True)
+class Played:
+    """What came of a cell.
+
+    Attributes:
+        cell: that was played.
+        episode: a row by `EPISODE_COLUMNS`; empty if it failed.
+        turns: rows by `TURN_COLUMNS`.
+        error: why it failed; empty if it did not.
+    """
+
+    cell: Cell
+    episode: Row
+    turns: tuple[Row, ...]
+    error: str = ''
+
+
+def play_cells(cells: Sequence[Cell], variation: Variation, dataset: str = '') -> list[Played]:
+    """Play episodes in one world, one after the other; one that fails does not keep the others from being played.
+
+    Args:
+        cells: of the same task and sample.
+        variation: of all of them.
+        dataset: root of a directory of crops, for tasks that read one.
+    """
+    return [_play(cell, variation, dataset) for cell in cells]
+
+
+def _play(cell: Cell, variation: Variation, dataset: str) -> Played:
+    try:
+        return _rows(cell, play_episode(cell, variation, dataset))
+    except Exception as error:  # noqa: BLE001 - whatever it is, it is reported, and the experiment goes on
+        return Played(cell, {}, (), f'{type(error).__name__}: {error}')
+
+
+def play_episode(cell: Cell, variation: Variation, dataset: str = '') -> EpisodeResult:
+    """Play the episode of a cell."""
+    task = variation.task(cell.task)
+    choice = WorldChoice(task, cell.seed, cell.sample, Path(dataset) if dataset else None)
+    settings = episode_settings(task, cell.strategy, cell.budget, cell.turns)
+    if cell.strategy in variation.weights:
+        settings = dataclasses.replace(settings, weights=variation.weights[cell.strategy])
+    teacher = ScriptedTeacher(task.symbols, task.relevant_groups, cell.seed, variation.wrong_rate)
+    world = _open_world(cell.task, cell.sample, variation.change_interval, variation.synchrony, dataset)
+    return run_episode(choice, settings, teacher, world=world)
+
+
+@lru_cache(maxsize=2)
+def _open_world(
+    task: str, sample: int, change_interval: int | None, synchrony: float | None, dataset: str
+) -> PerceivedWorld:
+    """The world of a sample, kept for the next cells of the same one: its views are drawn and measured once."""
+    varied = Variation(change_interval, synchrony).task(task)
+    return PerceivedWorld(WorldChoice(varied, sample, sample, Path(dataset) if dataset else None).open())
+
+
+def _rows(cell: Cell, result: EpisodeResult) -> Played:
+    shared = {
+        'task': cell.task,
+        'budget': cell.budget,
+        'turns': cell.turns,
+        'strategy': cell.strategy,
+        'sample': cell.sample,
+        'seed': cell.seed,
+    }
+    episode = {
+        **shared,
+        'final_accuracy': result.final_accuracy,
+        'mean_accuracy': statistics.fmean(result.accuracy),
+        'queries': len(result.queries),
+        'spent': result.spent,
+    }
+    by_turn = {record.turn: record for record in result.queries}
+    turns, spent = [], 0.0
+    for turn, accuracy in enumerate(result.accuracy, 1):
+        record = by_turn.get(turn)
+        spent += record.cost if record else 0.0
+        told = (
+            {'kind': 'no_query', 'object_id': None, 'symbol': None, 'outcome': None}
+            if record is None
+            else {
+                'kind': record.kind.value,
+                'object_id': record.object_id,
+                'symbol': record.symbol,
+                'outcome': record.outcome.value,
+            }
+        )
+        turns.append({**shared, 'turn': turn, 'accuracy': accuracy, **told, 'spent': spent})
+    return Played(cell, episode, tuple(turns))

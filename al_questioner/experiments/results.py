@@ -1,0 +1,146 @@
+"""What an experiment found, read from its tables."""
+
+from __future__ import annotations
+
+import csv
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from functools import cached_property
+from pathlib import Path
+
+import numpy as np
+from numpy.typing import NDArray
+
+from al_questioner.domain import InputError
+from al_questioner.experiments.plan import CONTROLS, PAPER_STRATEGIES, Cell, Condition
+
+Array = NDArray[np.float64]
+
+
+@dataclass(frozen=True, eq=False)
+class EpisodeRow:
+    """A row of `episodes.csv`."""
+
+    cell: Cell
+    final_accuracy: float
+    mean_accuracy: float
+    queries: int
+    spent: float
+
+
+@dataclass(frozen=True, eq=False)
+class TurnRow:
+    """A row of `turns.csv`; `kind` is 'no_query' where nothing was asked."""
+
+    cell: Cell
+    turn: int
+    accuracy: float
+    kind: str
+    outcome: str
+    spent: float
+
+
+@dataclass(frozen=True, eq=False)
+class Results:
+    """The tables of an experiment.
+
+    Attributes:
+        episodes: rows of `episodes.csv`.
+        turns: rows of `turns.csv`.
+    """
+
+    episodes: Sequence[EpisodeRow]
+    turns: Sequence[TurnRow]
+
+    @cached_property
+    def tasks(self) -> tuple[str, ...]:
+        """The tasks, in the order of the table."""
+        return tuple(dict.fromkeys(row.cell.task for row in self.episodes))
+
+    @cached_property
+    def strategies(self) -> tuple[str, ...]:
+        """The strategies: those of the paper first, then the controls, then others."""
+        known = (*PAPER_STRATEGIES, *CONTROLS)
+        found = dict.fromkeys(row.cell.strategy for row in self.episodes)
+        return (*(name for name in known if name in found), *(name for name in found if name not in known))
+
+    def conditions(self, task: str) -> tuple[Condition, ...]:
+        """The conditions of a task."""
+        return tuple(dict.fromkeys(row.cell.condition for row in self.episodes if row.cell.task == task))
+
+    @cached_property
+    def _by_group(self) -> Mapping[tuple[str, Condition, str], list[EpisodeRow]]:
+        groups: dict[tuple[str, Condition, str], list[EpisodeRow]] = {}
+        for row in self.episodes:
+            groups.setdefault((row.cell.task, row.cell.condition, row.cell.strategy), []).append(row)
+        return {key: sorted(rows, key=lambda row: row.cell.sample) for key, rows in groups.items()}
+
+    @cached_property
+    def _turns_by_cell(self) -> Mapping[Cell, list[TurnRow]]:
+        cells: dict[Cell, list[TurnRow]] = {}
+        for row in self.turns:
+            cells.setdefault(row.cell, []).append(row)
+        return {cell: sorted(rows, key=lambda row: row.turn) for cell, rows in cells.items()}
+
+    def group(self, task: str, condition: Condition, strategy: str) -> list[EpisodeRow]:
+        """The episodes of a task, a condition and a strategy, by sample."""
+        return self._by_group.get((task, condition, strategy), [])
+
+    def final_accuracies(self, task: str, condition: Condition) -> dict[str, Array]:
+        """By strategy, (n,) accuracies at the end of the time, of the samples that all strategies have."""
+        groups = {name: self.group(task, condition, name) for name in self.strategies}
+        groups = {name: rows for name, rows in groups.items() if rows}
+        shared = set.intersection(*({row.cell.sample for row in rows} for rows in groups.values())) if groups else set()
+        return {
+            name: np.array([row.final_accuracy for row in rows if row.cell.sample in shared])
+            for name, rows in groups.items()
+        }
+
+    def turns_of(self, cell: Cell) -> list[TurnRow]:
+        """The turns of an episode, in order."""
+        return self._turns_by_cell.get(cell, [])
+
+    def curves(self, task: str, condition: Condition, strategy: str) -> Array:
+        """(n, T) accuracy after each turn, by sample."""
+        rows = [self.turns_of(row.cell) for row in self.group(task, condition, strategy)]
+        return np.array([[turn.accuracy for turn in episode] for episode in rows])
+
+
+def read_results(folder: Path) -> Results:
+    """Read `episodes.csv` and `turns.csv` of an experiment.
+
+    Raises:
+        InputError: a table is missing or is none of an experiment.
+    """
+    episodes = [
+        EpisodeRow(
+            _cell(row),
+            float(row['final_accuracy']),
+            float(row['mean_accuracy']),
+            int(row['queries']),
+            float(row['spent']),
+        )
+        for row in _rows(folder / 'episodes.csv')
+    ]
+    turns = [
+        TurnRow(_cell(row), int(row['turn']), float(row['accuracy']), row['kind'], row['outcome'], float(row['spent']))
+        for row in _rows(folder / 'turns.csv')
+    ]
+    if not episodes:
+        raise InputError(f'{folder}: no episode has been played yet')
+    return Results(episodes, turns)
+
+
+def _rows(path: Path) -> list[dict[str, str]]:
+    try:
+        with path.open(newline='', encoding='utf-8') as file:
+            return list(csv.DictReader(file))
+    except (OSError, ValueError) as error:
+        raise InputError(f'{path}: cannot be read ({error})') from error
+
+
+def _cell(row: Mapping[str, str]) -> Cell:
+    try:
+        return Cell(row['task'], float(row['budget']), int(row['turns']), row['strategy'], int(row['sample']))
+    except (KeyError, ValueError) as error:
+        raise InputError(f'a row of the tables is none of an experiment ({error})') from error

@@ -1,0 +1,170 @@
+"""Running an experiment: spread over processes or a cluster, resumed where it was interrupted."""
+
+from __future__ import annotations
+
+import csv
+import json
+import os
+import platform
+import time
+from collections.abc import Callable, Iterator, Sequence
+from contextlib import contextmanager
+from pathlib import Path
+from typing import Any
+
+from joblib import Parallel, delayed, parallel_config
+
+from al_questioner import __version__
+from al_questioner.domain import InputError, SettingsError
+from al_questioner.experiments.plan import Cell, Plan
+from al_questioner.experiments.playing import EPISODE_COLUMNS, TURN_COLUMNS, Played, Row, play_cells
+from al_questioner.files import make_folder, write_text
+
+Watcher = Callable[[int, int, Played], None]
+"""Told, for each cell that was played, how many are there now, how many there will be, and what came of it."""
+
+
+class Store:
+    """The folder of an experiment: a manifest, a file for each finished cell, and the tables made from them.
+
+    Args:
+        folder: made if it is not there.
+        plan: what is stored in it.
+        dataset: root of a directory of crops.
+
+    Raises:
+        InputError: the folder cannot be written to, or holds an experiment that cannot be gone on with: of another
+            version, or with other variations.
+    """
+
+    def __init__(self, folder: Path, plan: Plan, dataset: str = '') -> None:
+        self.folder = folder
+        self._cells = folder / 'cells'
+        make_folder(self._cells)
+        manifest = folder / 'manifest.json'
+        determining = {'version': __version__, 'variation': plan.document()['variation'], 'dataset': dataset}
+        if manifest.is_file():
+            _check_same(manifest, determining)
+        document = {**determining, **plan.document(), 'seeds': list(plan.samples), 'machine': _machine()}
+        write_text(manifest, json.dumps(document, indent=1) + '\n')
+
+    def load(self, cell: Cell) -> Played | None:
+        """What was stored of a cell; None if nothing usable was."""
+        try:
+            document = json.loads(self._path(cell).read_text(encoding='utf-8'))
+            return Played(cell, document['episode'], tuple(document['turns']))
+        except (OSError, ValueError, KeyError, TypeError):
+            return None
+
+    def save(self, played: Played) -> None:
+        """Store a cell; a crash meanwhile leaves no half of it."""
+        path = self._path(played.cell)
+        make_folder(path.parent)
+        draft = path.with_suffix('.tmp')
+        write_text(draft, json.dumps({'episode': played.episode, 'turns': played.turns}))
+        draft.replace(path)
+
+    def write_tables(self, cells: Sequence[Cell]) -> list[Path]:
+        """Write `episodes.csv` and `turns.csv` from what is stored of these cells, in their order."""
+        stored = [played for cell in sorted(cells) if (played := self.load(cell)) is not None]
+        episodes, turns = self.folder / 'episodes.csv', self.folder / 'turns.csv'
+        _write_csv(episodes, EPISODE_COLUMNS, (played.episode for played in stored))
+        _write_csv(turns, TURN_COLUMNS, (row for played in stored for row in played.turns))
+        return [episodes, turns]
+
+    def _path(self, cell: Cell) -> Path:
+        return self._cells / cell.task / f'{cell.condition}'.replace('/', '-') / cell.strategy / f'{cell.sample}.json'
+
+
+def run(
+    plan: Plan,
+    store: Store,
+    jobs: int = 1,
+    scheduler: str | None = None,
+    dataset: str = '',
+    watch: Watcher | None = None,
+) -> list[Played]:
+    """Play all cells that are not stored yet, and return those that failed.
+
+    Args:
+        plan: the experiment.
+        store: where its cells are.
+        jobs: number of local processes; 1 for this one.
+        scheduler: address of a dask scheduler that spreads the work instead.
+        dataset: root of a directory of crops.
+        watch: told of each cell that was played.
+
+    Raises:
+        InputError: dask is not installed, or there is no scheduler at the address.
+    """
+    total = len(plan.cells())
+    missing = [tuple(cell for cell in group if store.load(cell) is None) for group in plan.groups()]
+    missing = [group for group in missing if group]
+    done = total - sum(map(len, missing))
+    failed = []
+    with _backend(scheduler):
+        parallel = Parallel(n_jobs=-1 if scheduler else jobs, return_as='generator_unordered', pre_dispatch='2*n_jobs')
+        for results in parallel(delayed(play_cells)(group, plan.variation, dataset) for group in missing):
+            for played in results:
+                done += 1
+                if played.error:
+                    failed.append(played)
+                else:
+                    store.save(played)
+                if watch is not None:
+                    watch(done, total, played)
+    return failed
+
+
+@contextmanager
+def _backend(scheduler: str | None) -> Iterator[None]:
+    """Joblib's own processes, or the workers of a dask cluster."""
+    if scheduler is None:
+        yield
+        return
+    try:
+        from dask.distributed import Client
+    except ImportError as error:
+        raise InputError('dask is not installed: pip install ".[cluster]"') from error
+    try:
+        client = Client(scheduler, timeout='10s')
+    except (OSError, ValueError) as error:
+        raise InputError(f'no dask scheduler answers at {scheduler} ({" ".join(str(error).split())})') from error
+    with client, parallel_config(backend='dask', wait_for_workers_timeout=30):
+        yield
+
+
+def _check_same(manifest: Path, determining: dict[str, Any]) -> None:
+    try:
+        before = json.loads(manifest.read_text(encoding='utf-8'))
+    except (OSError, ValueError) as error:
+        raise InputError(f'{manifest} cannot be read ({error})') from error
+    for name, value in determining.items():
+        if before.get(name) != json.loads(json.dumps(value)):
+            raise SettingsError(
+                f'{manifest.parent} holds an experiment with {name} {before.get(name)}, this one has {value}:'
+                ' choose another folder'
+            )
+
+
+def _machine() -> dict[str, Any]:
+    """Where and when it was run, for people."""
+    return {
+        'python': platform.python_version(),
+        'platform': platform.platform(),
+        'processor': platform.machine(),
+        'cores': os.cpu_count(),
+        'begun': time.strftime('%Y-%m-%dT%H:%M:%S%z'),
+    }
+
+
+def _write_csv(path: Path, columns: Sequence[str], rows: Iterator[Row]) -> None:
+    draft = path.with_suffix('.tmp')
+    try:
+        with draft.open('w', newline='', encoding='utf-8') as file:
+            writer = csv.DictWriter(file, columns)
+            writer.writeheader()
+            writer.writerows(rows)
+        draft.replace(path)
+    except OSError as error:
+        raise InputError(f'{path} cannot be written ({error.strerror})') from error

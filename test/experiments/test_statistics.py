@@ -1,0 +1,77 @@
+"""The tests of the paper against scipy, hand-solved cases and brute force."""
+
+from __future__ import annotations
+
+import itertools
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+from scipy.stats import mannwhitneyu, wilcoxon
+
+from al_questioner.experiments.statistics import compare, holm, mean_and_error, paired_p, superiority
+
+FIRST = np.array([0.9, 0.8, 0.7, 0.85, 0.95])
+OTHER = np.array([0.6, 0.5, 0.75, 0.55, 0.65])
+
+
+def test_holm_by_hand() -> None:
+    """p-values of .01, .04, .03 become 3 x .01, then 2 x .03, then the larger of that and .04."""
+    assert holm([0.01, 0.04, 0.03]) == pytest.approx([0.03, 0.06, 0.06])
+    assert holm([0.5, 0.9]) == [1.0, 1.0]
+
+
+@given(st.lists(st.floats(0, 1), min_size=1, max_size=8))
+def test_holm_is_monotone_and_never_below_the_raw_p(p_values: list[float]) -> None:
+    """A correction that makes a result more significant would be a lie."""
+    corrected = holm(p_values)
+    assert all(raw <= c + 1e-12 <= 1 + 1e-9 for raw, c in zip(p_values, corrected, strict=True))
+    order = np.argsort(p_values, kind='stable')
+    assert all(np.diff(np.array(corrected)[order]) >= 0)
+
+
+def test_the_papers_test_by_counting_all_orders() -> None:
+    """Exact one-tailed p: the share of ways to split the ten numbers whose U is as large as ours."""
+    values = np.concatenate([FIRST, OTHER])
+    observed = sum(a > b for a in FIRST for b in OTHER)
+    as_large = [
+        sum(values[i] > values[j] for i in chosen for j in set(range(10)) - set(chosen)) >= observed
+        for chosen in itertools.combinations(range(10), 5)
+    ]
+    (found,) = compare(FIRST, {'other': OTHER})
+    assert found.p == pytest.approx(np.mean(as_large))
+    assert found.p == pytest.approx(mannwhitneyu(FIRST, OTHER, alternative='greater').pvalue)
+    assert found.superiority == pytest.approx(observed / 25) == superiority(FIRST, OTHER)
+    assert found.p_paired == pytest.approx(wilcoxon(FIRST - OTHER, alternative='greater').pvalue)
+    low, high = found.interval
+    assert low <= found.superiority <= high <= 1
+
+
+def test_equal_accuracies_are_no_difference() -> None:
+    """A strategy would beat itself."""
+    (found,) = compare(FIRST, {'same': FIRST.copy()})
+    assert found.p_paired == 1.0
+    assert found.superiority == 0.5
+    assert found.p > 0.3
+    assert paired_p(FIRST, FIRST + 1e-15) == 1.0
+
+
+def test_holm_counts_all_comparisons() -> None:
+    """Three chances to win would count as one."""
+    found = compare(FIRST, {'a': OTHER, 'b': OTHER, 'c': FIRST})
+    assert found[0].p_holm == pytest.approx(3 * found[0].p)
+
+
+def test_a_single_sample_gives_an_interval_of_nothing() -> None:
+    """A quick try with one sample would end in an error."""
+    (found,) = compare(np.array([0.5]), {'other': np.array([0.4])})
+    assert found.interval == (1.0, 1.0)
+
+
+def test_standard_error_by_hand() -> None:
+    """The bands of the learning curves would be of another width."""
+    mean, error = mean_and_error(np.array([[1.0, 0.0], [3.0, 0.0]]))
+    np.testing.assert_allclose(mean, [2, 0])
+    np.testing.assert_allclose(error, [1, 0])
+    assert mean_and_error(np.ones((1, 3)))[1].tolist() == [0, 0, 0]
