@@ -83,6 +83,12 @@ def test_every_import_goes_downwards_and_ros_stays_in_its_room() -> None:
     assert not found, '\n'.join(found)
 
 
+def test_every_folder_is_a_package() -> None:
+    """What setuptools does not find is not installed; a checkout would hide it."""
+    folders = {path.parent for path in (ROOT / PACKAGE).rglob('*.py')}
+    assert [str(folder) for folder in sorted(folders) if not (folder / '__init__.py').is_file()] == []
+
+
 def test_every_room_has_its_place_in_the_order() -> None:
     rooms = {module_name(path).split('.')[1] for path in (ROOT / PACKAGE).rglob('*.py') if module_name(path) != PACKAGE}
     assert rooms <= RANK.keys(), f'say in LAYERS where these belong: {sorted(rooms - RANK.keys())}'

@@ -1,0 +1,1 @@
+"""Imitating an expert questioner: demonstrations, and inverse reinforcement learning of the decision weights."""
