@@ -121,7 +121,7 @@ def _draw_queries(axes: Axes, results: Results, cell: Cell, height: float) -> No
 def _kind_legend(axes: Axes) -> None:
     for kind, colour in KIND_COLOURS.items():
         axes.scatter([], [], color=colour, s=24, label=f'{kind_name(kind)} query')
-    axes.legend(frameon=False, loc='upper center', bbox_to_anchor=(0.5, -0.28), ncols=3, fontsize=9)
+    axes.legend(frameon=False, loc='upper center', bbox_to_anchor=(0.5, -0.16), ncols=3, fontsize=9)
 
 
 def _kinds(results: Results, task: str, path: Path) -> Path:

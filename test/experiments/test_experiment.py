@@ -183,6 +183,7 @@ def test_verdicts_of_made_results() -> None:
     )
     assert not verdict_of(bad, 'statistically outperforms').reproduced
     assert not verdict_of(bad, '134 / 22 / 9').reproduced
+    assert not verdict_of(bad, 'order of magnitude').reproduced
     assert not verdict_of(bad, 'asks at every turn').reproduced
     assert verdict_of(bad, 'FSQ early').reproduced
 
