@@ -1,0 +1,33 @@
+"""A dask cluster gives the numbers of local processes."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import pytest
+
+from al_questioner.cli import main
+
+SMALL = ['--task', 'prepare_lunch', '--condition', '3/4', '--strategy', 'random_fsq', 'dt_task_env', '--samples', '2']
+
+
+@pytest.mark.slow
+def test_a_cluster_of_two_workers_gives_the_same_tables(tmp_path: Path) -> None:
+    """A study on a cluster would not be the one that others can repeat."""
+    distributed = pytest.importorskip('dask.distributed', reason='dask is not installed: pip install .[cluster]')
+    assert main(['experiment', *SMALL, '--jobs', '1', '--out', str(tmp_path / 'local')]) == 0
+    with distributed.LocalCluster(
+        n_workers=2, threads_per_worker=1, host='127.0.0.1', dashboard_address=None, processes=True
+    ) as cluster:
+        assert main(['experiment', *SMALL, '--scheduler', cluster.scheduler_address, '--out', str(tmp_path / 'dask')]) == 0
+    for name in ('episodes.csv', 'turns.csv'):
+        assert (tmp_path / 'dask' / name).read_text() == (tmp_path / 'local' / name).read_text()
+
+
+def test_a_cluster_that_is_not_there_is_named(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    """A mistyped address would wait for ever, or end in a traceback."""
+    pytest.importorskip('dask.distributed', reason='dask is not installed: pip install .[cluster]')
+    assert main(['experiment', *SMALL, '--scheduler', 'tcp://127.0.0.1:1', '--out', str(tmp_path)]) == 2
+    error = capsys.readouterr().err
+    assert 'no dask scheduler answers at tcp://127.0.0.1:1' in error
+    assert error.count('\n') == 1
