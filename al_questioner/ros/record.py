@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 
 from rich.console import Console
 
-from al_questioner.domain import EpisodeError, InputError
+from al_questioner.domain import InputError
 from al_questioner.recording import repair
 
 if TYPE_CHECKING:
@@ -40,7 +40,7 @@ def main(arguments: Sequence[str]) -> int:
         lambda: made[0].done or made[0].failure is not None,
     )
     if made and made[0].failure is not None:
-        raise EpisodeError(f'the recording failed: {made[0].failure}')
+        raise made[0].failure
     return 0
 
 
