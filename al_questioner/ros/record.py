@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 
 from rich.console import Console
 
-from al_questioner.domain import InputError
+from al_questioner.domain import EpisodeError, InputError
 from al_questioner.recording import repair
 
 if TYPE_CHECKING:
@@ -41,6 +41,8 @@ def main(arguments: Sequence[str]) -> int:
     )
     if made and made[0].failure is not None:
         raise made[0].failure
+    if made and made[0].until_done and not made[0].done:
+        raise EpisodeError('ended before the episode was over; the bag is whole as far as it goes')
     return 0
 
 

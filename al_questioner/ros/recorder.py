@@ -40,7 +40,8 @@ class RecorderNode(QuestionerNode):
     """Writes every message of the recorded topics as it came, by the worker, and brings it to the disk twice a second.
 
     Attributes:
-        done: whether the episode is over and all is written, if it is to end by itself then.
+        until_done: whether it is to end by itself once the episode is over.
+        done: whether it is, and all is written.
         failure: what has made the recording impossible.
     """
 
@@ -50,7 +51,7 @@ class RecorderNode(QuestionerNode):
         refuse_unknown(self, all_names())
         self.done = False
         self.failure: EpisodeError | None = None
-        self._until_done = bool(given['until_done'])
+        self.until_done = bool(given['until_done'])
         self._last_turns: dict[str, int] = {}
         self._missed = 0
         names = {name: self.resolve_topic_name(name) for name in TYPES}
@@ -121,7 +122,7 @@ class RecorderNode(QuestionerNode):
                     ' the recording cannot be used as a demonstration'
                 )
             self._last_turns[episode_id] = turn
-        if name == 'learner_state' and document['done'] and self._until_done:
+        if name == 'learner_state' and document['done'] and self.until_done:
             self.after(DRAIN, self._finish)
 
     def _finish(self) -> None:

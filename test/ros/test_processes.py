@@ -270,6 +270,15 @@ def test_a_recording_that_is_ended_is_whole(
     assert [message.topic for message in read_bag(bag).messages] == [f'/{processes.namespace}/turn']
 
 
+def test_a_recording_that_is_ended_before_its_episode_says_so(processes: Processes, tmp_path: Path) -> None:
+    """A script that waits for a whole episode would go on with a part of it."""
+    recorder = processes.node('record', bag=str(tmp_path / 'bag'), until_done=True)
+    processes.wait_for_log('record', 'recording to')
+    os.killpg(recorder.pid, signal.SIGINT)
+    assert recorder.wait(DEADLINE) == 1
+    assert processes.log('record').splitlines()[-1].startswith('record: ended before the episode was over')
+
+
 @pytest.mark.parametrize('storage', ['mcap', 'sqlite3'])
 def test_a_recording_that_is_killed_is_repaired_without_ros(processes: Processes, tmp_path: Path, storage: str) -> None:
     """A demonstration with a person would be lost with the battery of the robot."""
