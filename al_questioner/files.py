@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 from pathlib import Path
 
 from al_questioner.domain import InputError
@@ -30,3 +31,16 @@ def write_text(path: Path, text: str, mode: str = 'w') -> None:
             file.write(text)
     except OSError as error:
         raise InputError(f'{path} cannot be written ({error.strerror})') from error
+
+
+def sync_to_disk(path: Path) -> None:
+    """Bring a file, or the names in a folder, to the disk.
+
+    Raises:
+        OSError: it cannot be.
+    """
+    descriptor = os.open(path, os.O_RDONLY)
+    try:
+        os.fsync(descriptor)
+    finally:
+        os.close(descriptor)

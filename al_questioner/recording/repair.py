@@ -5,16 +5,20 @@ from __future__ import annotations
 import sqlite3
 import tempfile
 from collections import Counter
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterable, Iterator, Mapping
 from contextlib import closing
 from dataclasses import dataclass
 from pathlib import Path
 
-from mcap.records import Channel, Message, Schema
-from mcap.stream_reader import StreamReader
+from mcap.records import Channel, Chunk, Message, Schema
+from mcap.stream_reader import StreamReader, breakup_chunk
 
-from al_questioner.recording.bags import BagError, BagMessage, Topic, read_bag, storage_files
+from al_questioner.files import sync_to_disk
+from al_questioner.recording.bags import BagError, BagMessage, Topic, read_bag, storage_files, typestore
 from al_questioner.recording.writing import BagWriter
+
+_BROKEN = '.broken'
+"""Added to the name of the file that is kept as it was."""
 
 
 @dataclass(frozen=True)
@@ -35,6 +39,8 @@ class RepairReport:
 def repair(path: Path) -> RepairReport:
     """Rewrite a bag from every message that reached the disk; a whole bag is left alone.
 
+    A repair that is itself interrupted can be repeated.
+
     Args:
         path: directory of the bag.
 
@@ -44,7 +50,9 @@ def repair(path: Path) -> RepairReport:
     try:
         whole = read_bag(path)
     except BagError as error:
-        files = list(storage_files(path)) if path.is_dir() else []
+        # A kept original alone is what an interrupted repair leaves.
+        kept = sorted(path.glob(f'*{_BROKEN}')) if path.is_dir() else []
+        files = (list(storage_files(path)) if path.is_dir() else []) or kept
         if not files:
             raise
         if len(files) > 1:
@@ -54,51 +62,49 @@ def repair(path: Path) -> RepairReport:
 
 
 def _rewrite(path: Path, broken: Path) -> RepairReport:
-    topics, messages = _salvage(broken)
-    if not messages:
-        raise BagError(f'{path}: no message can be read from {broken.name}')
-    storage = 'mcap' if broken.suffix == '.mcap' else 'sqlite3'
-    kept_as = broken.with_name(f'{broken.name}.broken')
-    if kept_as.exists():
+    name = broken.name.removesuffix(_BROKEN)
+    kept_as = broken.with_name(name + _BROKEN)
+    if broken != kept_as and kept_as.exists():
         raise BagError(f'{kept_as}: exists already; move it away to repair once more')
+    is_mcap = name.endswith('.mcap')
     try:
-        with tempfile.TemporaryDirectory(dir=path.parent, prefix='.repairing-') as folder:
-            # A bag's file bears the name of its directory, also inside.
-            rewritten = Path(folder) / path.name
-            with BagWriter(rewritten, topics, storage) as writer:
+        topics, messages = _salvage_mcap(broken) if is_mcap else _salvage_sqlite3(broken)
+        if not messages:
+            raise BagError(f'{path}: no message can be read from {broken.name}')
+        with tempfile.TemporaryDirectory(dir=path, prefix='.repairing-') as folder:
+            rewritten = Path(folder) / Path(name).stem
+            with BagWriter(rewritten, topics, 'mcap' if is_mcap else 'sqlite3') as writer:
                 for message in messages:
                     writer.write(message.topic, message.data, message.stamp)
             broken.rename(kept_as)
-            for file in (*storage_files(rewritten), rewritten / 'metadata.yaml'):
-                file.rename(path / file.name)
+            # The messages last: as long as they are not there, the bag is seen to be broken.
+            for file in (rewritten / 'metadata.yaml', rewritten / name):
+                file.replace(path / file.name)
+        sync_to_disk(path)
     except OSError as error:
         raise BagError(f'{path}: cannot be repaired ({error.strerror})') from error
     return RepairReport(False, Counter(message.topic for message in messages), kept_as)
 
 
-def _salvage(file: Path) -> tuple[list[Topic], list[BagMessage]]:
-    """Topics and messages of a storage file, as far as it can be read."""
-    return _salvage_mcap(file) if file.suffix == '.mcap' else _salvage_sqlite3(file)
-
-
 def _salvage_mcap(file: Path) -> tuple[list[Topic], list[BagMessage]]:
+    """Topics and messages of a file, as far as it can be read."""
     schemas: dict[int, Schema] = {}
-    channels: dict[int, Channel] = {}
-    messages: list[BagMessage] = []
+    topics: dict[int, Topic] = {}
+    found: list[Message] = []
     for record in _complete_records(file):
         if isinstance(record, Schema):
             schemas[record.id] = record
-        elif isinstance(record, Channel):
-            channels[record.id] = record
-        elif isinstance(record, Message) and record.channel_id in channels:
-            channel = channels[record.channel_id]
-            type_ = schemas[channel.schema_id].name
-            messages.append(BagMessage(channel.topic, type_, record.log_time, record.data))
-    topics = [
-        Topic(channel.topic, schemas[channel.schema_id].name, _is_latched(channel.metadata))
-        for channel in channels.values()
+        elif isinstance(record, Channel) and record.schema_id in schemas:
+            topics[record.id] = Topic(record.topic, schemas[record.schema_id].name, _is_latched(record.metadata))
+        elif isinstance(record, Message):
+            found.append(record)
+    # Only now, as the end of a file repeats the channels that a broken chunk may have lost.
+    messages = [
+        BagMessage(topics[message.channel_id].name, topics[message.channel_id].type, message.log_time, message.data)
+        for message in found
+        if message.channel_id in topics
     ]
-    return topics, messages
+    return _consistent(topics.values(), messages)
 
 
 def _is_latched(metadata: Mapping[str, str]) -> bool:
@@ -106,27 +112,49 @@ def _is_latched(metadata: Mapping[str, str]) -> bool:
 
 
 def _complete_records(file: Path) -> Iterator[object]:
-    """The records up to the first that is not complete."""
+    """The records up to the first that is not complete, without the chunks whose checksum is wrong."""
     with file.open('rb') as stream:
         try:
-            yield from StreamReader(stream, validate_crcs=False).records
+            for record in StreamReader(stream, emit_chunks=True).records:
+                yield from _records_of_chunk(record) if isinstance(record, Chunk) else [record]
+        except OSError:
+            raise
         except Exception:  # noqa: BLE001 - a record that was cut off fails in as many ways as it has fields
             return
 
 
+def _records_of_chunk(chunk: Chunk) -> list[object]:
+    try:
+        return list(breakup_chunk(chunk, validate_crc=True))
+    except Exception:  # noqa: BLE001 - so does a chunk that was overwritten
+        return []
+
+
 def _salvage_sqlite3(file: Path) -> tuple[list[Topic], list[BagMessage]]:
-    topics: list[Topic] = []
+    """Topics and messages of a file, as far as it can be read."""
+    topics: dict[int, Topic] = {}
     messages: list[BagMessage] = []
     try:
         # Closed at once: its journal must not be taken for that of the new file.
         with closing(sqlite3.connect(file)) as database:
-            rows = database.execute('SELECT id, name, type, offered_qos_profiles FROM topics').fetchall()
-            named = {number: Topic(name, type_, 'transient_local' in qos) for number, name, type_, qos in rows}
-            topics = list(named.values())
+            for number, name, type_, qos in database.execute('SELECT id, name, type, offered_qos_profiles FROM topics'):
+                if all(isinstance(column, str) for column in (name, type_, qos)):
+                    topics[number] = Topic(name, type_, 'transient_local' in qos)
             for number, stamp, data in database.execute('SELECT topic_id, timestamp, data FROM messages ORDER BY id'):
-                if number in named:
-                    messages.append(BagMessage(named[number].name, named[number].type, stamp, data))
+                if number in topics and isinstance(stamp, int) and isinstance(data, bytes):
+                    messages.append(BagMessage(topics[number].name, topics[number].type, stamp, data))
     except sqlite3.Error:
         # What was read before the broken page is kept.
         pass
-    return topics, messages
+    return _consistent(topics.values(), messages)
+
+
+def _consistent(topics: Iterable[Topic], messages: Iterable[BagMessage]) -> tuple[list[Topic], list[BagMessage]]:
+    """One topic of each name, of a type that can be written, and its messages."""
+    known = typestore().fielddefs
+    by_name: dict[str, Topic] = {}
+    for topic in topics:
+        if topic.type in known:
+            by_name.setdefault(topic.name, topic)
+    kept = [message for message in messages if message.topic in by_name and by_name[message.topic].type == message.type]
+    return list(by_name.values()), kept

@@ -2,10 +2,14 @@
 
 from __future__ import annotations
 
+import contextlib
+import errno
 import os
 import sqlite3
+import struct
+import zlib
 from collections import Counter
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from pathlib import Path
 from types import TracebackType
 
@@ -22,14 +26,27 @@ from rosbags.rosbag2 import CompressionMode, StoragePlugin, Writer
 from rosbags.rosbag2.storage_mcap import McapWriter
 from rosbags.rosbag2.storage_sqlite3 import Sqlite3Writer
 
-from al_questioner.recording.bags import STORAGE_SUFFIXES, BagError, Topic, typestore
+from al_questioner.files import sync_to_disk
+from al_questioner.recording.bags import STORAGE_SUFFIXES, BagError, Topic, storage_files, typestore
 
 _STORAGES = {'mcap': StoragePlugin.MCAP, 'sqlite3': StoragePlugin.SQLITE3}
 _FOREVER = QosTime(9223372036, 854775807)
+_CRC_OFFSET = 33
+"""Bytes from the beginning of an MCAP chunk record to its checksum: opcode, length, two times, uncompressed size."""
 
 
 class _DurableMcap(McapWriter):
-    """rosbags' writer keeps messages in memory until a chunk of 1 MiB is full; this one can be told to end a chunk."""
+    """rosbags' writer keeps messages in memory until a chunk of 1 MiB is full; this one can be told to end a chunk.
+
+    It also writes the chunk's checksum, without which a flipped bit would be another message.
+    """
+
+    def close_chunk(self) -> None:
+        checksum, start = zlib.crc32(self.chunk.bio.getvalue()), self.bio.tell()
+        super().close_chunk()
+        self.bio.seek(start + _CRC_OFFSET)
+        self.bio.write(struct.pack('<I', checksum))
+        self.bio.seek(0, os.SEEK_END)
 
     def sync(self) -> None:
         if self.chunk.msgs:
@@ -62,7 +79,8 @@ class BagWriter:
     """A new bag, of the format that ROS 2 Jazzy writes.
 
     What was written before the last `sync` survives whatever happens to the process or, as far as the disk keeps its
-    word, to the machine; `repair` makes a bag whole that was never closed. Use it as a context manager.
+    word, to the machine; `repair` makes a bag whole that was never closed. Once something could not be written the bag
+    takes no more and is left for `repair`. Use it as a context manager, by one thread at a time.
 
     Args:
         path: directory of the bag, which must not exist.
@@ -83,13 +101,14 @@ class BagWriter:
             raise BagError(f'{path}: no message type {", ".join(unknown)} in ROS 2 Jazzy')
         self.path = path
         self._counts = Counter[str]({topic.name: 0 for topic in topics})
+        self._writer = _Writer(path, version=9, storage_plugin=_STORAGES[storage])
         try:
-            self._writer = _Writer(path, version=9, storage_plugin=_STORAGES[storage])
-            self._writer.open()
+            with self._disk():
+                self._writer.open()
+                self._connections = {topic.name: self._connect(topic) for topic in topics}
+            self.sync()
         except OSError as error:
             raise BagError(f'{path}: cannot be written ({error.strerror})') from error
-        self._connections = {topic.name: self._connect(topic) for topic in topics}
-        self.sync()
 
     @property
     def counts(self) -> Mapping[str, int]:
@@ -108,7 +127,10 @@ class BagWriter:
             KeyError: not one of the topics.
             OSError: it cannot be written.
         """
-        self._writer.write(self._connections[topic], stamp, data)
+        connection = self._connections[topic]
+        with self._disk():
+            self._storage()
+            self._writer.write(connection, stamp, data)
         self._counts[topic] += 1
 
     def sync(self) -> None:
@@ -117,10 +139,11 @@ class BagWriter:
         Raises:
             OSError: it cannot be written.
         """
-        self._storage().sync()
+        with self._disk():
+            self._storage().sync()
 
     def close(self) -> None:
-        """Finish the bag: its index, and `metadata.yaml`.
+        """Finish the bag: its index, and `metadata.yaml`; one that could not be written to is left as it is.
 
         Raises:
             OSError: it cannot be written.
@@ -130,7 +153,10 @@ class BagWriter:
         if not any(self._counts.values()):
             # rosbags would write the largest integer for the start of nothing.
             self._writer.min_timestamp = 0
-        self._writer.close()
+        with self._disk():
+            self._writer.close()
+            for path in (*storage_files(self.path), self.path / 'metadata.yaml', self.path):
+                sync_to_disk(path)
 
     def __enter__(self) -> BagWriter:
         return self
@@ -144,6 +170,19 @@ class BagWriter:
         return self._writer.add_connection(
             topic.name, topic.type, typestore=typestore(), offered_qos_profiles=[_qos(topic.latched)]
         )
+
+    @contextlib.contextmanager
+    def _disk(self) -> Iterator[None]:
+        """Make every error of the disk an OSError, after which nothing may follow what was half written."""
+        try:
+            yield
+        except (OSError, sqlite3.Error) as error:
+            # What was buffered is tried once more, and fails once more.
+            with contextlib.suppress(OSError, sqlite3.Error):
+                self._writer.abort()
+            if isinstance(error, sqlite3.Error):
+                raise OSError(errno.EIO, str(error), str(self.path)) from error
+            raise
 
     def _storage(self) -> _DurableMcap | _DurableSqlite3:
         storage = self._writer.storage

@@ -86,7 +86,8 @@ class Graph:
                 for name, process in processes.items():
                     if process.poll() == 2:
                         raise InputError(self._last_line(name))
-                    ended_well = process is recorder and process.poll() == 0 and observers[0].done
+                    # The recorder ends by itself, perhaps before the last turns, however long over, are watched.
+                    ended_well = process is recorder and process.poll() == 0
                     if process.poll() is not None and not ended_well:
                         raise EpisodeError(f'{name} ended with status {process.returncode}: {self._last_line(name)}')
                 if observers[0].failure is not None:

@@ -82,7 +82,7 @@ class LearnerNode(QuestionerNode):
         self.does('preparing the models, some ten seconds the first time ever')
         self.submit(compile_models)
         if self._given['wait_for_recorder']:
-            self.await_recorder('decision', 'answer_ack')
+            self.await_recorder('episode', 'turn', 'query', 'answer_ack', 'decision', 'learner_state')
         self.submit(self._begin_turn)
 
     def _begin_turn(self) -> None:

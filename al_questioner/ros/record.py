@@ -40,7 +40,9 @@ def main(arguments: Sequence[str]) -> int:
         lambda: made[0].done or made[0].failure is not None,
     )
     if made and made[0].failure is not None:
-        raise EpisodeError(f'the recording failed: {made[0].failure}')
+        raise made[0].failure
+    if made and made[0].until_done and not made[0].done:
+        raise EpisodeError('ended before the episode was over; the bag is whole as far as it goes')
     return 0
 
 

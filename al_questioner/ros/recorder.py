@@ -11,11 +11,12 @@ from typing import Any
 
 from rclpy.clock import Clock
 from rclpy.clock_type import ClockType
+from rclpy.duration import Duration
 from rclpy.serialization import deserialize_message
 from sensor_msgs.msg import PointCloud2
 from std_msgs.msg import String
 
-from al_questioner.domain import InputError
+from al_questioner.domain import EpisodeError, InputError
 from al_questioner.messages import documents
 from al_questioner.recording import BagWriter, Topic
 from al_questioner.recording.session import CLOUD, STRING, TYPES
@@ -31,13 +32,16 @@ SYNC_PERIOD = 0.5
 """Seconds from one time at which all is brought to the disk to the next: what a crash can cost."""
 DRAIN = 1.0
 """Seconds after the end of an episode in which messages are still taken."""
+SECONDS_TO_TELL = Duration(seconds=2.0)
+"""For which the end of a failed recording waits until its last /diagnostics has arrived."""
 
 
 class RecorderNode(QuestionerNode):
     """Writes every message of the recorded topics as it came, by the worker, and brings it to the disk twice a second.
 
     Attributes:
-        done: whether the episode is over and all is written, if it is to end by itself then.
+        until_done: whether it is to end by itself once the episode is over.
+        done: whether it is, and all is written.
         failure: what has made the recording impossible.
     """
 
@@ -46,9 +50,10 @@ class RecorderNode(QuestionerNode):
         given = declare(self, RECORDER_SETTINGS)
         refuse_unknown(self, all_names())
         self.done = False
-        self.failure: Exception | None = None
-        self._until_done = bool(given['until_done'])
+        self.failure: EpisodeError | None = None
+        self.until_done = bool(given['until_done'])
         self._last_turns: dict[str, int] = {}
+        self._missed = 0
         names = {name: self.resolve_topic_name(name) for name in TYPES}
         topics = [Topic(names[name], type_, name not in EVENTS) for name, type_ in TYPES.items()]
         path = Path(str(given['bag'])).expanduser() if given['bag'] else Path(_default_name())
@@ -67,28 +72,34 @@ class RecorderNode(QuestionerNode):
         self.get_logger().info(f'recording to {path}')
 
     def counts(self) -> Mapping[str, int]:
-        """Number of messages written, by topic."""
-        return {**super().counts(), **{f'written of {topic}': count for topic, count in self._bag.counts.items()}}
+        """Number of messages written, by topic, and of turns that were not heard."""
+        written = {f'written of {topic}': count for topic, count in self._bag.counts.items()}
+        return {**super().counts(), **written, 'turns missed': self._missed}
 
     def destroy_node(self) -> None:
-        """Write what is left and finish the bag."""
+        """Write what is left and finish the bag, or say on /diagnostics what made that impossible."""
         self._worker.finish()
-        super().destroy_node()
         try:
             self._bag.close()
         except OSError as error:
-            self.failure = self.failure or error
+            self._fail(error)
+        if self.failure is not None and self.context.ok():
+            self._publish_diagnostics()
+            self._diagnostics.wait_for_all_acked(SECONDS_TO_TELL)
+        super().destroy_node()
 
     def _taker(self, name: str, topic: str) -> Callable[[bytes], None]:
         """What takes the messages of a topic, with the time at which they come."""
         return lambda data: self.submit(partial(self._write, name, topic, bytes(data), time.time_ns()))
 
     def _write(self, name: str, topic: str, data: bytes, stamp: int) -> None:
+        if self.failure is not None:
+            return
         try:
             self._bag.write(topic, data, stamp)
         except OSError as error:
-            self.failure = error
-            raise
+            self._fail(error)
+            return
         if name in ('turn', 'learner_state'):
             self._look_into(name, data)
 
@@ -102,13 +113,16 @@ class RecorderNode(QuestionerNode):
         if name == 'turn':
             episode_id, turn = document['episode_id'], document['turn']
             before = self._last_turns.get(episode_id, 0)
+            if episode_id not in self._last_turns:
+                self.get_logger().info(f'recording episode {episode_id} from turn {turn} on')
             if turn > before + 1:
+                self._missed += turn - before - 1
                 self.get_logger().warning(
                     f'turns {before + 1} to {turn - 1} of episode {episode_id} were missed:'
                     ' the recording cannot be used as a demonstration'
                 )
             self._last_turns[episode_id] = turn
-        if name == 'learner_state' and document['done'] and self._until_done:
+        if name == 'learner_state' and document['done'] and self.until_done:
             self.after(DRAIN, self._finish)
 
     def _finish(self) -> None:
@@ -116,11 +130,18 @@ class RecorderNode(QuestionerNode):
         self.done = True
 
     def _sync(self) -> None:
+        if self.failure is not None:
+            return
         try:
             self._bag.sync()
         except OSError as error:
-            self.failure = error
-            raise
+            self._fail(error)
+
+    def _fail(self, error: OSError) -> None:
+        """End the recording: what is on the disk stays as it is, and can be repaired."""
+        path, reason = self._bag.path, error.strerror or error
+        self.failure = EpisodeError(f'{path}: the recording failed ({reason}); afterwards: record --repair {path}')
+        self._failed(self.failure)
 
 
 def _default_name() -> str:

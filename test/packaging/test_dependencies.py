@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import ast
+import re
 import sys
 from configparser import ConfigParser
 from pathlib import Path
@@ -50,10 +51,10 @@ def rosdep_keys() -> set[str | None]:
 
 
 def requirements(section: str, option: str) -> list[str]:
-    """Lines of a list in setup.cfg."""
+    """Names in a list of setup.cfg, without versions."""
     config = ConfigParser()
     config.read(CHECKOUT / 'setup.cfg', encoding='utf-8')
-    return config[section][option].split()
+    return [re.split('[<>=!~]', line)[0] for line in config[section][option].split()]
 
 
 def test_what_is_imported_only_when_wished_for_is_an_extra() -> None:

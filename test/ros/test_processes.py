@@ -15,6 +15,8 @@ from pathlib import Path
 import pytest
 
 from al_questioner.imitation.bags import read_demonstrations
+from al_questioner.recording import read_bag
+from al_questioner.recording.bags import storage_files
 
 ROOT = Path(__file__).resolve().parents[2]
 DEADLINE = 90
@@ -241,3 +243,89 @@ def test_a_killed_recorder_loses_no_more_than_its_last_second(processes: Process
     assert len(demonstration.steps) >= 4
     out = tmp_path / 'w.yaml'
     assert run('train_weights', str(bag), '--method', 'choice', '--out', str(out)).returncode == 0
+
+
+def test_a_demo_overwrites_no_recording(tmp_path: Path) -> None:
+    """A demonstration cannot be given twice."""
+    done = run('demo', *SMALL, '--out', str(tmp_path / 'out'), '--record', str(tmp_path))
+    assert done.returncode == 2
+    assert done.stderr == f'demo: record: {tmp_path}: exists already; a bag is never overwritten\n'
+
+
+@pytest.mark.parametrize(
+    'signals', [[signal.SIGINT], [signal.SIGINT, signal.SIGINT], [signal.SIGTERM]], ids=['INT', 'INT-INT', 'TERM']
+)
+def test_a_recording_that_is_ended_is_whole(
+    processes: Processes, tmp_path: Path, signals: list[signal.Signals]
+) -> None:
+    """Whoever ends a recording as they end any other node would have to repair it."""
+    bag = tmp_path / 'bag'
+    recorder = processes.node('record', bag=str(bag))
+    processes.node('learner', task='prepare_lunch')
+    processes.wait_for_log('record', 'from turn 1 on')
+    for number in signals:
+        os.killpg(recorder.pid, number)
+    assert recorder.wait(DEADLINE) == 0, processes.log('record')
+    assert 'Traceback' not in processes.log('record')
+    assert [message.topic for message in read_bag(bag).messages] == [f'/{processes.namespace}/turn']
+
+
+def test_a_recording_that_is_ended_before_its_episode_says_so(processes: Processes, tmp_path: Path) -> None:
+    """A script that waits for a whole episode would go on with a part of it."""
+    recorder = processes.node('record', bag=str(tmp_path / 'bag'), until_done=True)
+    processes.wait_for_log('record', 'recording to')
+    os.killpg(recorder.pid, signal.SIGINT)
+    assert recorder.wait(DEADLINE) == 1
+    assert processes.log('record').splitlines()[-1].startswith('record: ended before the episode was over')
+
+
+@pytest.mark.parametrize('storage', ['mcap', 'sqlite3'])
+def test_a_recording_that_is_killed_is_repaired_without_ros(processes: Processes, tmp_path: Path, storage: str) -> None:
+    """A demonstration with a person would be lost with the battery of the robot."""
+    bag = tmp_path / 'bag'
+    recorder = processes.node('record', bag=str(bag), storage=storage)
+    processes.node('learner', task='prepare_lunch')
+    processes.wait_for_log('record', 'from turn 1 on')
+    wait_for_content(bag, b'al_questioner/turn/1')
+    os.killpg(recorder.pid, signal.SIGKILL)
+    recorder.wait()
+    no_ros = "import sys; sys.modules['rclpy'] = None; from al_questioner.cli import main; sys.exit(main(sys.argv[1:]))"
+    for said in ('1 messages kept', 'is whole: 1 messages'):
+        done = subprocess.run(
+            [sys.executable, '-c', no_ros, 'record', '--repair', str(bag)],
+            env=environment(),
+            capture_output=True,
+            text=True,
+            timeout=DEADLINE,
+            check=False,
+        )
+        assert done.returncode == 0, done.stderr
+        assert said in done.stdout
+    assert [message.topic for message in read_bag(bag).messages] == [f'/{processes.namespace}/turn']
+
+
+def wait_for_content(bag: Path, content: bytes) -> None:
+    """Wait until a bag's file of messages, not its journal, has this on the disk."""
+    end = time.monotonic() + DEADLINE
+    while not any(content in file.read_bytes() for file in storage_files(bag)):
+        assert time.monotonic() < end, f'{bag} never held {content!r}'
+        time.sleep(0.05)
+
+
+@pytest.mark.parametrize(
+    ('arguments', 'reason'),
+    [
+        (['--repair', '/no/such/bag'], '/no/such/bag: there is no such bag'),
+        (['--repair'], '--repair takes one bag, not 0'),
+        (['--repair', 'a', 'b'], '--repair takes one bag, not 2'),
+        (['--ros-args', '-p', 'storage:=bag'], "unknown storage 'bag'; known: mcap, sqlite3"),
+        (['--ros-args', '-p', 'bag:=/proc/bag'], '/proc/bag: cannot be written'),
+        (['bag'], "unexpected argument 'bag'"),
+    ],
+)
+def test_unusable_input_of_record_ends_with_status_2_and_one_line(arguments: list[str], reason: str) -> None:
+    """A mistyped path would end in a traceback."""
+    done = run('record', *arguments)
+    assert done.returncode == 2, done.stderr
+    assert reason in done.stderr
+    assert done.stderr.count('\n') == 1

@@ -2,17 +2,20 @@
 
 from __future__ import annotations
 
+import errno
 import json
 from collections import Counter
 from pathlib import Path
 from typing import Any
 
 import pytest
-from diagnostic_msgs.msg import DiagnosticArray
+from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus
+from std_msgs.msg import String
 
 from al_questioner.cli import main
 from al_questioner.domain import InputError
-from al_questioner.recording import BagError, deserialize, read_bag, read_sessions
+from al_questioner.messages.documents import write as write_document
+from al_questioner.recording import BagError, deserialize, read_bag, read_sessions, repair
 from al_questioner.rerun import first_divergence
 from al_questioner.ros import qos
 from al_questioner.ros.learner import LearnerNode
@@ -104,3 +107,58 @@ def test_repairing_says_what_was_kept(tmp_path: Path, capsys: pytest.CaptureFixt
     for arguments in (['--repair'], ['--repair', 'a', 'b'], ['--repair', str(tmp_path / 'c')]):
         assert main(['record', *arguments]) == 2
         assert capsys.readouterr().err.count('\n') == 1
+
+
+def test_a_recording_that_began_late_says_so(graph: Any, tmp_path: Path) -> None:
+    """The user would find out when it cannot be learnt from, long after the demonstration."""
+    publisher = graph.ears.create_publisher(String, 'turn', qos.LATCHED)
+    members = {'turn': 4, 'stamp': {'sec': 1, 'nanosec': 0}, 'world': None}
+    publisher.publish(String(data=write_document('turn', 'e1', members)))
+    recorder = graph.start(RecorderNode, bag=str(tmp_path / 'b'))
+    graph.wait_for(lambda: recorder.counts()['turns missed'] == 3, 'the missed turns')
+
+
+def test_what_is_no_document_is_recorded_too(graph: Any, tmp_path: Path) -> None:
+    """What a robot really said would not be in its recording, just when it went wrong."""
+    publisher = graph.ears.create_publisher(String, 'turn', qos.LATCHED)
+    publisher.publish(String(data='no document'))
+    recorder = graph.start(RecorderNode, bag=str(tmp_path / 'b'))
+    graph.wait_for(lambda: recorder.counts().get('refused on turn'), 'the refusal')
+    graph.stop(recorder)
+    assert len(read_bag(tmp_path / 'b').messages) == 1
+
+
+def test_a_full_disk_ends_the_recording_and_is_on_the_diagnostics(
+    graph: Any, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """A robot would go on for hours without being recorded."""
+    path = tmp_path / 'b'
+    heard = graph.listen('diagnostics', DiagnosticArray, qos.DIAGNOSTICS, '/diagnostics')
+    publisher = graph.ears.create_publisher(String, 'answer', qos.EVENTS)
+    recorder = graph.start(RecorderNode, bag=str(path))
+    topic = f'written of /{graph.namespace}/answer'
+    graph.wait_for(publisher.get_subscription_count, 'the recorder')
+    publisher.publish(String(data='snack'))
+    graph.wait_for(lambda: recorder.counts()[topic] == 1, 'a message')
+    recorder._bag.sync()
+
+    def fail(*_: object) -> None:
+        raise OSError(errno.ENOSPC, 'No space left on device')
+
+    monkeypatch.setattr(recorder._bag._writer.storage, 'sync', fail)
+    graph.wait_for(lambda: recorder.failure, 'the failure')
+    publisher.publish(String(data='fruit'))
+    graph.stop(recorder)
+    assert 'No space left on device' in str(recorder.failure)
+    graph.wait_for(
+        lambda: [
+            status
+            for array in heard
+            for status in array.status
+            if status.name == f'{graph.namespace}/recorder' and status.level == DiagnosticStatus.ERROR
+        ],
+        'an error on /diagnostics',
+    )
+    with pytest.raises(BagError, match='record --repair'):
+        read_bag(path)
+    assert dict(repair(path).kept) == {f'/{graph.namespace}/answer': 1}
