@@ -15,7 +15,9 @@ from typing import Any
 
 ARROWS = {'A': 'up', 'B': 'down', 'C': 'right', 'D': 'left'}
 """Last letter of what a terminal sends for an arrow."""
-KEY = re.compile(r'\x1b(?:\[|O)[0-9;]*(?P<last>[A-Za-z~])|(?P<begun>\x1b(?:(?:\[|O)[0-9;]*)?\Z)|(?P<plain>.)', re.DOTALL)
+KEY = re.compile(
+    r'\x1b(?:\[|O)[0-9;]*(?P<last>[A-Za-z~])|(?P<begun>\x1b(?:(?:\[|O)[0-9;]*)?\Z)|(?P<plain>.)', re.DOTALL
+)
 """A special key, the beginning of one at the end of what was read, or a character."""
 
 
