@@ -99,7 +99,13 @@ def split_keys(text: str) -> tuple[list[str], str]:
 def _is_ours() -> bool:
     """Whether stdin is a terminal that this process may read; a job in the background is stopped if it tries."""
     try:
-        return sys.stdin.isatty() and os.tcgetpgrp(sys.stdin.fileno()) == os.getpgrp()
-    except (AttributeError, OSError, ValueError):
-        # No stdin at all, a closed one, or not the terminal of this session.
+        if not sys.stdin.isatty():
+            return False
+    except (AttributeError, ValueError):
+        # No stdin at all, or a closed one.
         return False
+    try:
+        return os.tcgetpgrp(sys.stdin.fileno()) == os.getpgrp()
+    except OSError:
+        # Not the terminal of this session, so that nobody minds.
+        return True

@@ -56,7 +56,7 @@ class ReplayNode(QuestionerNode):
     def __init__(self, bag: Bag, playback: Playback, patience: float, clock_hz: float, **node_arguments: Any) -> None:
         topics = {topic.name: topic for topic in bag.topics if not (clock_hz > 0 and topic.name == '/clock')}
         namespace = common_namespace(list(topics))
-        classes = {name: _message_class(topic.type) for name, topic in topics.items()}
+        classes = {name: message_class(topic.type) for name, topic in topics.items()}
         super().__init__('replay', **{'namespace': namespace.strip('/'), **node_arguments})
         self.playback = playback
         self.begun = False
@@ -159,7 +159,12 @@ def published_name(topic: str, namespace: str) -> str:
     return topic if topic in SHARED else topic.removeprefix(namespace).lstrip('/')
 
 
-def _message_class(type_: str) -> Any:
+def message_class(type_: str) -> Any:
+    """The class of a type such as 'std_msgs/msg/String'.
+
+    Raises:
+        InputError: it is not installed.
+    """
     package, _, name = type_.partition('/msg/')
     try:
         return getattr(importlib.import_module(f'{package}.msg'), name)

@@ -53,11 +53,10 @@ def test_where_the_characters_are_cut_makes_no_difference(sent: list[str], data:
 
 @pytest.fixture
 def terminal(monkeypatch: pytest.MonkeyPatch) -> Iterator[int]:
-    """The other end of a terminal that is stdin, whose foreground is this process."""
+    """The other end of a terminal that is stdin."""
     ours, theirs = pty.openpty()
     with os.fdopen(theirs, 'r', encoding='utf-8') as stdin:
         monkeypatch.setattr(sys, 'stdin', stdin)
-        monkeypatch.setattr(os, 'tcgetpgrp', lambda _: os.getpgrp())
         yield ours
     os.close(ours)
 
