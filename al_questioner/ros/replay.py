@@ -106,6 +106,9 @@ def _run(
         ros: arguments for ROS.
         console: where to show the status, if it is a terminal.
         status: what to show, given whether keys are read.
+
+    Raises:
+        InputError: the node must not go on.
     """
     from al_questioner.ros.keys import Keys
     from al_questioner.ros.running import run_nodes
@@ -126,6 +129,8 @@ def _run(
 
         with keys:
             run_nodes([make_one], ros, '', watch)
+    if made and made[0].failure is not None:
+        raise made[0].failure
     return made[0] if made else None
 
 

@@ -47,7 +47,8 @@ class ReplayNode(QuestionerNode):
 
     Attributes:
         begun: whether it waits for listeners no longer.
-        over: whether there is no more to do: it was told to quit, or all is played and has arrived.
+        over: whether there is no more to do: it was told to quit, or all is played and has arrived, or it failed.
+        failure: why it must not go on.
 
     Raises:
         InputError: a message type of the bag that is not installed.
@@ -61,14 +62,16 @@ class ReplayNode(QuestionerNode):
         self.playback = playback
         self.begun = False
         self.over = False
+        self.failure: InputError | None = None
         self._round = 0
         self._out: dict[str, Publisher] = {}
         for name, topic in topics.items():
             profile = qos.LATCHED if topic.latched else qos.EVENTS
             self._out[name] = self.create_publisher(classes[name], published_name(name, namespace), profile)
         self._told_time = self.create_publisher(Clock, '/clock', 10) if clock_hz > 0 else None
+        steady = NodeClock(clock_type=ClockType.STEADY_TIME)
+        self.create_timer(POLL, lambda: self.submit(self._yield_to_learner), clock=steady)
         if clock_hz > 0:
-            steady = NodeClock(clock_type=ClockType.STEADY_TIME)
             self.create_timer(1 / clock_hz, lambda: self.submit(self._tell_time), clock=steady)
         self.does('waiting for listeners')
         self.submit(partial(self._await_listeners, time.monotonic() + patience))
@@ -79,6 +82,8 @@ class ReplayNode(QuestionerNode):
 
     def _obey(self, key: str) -> None:
         now = time.monotonic()
+        if self.over:
+            return
         if key == ' ':
             self.playback.pause(now)
         elif key in ('right', 'n'):
@@ -95,7 +100,8 @@ class ReplayNode(QuestionerNode):
 
     def _await_listeners(self, until: float, heard: int = 0, since: float = 0.0) -> None:
         """Begin once there are listeners and no more of them come: what is not latched would be lost to them."""
-        if self.begun:
+        self._yield_to_learner()
+        if self.begun or self.over:
             return
         now, listeners = time.monotonic(), sum(out.get_subscription_count() for out in self._out.values())
         if listeners != heard:
@@ -104,6 +110,17 @@ class ReplayNode(QuestionerNode):
             self._advance()
         else:
             self.after(POLL, partial(self._await_listeners, until, listeners, since))
+
+    def _yield_to_learner(self) -> None:
+        """End if a live learner has these names: a recorded turn could replace its own before perception sees it."""
+        turns = [out.topic_name for name, out in self._out.items() if name.rsplit('/', 1)[-1] == 'turn']
+        for topic in turns:
+            others = self.other_publishers(topic)
+            if others and not self.over:
+                self.failure = InputError(
+                    f'{others[0]} publishes on {topic}, too; keep the replay apart: --ros-args -r __ns:=/replay'
+                )
+                self.over = True
 
     def _advance(self) -> None:
         """Publish what is due, and come again for the next."""

@@ -28,13 +28,15 @@ class StandInNode(QuestionerNode):
 
     Attributes:
         turn: the live turn that was answered last.
-        over: whether it was told to quit.
+        over: whether it was told to quit, or failed.
+        failure: why it must not go on.
     """
 
     def __init__(self, scenes: RecordedScenes, **node_arguments: Any) -> None:
         super().__init__('replay', **node_arguments)
         self.turn = 0
         self.over = False
+        self.failure: InputError | None = None
         self._scenes = scenes
         self._strange_worlds: set[str] = set()
         self._objects = self.create_publisher(PointCloud2, 'objects', qos.LATCHED)
@@ -47,6 +49,12 @@ class StandInNode(QuestionerNode):
             self.over = True
 
     def _look(self, document: Document) -> None:
+        others = self.other_publishers('objects')
+        if others:
+            self.failure = InputError(f'{others[0]} shows objects, too; the learner would see now this, now that')
+            self.over = True
+        if self.over:
+            return
         turn = document['turn']
         recorded = self._scenes.clouds.get(turn)
         if recorded is None:

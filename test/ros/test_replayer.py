@@ -32,6 +32,7 @@ from al_questioner.recording.playback import Playback
 from al_questioner.recording.scenes import scenes_of
 from al_questioner.ros import qos
 from al_questioner.ros.learner import LearnerNode
+from al_questioner.ros.perception import PerceptionNode
 from al_questioner.ros.replayer import ReplayNode, common_namespace, message_class
 from al_questioner.ros.stand_in import StandInNode
 from al_questioner.ros.teacher import TeacherNode
@@ -121,12 +122,16 @@ def test_nothing_is_played_before_somebody_listens(graph: Any) -> None:
     """The first decisions would be lost to whoever was started together with the replay."""
     node = replay(graph)
     ticks = graph.listen('/diagnostics', DiagnosticArray, qos.DIAGNOSTICS)
-    graph.wait_for(
-        lambda: [t.status[0].message for t in ticks].count('waiting for listeners') >= 2, 'two signs of life'
-    )
+
+    def waiting() -> int:
+        ours = [tick.status[0] for tick in ticks if graph.namespace in tick.status[0].name]
+        return [status.message for status in ours].count('waiting for listeners')
+
+    graph.wait_for(lambda: waiting() >= 2, 'two signs of life')
     assert not node.begun
     decisions = graph.listen('decision', PointCloud2, qos.RECORDED_EVENTS)
-    graph.wait_for(lambda: len(decisions) == 30, 'thirty decisions')
+    graph.wait_for(lambda: decisions, 'a decision')
+    assert _stamp(decisions[0]) == _stamp(deserialize(_recorded('decision')[0]))
 
 
 def test_a_key_begins_without_listeners(graph: Any) -> None:
@@ -158,6 +163,70 @@ def test_a_second_learner_asks_what_it_would_have_asked_in_the_recorded_world(gr
     offline = run_episode(WorldChoice(task, 0, 0), settings, teacher)
     assert states[-1]['queries'] == [documents.record_members(record) for record in offline.queries]
     assert states[-1]['spent'] > 0
+
+
+def test_a_replay_does_not_begin_on_the_names_of_a_live_learner(graph: Any) -> None:
+    """A recorded turn could replace a live one before perception sees it, and the robot would wait for ever."""
+    turns = graph.listen('turn', profile=qos.RECORDED_LATCHED)
+    graph.start(LearnerNode, **graph.episode)
+    node = replay(graph)
+    graph.wait_for(lambda: node.over, 'the end of the replay')
+    assert f'/{graph.namespace}/learner publishes on /{graph.namespace}/turn, too' in str(node.failure)
+    node.press('n')
+    graph.wait_for(lambda: turns, 'the turn of the live learner')
+    assert not node.begun
+    assert {document['episode_id'].rsplit('-', 1)[0] for document in turns} == {'prepare_lunch-4'}
+
+
+def test_a_replay_ends_when_a_learner_takes_its_names(graph: Any) -> None:
+    """The same, for who starts the robot later; what it asks must be what it would have asked alone."""
+    states = graph.listen('learner_state', profile=qos.RECORDED_LATCHED)
+    node = replay(graph, paused=True)
+    node.press('n')
+    graph.wait_for(lambda: node.playback.turn == 1, 'the first turn')
+    graph.start(TeacherNode, **graph.world)
+    graph.start_robot()
+    graph.wait_for(lambda: node.over, 'the end of the replay')
+    assert '/learner publishes on' in str(node.failure)
+    node.press(' ')
+    graph.wait_for(lambda: states and states[-1]['done'], 'the end of the live episode')
+    assert node.playback.turn == 1
+    task, seed = load_task('prepare_lunch'), graph.world['seed']
+    settings = episode_settings(task, graph.episode['strategy'], graph.episode['budget'], graph.episode['turns'])
+    teacher = ScriptedTeacher(task.symbols, task.relevant_groups, seed)
+    offline = run_episode(WorldChoice(task, seed, seed), settings, teacher)
+    assert states[-1]['queries'] == [documents.record_members(record) for record in offline.queries]
+
+
+def test_two_perceptions_are_one_too_many(graph: Any) -> None:
+    """A learner would see the recorded scene in one turn and another one in the next."""
+    node = stand_in(graph)
+    graph.start(PerceptionNode, **graph.world)
+    graph.start(LearnerNode, **graph.episode)
+    graph.wait_for(lambda: node.over, 'the end of the replay')
+    assert f'/{graph.namespace}/perception shows objects, too' in str(node.failure)
+
+
+def test_a_replay_that_must_not_go_on_ends_with_status_2(graph: Any) -> None:
+    """A script would take an empty replay for a good one."""
+    graph.start(LearnerNode, **graph.episode)
+    command = [
+        sys.executable,
+        '-m',
+        'al_questioner',
+        'replay',
+        str(BAG),
+        '--ros-args',
+        '-r',
+        f'__ns:=/{graph.namespace}',
+    ]
+    environment = {**os.environ, 'ROS_DOMAIN_ID': str(graph.context.get_domain_id())}
+    done = subprocess.run(command, stdin=subprocess.DEVNULL, capture_output=True, env=environment, timeout=2 * DEADLINE)
+    assert done.returncode == 2
+    (line,) = done.stderr.decode().splitlines()
+    assert line.startswith('replay: ')
+    assert f'publishes on /{graph.namespace}/turn, too; keep the replay apart' in line
+    assert 'UNKNOWN' not in line
 
 
 def test_other_turns_than_the_recorded_ones_are_refused_with_their_number(graph: Any) -> None:
