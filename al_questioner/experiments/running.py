@@ -127,7 +127,7 @@ def _backend(scheduler: str | None) -> Iterator[None]:
     except ImportError as error:
         raise InputError('dask is not installed: pip install ".[cluster]"') from error
     try:
-        client = Client(scheduler, timeout='10s')
+        client = Client(scheduler, timeout='10s')  # type: ignore[no-untyped-call]
     except (OSError, ValueError) as error:
         raise InputError(f'no dask scheduler answers at {scheduler} ({" ".join(str(error).split())})') from error
     with client, parallel_config(backend='dask', wait_for_workers_timeout=30):

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
+from typing import NamedTuple
 
 from al_questioner.domain import InputError
 from al_questioner.recording.bags import BagMessage
@@ -11,6 +12,24 @@ from al_questioner.recording.bags import BagMessage
 SECOND = 1_000_000_000
 FASTER = 1.25
 """Factor of the rate, up or down, at each wish for it."""
+SLOWEST, FASTEST = 1e-3, 1e3
+"""Between these, wishes change the rate: a key that is held down must not bring the time to a stop."""
+
+
+class _Pace(NamedTuple):
+    """How the recorded time goes on from a moment; one object, so that every thread that looks sees a whole one.
+
+    Attributes:
+        stamp: the recorded time at that moment, nanoseconds.
+        since: that moment, seconds of the steady clock; None before the first.
+        rate: recorded seconds in a second.
+        paused: whether it stands still.
+    """
+
+    stamp: int
+    since: float | None
+    rate: float
+    paused: bool
 
 
 class Playback:
@@ -33,18 +52,32 @@ class Playback:
             raise InputError('there is nothing to play')
         if not (math.isfinite(rate) and rate > 0):
             raise InputError(f'rate must be a number above 0, not {rate}')
-        self.rate = rate
         self.loop = loop
-        self.paused = paused
         self._messages = messages
         self._next = 0
-        self._stamp = messages[0].stamp
-        self._since: float | None = None
+        self._turn = 0
+        self._pace = _Pace(messages[0].stamp, None, rate, paused)
+        self.turns = sum(begins_turn(message) for message in messages)
+
+    @property
+    def rate(self) -> float:
+        """Recorded seconds in a second."""
+        return self._pace.rate
+
+    @property
+    def paused(self) -> bool:
+        """Whether the recorded time stands still."""
+        return self._pace.paused
 
     @property
     def position(self) -> int:
         """Number of messages that were handed out in this round."""
         return self._next
+
+    @property
+    def turn(self) -> int:
+        """Number of turns that have begun in this round."""
+        return self._turn
 
     @property
     def done(self) -> bool:
@@ -66,26 +99,27 @@ class Playback:
         Args:
             now: seconds of the steady clock.
         """
-        if self.paused or self._since is None:
-            return self._stamp
-        moved = self._stamp + round((now - self._since) * self.rate * SECOND)
-        return min(moved, self._messages[-1].stamp)
+        stamp, since, rate, paused = self._pace
+        if paused or since is None:
+            return stamp
+        # Bounded before it is rounded: a high rate makes it infinite.
+        return stamp + round(min(max(0.0, now - since) * rate * SECOND, self._messages[-1].stamp - stamp))
 
     def due(self, now: float) -> list[BagMessage]:
         """The messages that are due and were not handed out yet; the first call starts the time.
 
-        A round that has ended begins anew with the call after the one that ended it.
+        A round that has ended begins anew with the call after the one that ended it, unless it is paused.
         """
-        if self._next == len(self._messages) and self.loop:
-            self._next, self._stamp, self._since = 0, self._messages[0].stamp, now
-        if self._since is None:
-            self._since = now
         if self.paused:
             return []
-        stamp, first = self.stamp(now), self._next
-        while self._next < len(self._messages) and self._messages[self._next].stamp <= stamp:
-            self._next += 1
-        return list(self._messages[first : self._next])
+        if self._next == len(self._messages) and self.loop:
+            self._rewind(now)
+        if self._pace.since is None:
+            self._pace = self._pace._replace(since=now)
+        stamp, end = self.stamp(now), self._next
+        while end < len(self._messages) and self._messages[end].stamp <= stamp:
+            end += 1
+        return self._hand_out(end)
 
     def wait(self, now: float) -> float | None:
         """Seconds until the next message is due; None if none will be before somebody does something."""
@@ -97,33 +131,50 @@ class Playback:
 
     def pause(self, now: float) -> None:
         """Pause, or go on where it was paused."""
-        self._stamp, self._since = self.stamp(now), now
-        self.paused = not self.paused
+        self._pace = _Pace(self.stamp(now), now, self.rate, not self.paused)
 
     def change_rate(self, now: float, factor: float) -> None:
-        """Multiply the rate from now on."""
-        self._stamp, self._since = self.stamp(now), now
-        self.rate *= factor
+        """Multiply the rate from now on, as far as that does not lead out of SLOWEST to FASTEST."""
+        wanted = self.rate * factor
+        rate = max(wanted, min(self.rate, SLOWEST)) if factor < 1 else min(wanted, max(self.rate, FASTEST))
+        since = None if self._pace.since is None else now
+        self._pace = _Pace(self.stamp(now), since, rate, self.paused)
 
     def step(self, now: float, turn: bool) -> list[BagMessage]:
-        """Pause, and hand out the next message, or all up to the one that begins the next turn.
+        """Pause, and hand out the next message, or all up to the end of the next turn.
 
         Args:
             now: seconds of the steady clock.
-            turn: a whole turn of the questioner, not a message.
+            turn: hand out what is left of this turn and the whole next one, not a message.
         """
         if not self.paused:
             self.pause(now)
         if self._next == len(self._messages) and self.loop:
-            self._next = 0
-        first = self._next
-        if first == len(self._messages):
-            return []
-        self._next += 1
-        while turn and self._next < len(self._messages) and not begins_turn(self._messages[self._next]):
-            self._next += 1
-        self._stamp = self._messages[self._next - 1].stamp
-        return list(self._messages[first : self._next])
+            self._rewind(now)
+        found = self._hand_out(self._end_of_next_turn() if turn else min(self._next + 1, len(self._messages)))
+        if found:
+            self._pace = self._pace._replace(stamp=found[-1].stamp)
+        return found
+
+    def _end_of_next_turn(self) -> int:
+        """Where the turn after the one that comes next begins."""
+        begun = False
+        for at in range(self._next, len(self._messages)):
+            if begins_turn(self._messages[at]):
+                if begun:
+                    return at
+                begun = True
+        return len(self._messages)
+
+    def _hand_out(self, end: int) -> list[BagMessage]:
+        found = list(self._messages[self._next : end])
+        self._next = end
+        self._turn += sum(map(begins_turn, found))
+        return found
+
+    def _rewind(self, now: float) -> None:
+        self._next = self._turn = 0
+        self._pace = self._pace._replace(stamp=self._messages[0].stamp, since=now)
 
 
 def begins_turn(message: BagMessage) -> bool:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+import re
 import select
 import sys
 import termios
@@ -12,42 +13,99 @@ from collections.abc import Callable
 from types import TracebackType
 from typing import Any
 
-ARROWS = {'\x1b[A': 'up', '\x1b[B': 'down', '\x1b[C': 'right', '\x1b[D': 'left'}
+ARROWS = {'A': 'up', 'B': 'down', 'C': 'right', 'D': 'left'}
+"""Last letter of what a terminal sends for an arrow."""
+KEY = re.compile(
+    r'\x1b(?:\[|O)[0-9;]*(?P<last>[A-Za-z~])|(?P<begun>\x1b(?:(?:\[|O)[0-9;]*)?\Z)|(?P<plain>.)', re.DOTALL
+)
+"""A special key, the beginning of one at the end of what was read, or a character."""
 
 
 class Keys:
-    """A context manager that hands over every key pressed; it does nothing where there is no terminal.
+    """A context manager that hands over every key pressed; it does nothing where there is no terminal to read.
 
     Args:
         pressed: called with a character, or with 'up', 'down', 'left' or 'right', from a thread of its own.
+
+    Attributes:
+        active: whether keys are read.
     """
 
     def __init__(self, pressed: Callable[[str], None]) -> None:
+        self.active = False
         self._pressed = pressed
         self._ended = threading.Event()
         self._thread = threading.Thread(target=self._read, name='keys', daemon=True)
         self._before: Any = None
 
     def __enter__(self) -> Keys:
-        if sys.stdin.isatty():
+        if _is_ours():
             self._before = termios.tcgetattr(sys.stdin)
-            tty.setcbreak(sys.stdin)
-            self._thread.start()
+            self.active = True
+            try:
+                tty.setcbreak(sys.stdin)
+                self._thread.start()
+            except BaseException:
+                self._restore()
+                raise
         return self
 
     def __exit__(
         self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
     ) -> None:
-        if self._before is not None:
-            self._ended.set()
-            self._thread.join(1.0)
-            termios.tcsetattr(sys.stdin, termios.TCSADRAIN, self._before)
+        if self.active:
+            try:
+                self._ended.set()
+                self._thread.join(1.0)
+            finally:
+                self._restore()
+
+    def _restore(self) -> None:
+        self.active = False
+        termios.tcsetattr(sys.stdin, termios.TCSADRAIN, self._before)
 
     def _read(self) -> None:
+        rest = ''
         while not self._ended.is_set():
-            if select.select([sys.stdin], [], [], 0.1)[0]:
-                text = os.read(sys.stdin.fileno(), 16).decode(errors='replace')
-                if not text:
-                    return
-                for key in [ARROWS[text]] if text in ARROWS else text:
-                    self._pressed(key)
+            if not select.select([sys.stdin], [], [], 0.1)[0]:
+                continue
+            try:
+                content = os.read(sys.stdin.fileno(), 64)
+            except OSError:
+                return
+            if not content:
+                return
+            keys, rest = split_keys(rest + content.decode(errors='replace'))
+            for key in keys:
+                self._pressed(key)
+
+
+def split_keys(text: str) -> tuple[list[str], str]:
+    """The keys that a terminal's characters stand for, and the beginning of one that is not complete.
+
+    Special keys other than arrows are left out, so that no letter in them is taken for a key.
+    """
+    found, rest = [], ''
+    for match in KEY.finditer(text):
+        if match['begun']:
+            rest = match['begun']
+        elif match['plain']:
+            found.append(match['plain'])
+        elif match['last'] in ARROWS:
+            found.append(ARROWS[match['last']])
+    return found, rest
+
+
+def _is_ours() -> bool:
+    """Whether stdin is a terminal that this process may read; a job in the background is stopped if it tries."""
+    try:
+        if not sys.stdin.isatty():
+            return False
+    except (AttributeError, ValueError):
+        # No stdin at all, or a closed one.
+        return False
+    try:
+        return os.tcgetpgrp(sys.stdin.fileno()) == os.getpgrp()
+    except OSError:
+        # Not the terminal of this session, so that nobody minds.
+        return True

@@ -124,6 +124,21 @@ class QuestionerNode(Node):
         listeners = self.get_subscriptions_info_by_topic(self.resolve_topic_name(topic))
         return any(listener.node_name == RECORDER for listener in listeners)
 
+    def other_publishers(self, topic: str) -> list[str]:
+        """Full names of the nodes that publish on a topic besides this one, which publishes there too.
+
+        The name of one that has only just appeared may not be known yet: it is called 'another node'.
+        """
+        found = self.get_publishers_info_by_topic(self.resolve_topic_name(topic))
+        names = [
+            'another node' if 'UNKNOWN' in one.node_name else f'{one.node_namespace.rstrip("/")}/{one.node_name}'
+            for one in found
+        ]
+        if self.get_fully_qualified_name() in names:
+            # Once: another node may have the same name.
+            names.remove(self.get_fully_qualified_name())
+        return names
+
     def counts(self) -> Mapping[str, int]:
         """What the node counts, for /diagnostics."""
         return {f'refused on {topic}': count for topic, count in dict(self._refused).items()}

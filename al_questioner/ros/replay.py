@@ -1,75 +1,137 @@
-"""The `replay` executable: plays a bag on its topics, or checks that it leads to the same decisions again."""
+"""The `replay` executable: plays a bag on its topics, shows its scenes to a learner, or checks it."""
 
 from __future__ import annotations
 
 import time
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, TypeVar
 
 from rich.console import Console
 from rich.live import Live
 from rich.text import Text
 
 from al_questioner.arguments import Parser, number
-from al_questioner.domain import EpisodeError
+from al_questioner.domain import EpisodeError, InputError
 from al_questioner.recording import read_bag, read_sessions
 from al_questioner.recording.playback import Playback
+from al_questioner.recording.scenes import scenes_of
 from al_questioner.rerun import first_divergence
 
 if TYPE_CHECKING:
     from al_questioner.ros.replayer import ReplayNode
+    from al_questioner.ros.stand_in import StandInNode
 
+Shown = TypeVar('Shown', 'ReplayNode', 'StandInNode')
+
+_TIMING = ('rate', 'loop', 'clock', 'start_paused', 'wait_for_subscribers')
 KEYS = 'space: pause · right or n: a turn · s: a message · up, down: rate · q: quit'
 
 
 def parser() -> Parser:
     """The arguments of `replay`; ROS arguments may follow."""
-    result = Parser(prog='replay', description='Play a bag on the topics it was recorded from, with its timing.')
+    result = Parser(
+        prog='replay',
+        description='Play a bag on the topics it was recorded from, with its timing.',
+        epilog=f'In a terminal: {KEYS}. ROS arguments may follow: --ros-args -r __ns:=/elsewhere',
+    )
     result.add_argument('bag', type=Path, metavar='BAG', help='directory of the bag')
     result.add_argument('--rate', type=float, default=1.0, help='recorded seconds in a second (%(default)s)')
     result.add_argument('--loop', action='store_true', help='begin anew at the end')
     clock_help = 'publish the recorded time on /clock so often (0: not at all)'
     result.add_argument('--clock', type=number(float, 0, 1000), default=0.0, metavar='HZ', help=clock_help)
-    result.add_argument('--paused', action='store_true', help='begin with a pause')
-    delay_help = 'seconds before the first message, for listeners to appear (%(default)s)'
-    result.add_argument('--delay', type=number(float, 0, 3600), default=1.0, help=delay_help)
+    result.add_argument('--start-paused', action='store_true', help='begin with a pause')
+    wait_help = 'begin when somebody listens, or after so many seconds (%(default)s)'
+    result.add_argument(
+        '--wait-for-subscribers', type=number(float, 0, 3600), default=5.0, metavar='SECONDS', help=wait_help
+    )
+    perception_help = 'stand in for perception: show the scene of turn N when a live learner begins its turn N'
+    result.add_argument('--as-perception', action='store_true', help=perception_help)
     check_help = 'do not play: tell whether the recorded scenes and answers give the recorded decisions; needs no ROS'
     result.add_argument('--check', action='store_true', help=check_help)
     return result
 
 
 def main(arguments: Sequence[str]) -> int:
-    """Play a bag, or check it."""
+    """Play a bag, show its scenes to a learner, or check it."""
     own, ros = _split(arguments)
-    given = parser().parse_args(own)
+    own_parser = parser()
+    given = own_parser.parse_args(own)
     console = Console()
+    if given.check or given.as_perception:
+        mode, names = '--check' if given.check else '--as-perception', _TIMING
+        for name in (*names, 'as_perception') if given.check else names:
+            if getattr(given, name) != own_parser.get_default(name):
+                raise InputError(f'--{name.replace("_", "-")} has no meaning together with {mode}')
     if given.check:
         return _check(given.bag, console)
+    if given.as_perception:
+        return _stand_in(given.bag, ros, console)
     bag = read_bag(given.bag)
-    playback = Playback(bag.messages, given.rate, given.loop, given.paused)
-    from al_questioner.ros.keys import Keys
+    playback = Playback(bag.messages, given.rate, given.loop, given.start_paused)
+    console.print(f'{given.bag}: {len(bag.messages)} messages, {playback.duration:.1f} s', highlight=False)
     from al_questioner.ros.replayer import ReplayNode
+
+    node = _run(
+        lambda: ReplayNode(bag, playback, given.wait_for_subscribers, given.clock), ros, console, _status_of_playback
+    )
+    played = f'{playback.position} of {len(bag.messages)} messages played, {playback.turn} of {playback.turns} turns'
+    console.print(played if node is not None and node.begun else 'nothing was played', highlight=False)
+    return 0
+
+
+def _stand_in(path: Path, ros: Sequence[str], console: Console) -> int:
+    scenes = scenes_of(read_bag(path))
+    last = max(scenes.clouds)
+    console.print(f'{path}: scenes of {len(scenes.clouds)} turns, the last is turn {last}', highlight=False)
+    from al_questioner.ros.stand_in import StandInNode
+
+    node = _run(
+        lambda: StandInNode(scenes),
+        ros,
+        console,
+        lambda node, keys: f'turn {node.turn} of {last}' + ('\nq: quit' if keys else ''),
+    )
+    console.print(f'the last scene that was asked for: turn {node.turn if node else 0}', highlight=False)
+    return 0
+
+
+def _run(
+    make: Callable[[], Shown], ros: Sequence[str], console: Console, status: Callable[[Shown, bool], str]
+) -> Shown | None:
+    """Spin a node until it is over, with its status at the bottom of a terminal; None if it was never made.
+
+    Args:
+        make: makes the node.
+        ros: arguments for ROS.
+        console: where to show the status, if it is a terminal.
+        status: what to show, given whether keys are read.
+
+    Raises:
+        InputError: the node must not go on.
+    """
+    from al_questioner.ros.keys import Keys
     from al_questioner.ros.running import run_nodes
 
-    made: list[ReplayNode] = []
+    made: list[Shown] = []
 
-    def make() -> ReplayNode:
-        made.append(ReplayNode(bag, playback, given.delay, given.clock))
+    def make_one() -> Shown:
+        made.append(make())
         return made[0]
 
-    console.print(f'{given.bag}: {len(bag.messages)} messages, {playback.duration:.1f} s', highlight=False)
+    keys = Keys(lambda key: made[0].press(key) if made else None)
     with Live(console=console, auto_refresh=False, transient=True) as live:
 
         def watch() -> bool:
             if console.is_terminal:
-                live.update(Text(_status(made[0])), refresh=True)
-            return made[0].quit or playback.done
+                live.update(Text(status(made[0], keys.active)), refresh=True)
+            return made[0].over
 
-        with Keys(lambda key: made[0].press(key) if made else None):
-            run_nodes([make], ros, '', watch)
-    console.print(f'{playback.position} of {len(bag.messages)} messages played', highlight=False)
-    return 0
+        with keys:
+            run_nodes([make_one], ros, '', watch)
+    if made and made[0].failure is not None:
+        raise made[0].failure
+    return made[0] if made else None
 
 
 def _split(arguments: Sequence[str]) -> tuple[list[str], list[str]]:
@@ -78,10 +140,11 @@ def _split(arguments: Sequence[str]) -> tuple[list[str], list[str]]:
     return list(arguments[:at]), list(arguments[at:])
 
 
-def _status(node: ReplayNode) -> str:
-    playback = node.playback
-    state = 'paused' if playback.paused else f'rate {playback.rate:g}'
-    return f'turn {node.turn} · {playback.elapsed(time.monotonic()):.1f} of {playback.duration:.1f} s · {state}\n{KEYS}'
+def _status_of_playback(node: ReplayNode, keys: bool) -> str:
+    play = node.playback
+    state = f'rate {play.rate:.3g}' + (' · paused' if play.paused else '' if node.begun else ' · waiting for listeners')
+    position = f'{play.elapsed(time.monotonic()):.1f} of {play.duration:.1f} s · turn {play.turn} of {play.turns}'
+    return f'{position} · {state}' + (f'\n{KEYS}' if keys else '')
 
 
 def _check(path: Path, console: Console) -> int:

@@ -19,7 +19,9 @@ def test_a_cluster_of_two_workers_gives_the_same_tables(tmp_path: Path) -> None:
     with distributed.LocalCluster(
         n_workers=2, threads_per_worker=1, host='127.0.0.1', dashboard_address=None, processes=True
     ) as cluster:
-        assert main(['experiment', *SMALL, '--scheduler', cluster.scheduler_address, '--out', str(tmp_path / 'dask')]) == 0
+        assert (
+            main(['experiment', *SMALL, '--scheduler', cluster.scheduler_address, '--out', str(tmp_path / 'dask')]) == 0
+        )
     for name in ('episodes.csv', 'turns.csv'):
         assert (tmp_path / 'dask' / name).read_text() == (tmp_path / 'local' / name).read_text()
 

@@ -8,7 +8,7 @@ from hypothesis import strategies as st
 
 from al_questioner.domain import InputError
 from al_questioner.recording import BagMessage
-from al_questioner.recording.playback import SECOND, Playback
+from al_questioner.recording.playback import FASTER, FASTEST, SECOND, SLOWEST, Playback
 
 
 def messages(*seconds, topic='/r/objects'):
@@ -74,6 +74,36 @@ def test_a_step_is_a_turn_or_a_message():
     assert play.done
 
 
+def test_a_step_ends_with_the_turn_that_comes_next():
+    """What stands before the first turn, or a turn of which some was seen, would make a step that shows no turn."""
+    all_ = [
+        *messages(0, topic='/r/episode'),
+        *messages(0.1, topic='/r/turn'),
+        *messages(0.2),
+        *messages(1.0, topic='/r/turn'),
+        *messages(1.1, 1.2),
+        *messages(2.0, topic='/r/turn'),
+    ]
+    play = Playback(all_, paused=True)
+    assert stamps(play.step(0.0, turn=True)) == [0, 0.1, 0.2]
+    assert play.turn == 1
+    play = Playback(all_, paused=True)
+    assert [stamps(play.step(0.0, turn=False)) for _ in range(2)] == [[0], [0.1]]
+    assert stamps(play.step(0.0, turn=True)) == [0.2, 1.0, 1.1, 1.2]
+    assert (play.turn, play.turns) == (2, 3)
+
+
+def test_a_step_from_the_midst_of_playing_pauses_there():
+    """The rest of the bag would run away from the person who wanted to look at one turn."""
+    play = Playback(messages(0, 1, 2, topic='/r/turn'))
+    play.due(0.0)
+    assert stamps(play.step(0.5, turn=True)) == [1]
+    assert play.paused
+    assert play.due(90.0) == []
+    play.pause(100.0)
+    assert play.wait(100.0) == pytest.approx(1.0)
+
+
 def test_a_loop_begins_anew():
     """--loop would stop, or play the end for ever."""
     play = Playback(messages(0, 1), loop=True)
@@ -82,6 +112,17 @@ def test_a_loop_begins_anew():
     assert play.wait(1.0) == 0.0
     assert stamps(play.due(1.5)) == [0]
     assert play.wait(1.5) == pytest.approx(1.0)
+
+
+def test_a_paused_loop_stays_at_its_end_until_the_next_step():
+    """The last turn would not be shown as the last one."""
+    play = Playback(messages(0, 1, topic='/r/turn'), loop=True, paused=True)
+    for _ in range(2):
+        play.step(0.0, turn=True)
+    assert play.due(5.0) == []
+    assert (play.position, play.turn, play.elapsed(5.0)) == (2, 2, 1.0)
+    assert stamps(play.step(6.0, turn=True)) == [0]
+    assert (play.position, play.turn, play.elapsed(6.0)) == (1, 1, 0.0)
 
 
 def test_a_bag_of_one_moment_loops_without_end_but_not_at_once():
@@ -100,9 +141,74 @@ def test_impossible_rates_are_refused(rate):
         Playback([])
 
 
+def test_the_highest_rate_plays_everything_at_once():
+    """The time would become infinite, and the replay would end with a traceback."""
+    play = Playback(messages(0, 1, 2), rate=1e308)
+    play.due(0.0)
+    assert stamps(play.due(1.0)) == [1, 2]
+    assert play.elapsed(1.0) == 2.0
+
+
+@pytest.mark.parametrize('factor', [FASTER, 1 / FASTER])
+def test_a_key_that_is_held_down_changes_the_rate_within_bounds(factor):
+    """The rate would become 0 or infinite, from which no key leads back."""
+    play = Playback(messages(0, 1))
+    play.due(0.0)
+    for _ in range(5000):
+        play.change_rate(0.0, factor)
+    assert play.rate == (FASTEST if factor > 1 else SLOWEST)
+    play.change_rate(0.0, 1 / factor)
+    assert SLOWEST < play.rate < FASTEST
+
+
+def test_a_rate_beyond_the_bounds_of_the_keys_only_comes_nearer():
+    """A key for slower would make a very slow replay faster."""
+    play = Playback(messages(0, 1), rate=1e-6)
+    play.change_rate(0.0, 1 / FASTER)
+    assert play.rate == 1e-6
+    play.change_rate(0.0, FASTER)
+    assert play.rate == pytest.approx(1.25e-6)
+
+
+def test_a_change_of_the_rate_before_the_first_message_starts_no_time():
+    """The wait for listeners would count as playing time."""
+    play = Playback(messages(0, 1))
+    play.change_rate(0.0, 2.0)
+    assert play.elapsed(50.0) == 0.0
+    assert stamps(play.due(50.0)) == [0]
+    assert play.wait(50.0) == pytest.approx(0.5)
+
+
+@given(
+    gaps=st.lists(st.floats(0.001, 5), min_size=1, max_size=20),
+    rate=st.floats(0.1, 10),
+    pauses=st.lists(st.tuples(st.floats(0, 3), st.floats(0, 100)), max_size=10),
+)
+def test_the_spacing_is_the_recorded_one_divided_by_the_rate_and_pauses_do_not_count(gaps, rate, pauses):
+    """What happened slowly would be seen fast, or the other way round."""
+    times = [0.0]
+    for gap in gaps:
+        times.append(times[-1] + gap)
+    play, now, paused_for = Playback(messages(*times), rate), 0.0, 0.0
+    play.due(now)
+    at = [0.0]
+    waits = iter(pauses)
+    while not play.done:
+        until, length = next(waits, (float('inf'), 0.0))
+        wait = play.wait(now)
+        now += min(wait, until)
+        if until < wait:
+            play.pause(now)
+            now += length
+            paused_for += length
+            play.pause(now)
+        at += [now - paused_for] * len(play.due(now + 1e-6))
+    assert at == pytest.approx([time / rate for time in times], abs=1e-3)
+
+
 @given(
     gaps=st.lists(st.floats(0, 2), min_size=1, max_size=20),
-    looks=st.lists(st.tuples(st.floats(0, 1), st.sampled_from(['look', 'pause', 'turn', 'step', 'up'])), max_size=60),
+    looks=st.lists(st.tuples(st.floats(0, 1), st.sampled_from(['look', 'pause', 'turn', 'step', 'up', 'down']))),
 )
 def test_whatever_is_pressed_every_message_comes_once_and_in_order(gaps, looks):
     """A watcher would miss part of the demonstration, or see it twice."""
@@ -110,14 +216,15 @@ def test_whatever_is_pressed_every_message_comes_once_and_in_order(gaps, looks):
     for gap in gaps:
         total += gap
         times.append(total)
-    all_ = messages(*times)
+    all_ = [*messages(*times[::2], topic='/r/turn'), *messages(*times[1::2])]
+    all_.sort(key=lambda message: message.stamp)
     play, now, seen = Playback(all_), 0.0, []
     for passed, key in looks:
         now += passed
         if key == 'pause':
             play.pause(now)
-        elif key == 'up':
-            play.change_rate(now, 1.25)
+        elif key in ('up', 'down'):
+            play.change_rate(now, FASTER if key == 'up' else 1 / FASTER)
         elif key in ('turn', 'step'):
             seen += play.step(now, turn=key == 'turn')
         seen += play.due(now)
