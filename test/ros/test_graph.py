@@ -18,6 +18,7 @@ DEADLINE = 60.0
 WORLD = {'task': 'prepare_lunch', 'seed': 4}
 
 
+@pytest.mark.slow
 def test_a_recorder_may_end_before_the_last_turn_was_watched(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     """On a busy machine a demo would end in failure, with its recording complete."""
     monkeypatch.setenv('PYTHONPATH', os.pathsep.join(filter(None, (str(ROOT), os.environ.get('PYTHONPATH')))))
