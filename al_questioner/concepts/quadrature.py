@@ -88,11 +88,14 @@ def _resolvent_forms(
                 # The true denominator is positive: one that is not, at this end, says nothing.
                 denominator = 1 + mean[level, a] - coupling[level + 1, a] * high
                 high = 1 / denominator if denominator > 0 else np.inf
-            value[h, k] = total[a] * low
             if step == 0:
                 # |v|^2 = u' T u may cancel, its rounding does not: T is no larger than the identity.
                 rounding[a] = ROUNDING * gross
-            error[h, k] = total[a] * (high - low) + rounding[a] * high * high
+            bound = total[a] * max(high - low, 0.0) + rounding[a] * high * high
+            if step > 0 and np.isnan(bound):
+                # Nothing but rounding was left to go on with: what the steps before found stays.
+                continue
+            value[h, k], error[h, k] = total[a] * low, bound
             if rounding[a] == 0:
                 error[h, k] = 0.0
             if error[h, k] <= tolerance:

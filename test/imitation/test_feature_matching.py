@@ -37,9 +37,9 @@ def test_the_jacobian_knows_that_the_future_does_not_change_the_past():
     p = softmax(features @ rng.normal(size=7), axis=1)
     means = np.einsum('tc,tcf->tf', p, features)
     exact = np.mean([(f - m).T @ ((f - m) * q[:, None]) for f, m, q in zip(features, means, p, strict=True)], axis=0)
-    drawn = [np.array([features[t, rng.choice(4, p=p[t])] for t in (0, 1)]) for _ in range(20_000)]
+    drawn = [np.array([features[t, rng.choice(4, p=p[t])] for t in (0, 1)]) for _ in range(6_000)]
     rollouts = [Rollout(chosen, chosen - means) for chosen in drawn]
-    np.testing.assert_allclose(jacobian_of_counts([rollouts], np.ones(7)), exact, atol=0.004)
+    np.testing.assert_allclose(jacobian_of_counts([rollouts], np.ones(7)), exact, atol=0.008)
 
 
 def test_the_jacobian_is_in_units_of_the_scale():
@@ -90,12 +90,17 @@ def test_the_score_sums_to_zero_on_average(experts):
     assert (np.abs(scores.mean(axis=0)) <= 4 * error + 1e-12).all()
 
 
-def test_the_gap_falls_and_the_same_seed_finds_the_same(experts):
+def test_the_same_seed_finds_the_same_in_any_number_of_processes(experts):
     """Training would be a lottery."""
+    short = dataclasses.replace(FEW, iterations=2, rollouts=1)
+    one, other = (match_features(experts, [], dataclasses.replace(short, jobs=jobs)) for jobs in (1, 2))
+    np.testing.assert_array_equal(one.weights, other.weights)
+
+
+def test_the_gap_falls(experts):
+    """Training would not train."""
     seen = []
     one = match_features(experts, [], FEW, lambda number, iteration: seen.append(number))
-    other = match_features(experts, [], dataclasses.replace(FEW, jobs=2))
-    np.testing.assert_array_equal(one.weights, other.weights)
     late = np.mean([iteration.gap for iteration in one.iterations[-8:]], axis=0)
     assert np.linalg.norm(late) < 0.5 * np.linalg.norm(one.iterations[0].gap)
     assert seen == list(range(1, len(one.iterations) + 1))

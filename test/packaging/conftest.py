@@ -27,10 +27,12 @@ class Installation:
     """Where one route put the package, and how it is used from there.
 
     Attributes:
+        tool: that installed it.
         prefix: what ament calls the package's prefix.
         environment: of a shell in which the installation is set up.
     """
 
+    tool: str
     prefix: Path
     environment: dict[str, str]
 
@@ -85,20 +87,20 @@ def install_with_pip(source: Path, place: Path, extras: str = '') -> Installatio
     python = prefix / 'bin' / 'python3'
     pip = (python, '-m', 'pip', '--quiet', '--disable-pip-version-check', 'install')
     if extras:
-        Installation(place, environment).run(*pip, f'{source}{extras}', cwd=place)
+        Installation('pip', place, environment).run(*pip, f'{source}{extras}', cwd=place)
     else:
-        Installation(place, environment).run(*pip, '--no-deps', source, cwd=place)
+        Installation('pip', place, environment).run(*pip, '--no-deps', source, cwd=place)
         ours = sysconfig.get_paths()['purelib']
         environment['PYTHONPATH'] = os.pathsep.join(filter(None, (environment.get('PYTHONPATH'), ours)))
     environment['PATH'] = os.pathsep.join([str(python.parent), environment['PATH']])
     environment['AMENT_PREFIX_PATH'] = str(prefix)
-    return Installation(prefix, environment)
+    return Installation('pip', prefix, environment)
 
 
 def install_with_colcon(source: Path, place: Path, *options: str) -> Installation:
     """A workspace, built and sourced."""
     pytest.importorskip('colcon_core', reason='colcon is not installed: pip install .[dev]')
-    outer = Installation(place, outer_environment())
+    outer = Installation('colcon', place, outer_environment())
     folders = ('--build-base', place / 'build', '--install-base', place / 'install')
     colcon = (sys.executable, '-m', 'colcon', '--log-base', place / 'log')
     outer.run(*colcon, 'build', '--base-paths', source, *folders, *options, cwd=place)
@@ -106,7 +108,7 @@ def install_with_colcon(source: Path, place: Path, *options: str) -> Installatio
     outer.environment['COLCON_PYTHON_EXECUTABLE'] = str(Path(sys.base_prefix, 'bin', 'python3'))
     dump = outer.run('bash', '-c', 'source "$0" && env -0', place / 'install' / 'setup.bash', cwd=place)
     environment = dict(line.split('=', 1) for line in dump.split('\0') if '=' in line)
-    return Installation(place / 'install' / 'al_questioner', environment)
+    return Installation('colcon', place / 'install' / 'al_questioner', environment)
 
 
 @pytest.fixture(scope='session', params=ROUTES)

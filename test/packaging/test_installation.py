@@ -46,6 +46,9 @@ def test_every_executable_is_where_ros2_run_looks(installation):
 
 @pytest.mark.parametrize('name', EXECUTABLES)
 def test_executable_runs(installation, name, tmp_path):
+    """All are links to one file: where colcon put it, one of them is enough."""
+    if installation.tool == 'colcon' and name != 'learner':
+        pytest.skip('learner stands for all')
     assert installation.run(installation.prefix / 'lib' / 'al_questioner' / name, '--help', cwd=tmp_path).strip()
 
 
