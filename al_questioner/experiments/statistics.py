@@ -83,21 +83,29 @@ def paired_p(first: Array, other: Array) -> float:
     return float(wilcoxon(difference, alternative='greater').pvalue) if difference.any() else 1.0
 
 
-def superiority(first: Array, other: Array) -> float:
-    """Probability that one of the first is above one of the other, ties counting half."""
-    difference = np.subtract.outer(first, other)
-    return float(np.mean((difference > 0) + 0.5 * (difference == 0)))
+def superiority(first: Array, other: Array, axis: int = -1) -> Array:
+    """(...) probability that one of the (..., n) first is above one of the (..., m) other, ties counting half.
+
+    Args:
+        first: samples along the last axis.
+        other: samples along the last axis.
+        axis: the last one; `scipy.stats.bootstrap` says it.
+    """
+    if axis != -1:
+        raise ValueError(f'the samples lie along the last axis, not {axis}')
+    difference = first[..., :, None] - other[..., None, :]
+    return np.asarray(np.mean((difference > 0) + 0.5 * (difference == 0), axis=(-2, -1)))
 
 
 def superiority_interval(first: Array, other: Array, seed: int) -> tuple[float, float]:
     """95 % percentile bootstrap interval of `superiority`; of a single sample just its value, twice."""
     if min(len(first), len(other)) < 2:
-        return (superiority(first, other),) * 2
+        return (float(superiority(first, other)),) * 2
     found = bootstrap(
         (first, other),
         superiority,
         n_resamples=RESAMPLES,
-        vectorized=False,
+        vectorized=True,
         method='percentile',
         rng=np.random.default_rng(seed),
     )
