@@ -179,7 +179,7 @@ def test_a_replay_does_not_begin_on_the_names_of_a_live_learner(graph: Any) -> N
 
 
 def test_a_replay_ends_when_a_learner_takes_its_names(graph: Any) -> None:
-    """The same, for who starts the robot later; what it asks must be what it would have asked alone."""
+    """A robot that is started beside a paused replay would be disturbed as soon as the replay goes on."""
     states = graph.listen('learner_state', profile=qos.RECORDED_LATCHED)
     node = replay(graph, paused=True)
     node.press('n')
