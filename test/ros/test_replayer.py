@@ -2,39 +2,24 @@
 
 from __future__ import annotations
 
-import os
-import pty
-import select
-import signal
-import subprocess
-import sys
-import termios
-import time
 from collections import Counter
-from collections.abc import Iterator
-from contextlib import contextmanager
 from pathlib import Path
 from typing import Any
 
 import pytest
 from diagnostic_msgs.msg import DiagnosticArray
-from rcl_interfaces.msg import Log
+from rclpy.publisher import Publisher
 from rosgraph_msgs.msg import Clock
 from sensor_msgs.msg import PointCloud2
-from std_msgs.msg import String
 
-from al_questioner.cli import main
 from al_questioner.domain import InputError
 from al_questioner.messages import documents
 from al_questioner.messages.clouds import scene_of_cloud
 from al_questioner.recording import BagMessage, BagWriter, Topic, deserialize, read_bag, read_sessions
 from al_questioner.recording.playback import Playback
-from al_questioner.recording.scenes import scenes_of
 from al_questioner.ros import qos
 from al_questioner.ros.learner import LearnerNode
-from al_questioner.ros.perception import PerceptionNode
 from al_questioner.ros.replayer import ReplayNode, common_namespace, message_class
-from al_questioner.ros.stand_in import StandInNode
 from al_questioner.ros.teacher import TeacherNode
 from al_questioner.simulation import WorldChoice, episode_settings, run_episode
 from al_questioner.teaching import ScriptedTeacher
@@ -53,10 +38,6 @@ def replay(graph: Any, *, paused: bool = False, rate: float = 1.0, clock_hz: flo
         )
 
     return graph.start(make)
-
-
-def stand_in(graph: Any) -> StandInNode:
-    return graph.start(lambda **node_arguments: StandInNode(scenes_of(read_bag(BAG)), **node_arguments))
 
 
 def test_everything_is_published_as_it_was_recorded(graph: Any) -> None:
@@ -149,22 +130,6 @@ def test_a_key_begins_without_listeners(graph: Any) -> None:
     assert node.playback.position == 163
 
 
-def test_a_second_learner_asks_what_it_would_have_asked_in_the_recorded_world(graph: Any) -> None:
-    """It would miss scenes, or the teacher would answer about other things."""
-    states = graph.listen('learner_state', profile=qos.RECORDED_LATCHED)
-    world = {'task': 'prepare_lunch', 'seed': 0}
-    stand_in(graph)
-    graph.start(TeacherNode, **world)
-    graph.start(LearnerNode, **world, strategy='farthest_fsq', budget=12.0, turns=20)
-    graph.wait_for(lambda: states and states[-1]['done'], 'the end of the second episode')
-    task = load_task('prepare_lunch')
-    settings = episode_settings(task, 'farthest_fsq', 12.0, 20)
-    teacher = ScriptedTeacher(task.symbols, task.relevant_groups, 0)
-    offline = run_episode(WorldChoice(task, 0, 0), settings, teacher)
-    assert states[-1]['queries'] == [documents.record_members(record) for record in offline.queries]
-    assert states[-1]['spent'] > 0
-
-
 def test_a_replay_does_not_begin_on_the_names_of_a_live_learner(graph: Any) -> None:
     """A recorded turn could replace a live one before perception sees it, and the robot would wait for ever."""
     turns = graph.listen('turn', profile=qos.RECORDED_LATCHED)
@@ -179,7 +144,7 @@ def test_a_replay_does_not_begin_on_the_names_of_a_live_learner(graph: Any) -> N
 
 
 def test_a_replay_ends_when_a_learner_takes_its_names(graph: Any) -> None:
-    """The same, for who starts the robot later; what it asks must be what it would have asked alone."""
+    """A robot that is started beside a paused replay would be disturbed as soon as the replay goes on."""
     states = graph.listen('learner_state', profile=qos.RECORDED_LATCHED)
     node = replay(graph, paused=True)
     node.press('n')
@@ -198,74 +163,6 @@ def test_a_replay_ends_when_a_learner_takes_its_names(graph: Any) -> None:
     assert states[-1]['queries'] == [documents.record_members(record) for record in offline.queries]
 
 
-def test_two_perceptions_are_one_too_many(graph: Any) -> None:
-    """A learner would see the recorded scene in one turn and another one in the next."""
-    node = stand_in(graph)
-    graph.start(PerceptionNode, **graph.world)
-    graph.start(LearnerNode, **graph.episode)
-    graph.wait_for(lambda: node.over, 'the end of the replay')
-    assert f'/{graph.namespace}/perception shows objects, too' in str(node.failure)
-
-
-def test_a_replay_that_must_not_go_on_ends_with_status_2(graph: Any) -> None:
-    """A script would take an empty replay for a good one."""
-    graph.start(LearnerNode, **graph.episode)
-    command = [
-        sys.executable,
-        '-m',
-        'al_questioner',
-        'replay',
-        str(BAG),
-        '--ros-args',
-        '-r',
-        f'__ns:=/{graph.namespace}',
-    ]
-    environment = {**os.environ, 'ROS_DOMAIN_ID': str(graph.context.get_domain_id())}
-    done = subprocess.run(command, stdin=subprocess.DEVNULL, capture_output=True, env=environment, timeout=2 * DEADLINE)
-    assert done.returncode == 2
-    (line,) = done.stderr.decode().splitlines()
-    assert line.startswith('replay: ')
-    assert f'publishes on /{graph.namespace}/turn, too; keep the replay apart' in line
-    assert 'UNKNOWN' not in line
-
-
-def test_other_turns_than_the_recorded_ones_are_refused_with_their_number(graph: Any) -> None:
-    """A learner with more turns than the bag would wait without a word."""
-    node = stand_in(graph)
-    clouds = graph.listen('objects', PointCloud2)
-    turns = node.create_publisher(String, 'turn', qos.LATCHED)
-    members = {'stamp': {'sec': 2_000_000_000, 'nanosec': 7}, 'world': None}
-    turns.publish(String(data=documents.write('turn', 'e', {'turn': 31, **members})))
-    graph.wait_for(lambda: node.counts().get('refused on turn') == 1, 'a refusal')
-    assert not clouds
-    turns.publish(String(data=documents.write('turn', 'e', {'turn': 30, **members})))
-    graph.wait_for(lambda: clouds, 'the last recorded scene')
-    recorded = _recorded('objects')[-1]
-    assert bytes(clouds[0].data) == deserialize(recorded).data.tobytes()
-    assert clouds[0].header.frame_id == deserialize(recorded).header.frame_id
-    assert _stamp(clouds[0]) == 2_000_000_000 * 10**9 + 7
-
-
-def test_a_learner_of_another_world_is_warned_of_and_shown_the_scenes(graph: Any) -> None:
-    """The scripted teacher would answer about things that are not there, and nobody would know why."""
-    warnings = graph.listen('/rosout', Log, 100)
-    node = stand_in(graph)
-    clouds = graph.listen('objects', PointCloud2)
-    turns = node.create_publisher(String, 'turn', qos.LATCHED)
-    world = {'task': 'prepare_lunch', 'seed': 9, 'sample': 0, 'dataset': None}
-    for turn in (1, 2):
-        stamp = {'sec': turn, 'nanosec': 0}
-        turns.publish(String(data=documents.write('turn', 'e', {'turn': turn, 'stamp': stamp, 'world': world})))
-        graph.wait_for(lambda n=turn: node.turn == n, f'turn {turn}')
-    graph.wait_for(lambda: clouds and clouds[-1].header.stamp.sec == 2, 'the second scene')
-
-    def about_worlds() -> list[str]:
-        return [w.msg for w in warnings if 'seed 9, recorded 0' in w.msg and graph.namespace in w.name]
-
-    graph.wait_for(about_worlds, 'a warning')
-    assert len(about_worlds()) == 1
-
-
 def test_the_recorded_time_is_told(graph: Any) -> None:
     """use_sim_time would stand still."""
     clocks = graph.listen('/clock', Clock, 10)
@@ -277,6 +174,34 @@ def test_the_recorded_time_is_told(graph: Any) -> None:
     stamps = [_nanoseconds(c.clock) for c in clocks]
     assert stamps == sorted(stamps)
     assert stamps[0] >= read_bag(BAG).messages[0].stamp
+
+
+def test_the_last_stamp_is_told_however_rarely_the_time_is(graph: Any) -> None:
+    """Whoever waits for the end by the recorded time would wait for ever."""
+    clocks = graph.listen('/clock', Clock, 10)
+    node = replay(graph, clock_hz=0.001)
+    node.press(' ')
+    node.press(' ')
+    graph.wait_for(lambda: node.over and clocks, 'the end of the replay')
+    assert [_nanoseconds(c.clock) for c in clocks] == [read_bag(BAG).messages[-1].stamp]
+
+
+def test_a_replay_is_not_over_before_its_last_messages_have_arrived(
+    graph: Any, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """They would be lost with the process that published them."""
+    nodes: list[ReplayNode] = []
+    waited: list[tuple[str, bool]] = []
+
+    def wait(publisher: Publisher, timeout: Any) -> bool:
+        waited.append((publisher.topic_name, nodes[0].over))
+        return True
+
+    monkeypatch.setattr(Publisher, 'wait_for_all_acked', wait)
+    nodes.append(replay(graph, paused=True, rate=1000.0))
+    nodes[0].press(' ')
+    graph.wait_for(lambda: nodes[0].over, 'the end of the replay')
+    assert sorted(waited) == sorted((topic, False) for topic in (out.topic_name for out in nodes[0]._out.values()))
 
 
 def test_names_follow_the_namespace_that_is_given(graph: Any, tmp_path: Path) -> None:
@@ -325,120 +250,12 @@ def test_the_common_namespace(topics: list[str], namespace: str) -> None:
     assert common_namespace(topics) == namespace
 
 
-def test_checking_tells_of_the_first_divergence(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
-    """A change of the questioner would go unnoticed."""
-    assert main(['replay', str(BAG), '--check']) == 0
-    assert '30 decisions, all as recorded' in capsys.readouterr().out.replace('\n', ' ')
-
-
-def test_unusable_arguments_end_with_status_2_and_one_line(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
-    """A typing error would play nothing, or for ever."""
-    with BagWriter(tmp_path / 'foreign', [Topic('/a', 'stereo_msgs/msg/DisparityImage', False)]) as foreign:
-        foreign.write('/a', bytes(8), 1)
-    for arguments, reason in (
-        ([str(tmp_path)], 'is no bag'),
-        ([str(tmp_path / 'none')], 'none: there is no such bag'),
-        ([str(BAG), '--rate', '0'], 'rate must be a number above 0'),
-        ([str(BAG), '--rate', '-1'], 'rate must be a number above 0'),
-        ([str(BAG), '--rate', 'nan'], 'rate must be a number above 0'),
-        ([str(BAG), '--rate', 'inf'], 'rate must be a number above 0'),
-        ([str(BAG), '--rate', 'fast'], 'invalid float value'),
-        ([str(BAG), '--clock', '-1'], 'must be at least 0'),
-        ([str(BAG), '--clock', 'nan'], 'must be at least 0'),
-        ([str(BAG), '--wait-for-subscribers', 'nan'], 'must be at least 0'),
-        (
-            [str(BAG), '--as-perception', '--start-paused'],
-            '--start-paused has no meaning together with --as-perception',
-        ),
-        ([str(BAG), '--check', '--as-perception'], '--as-perception has no meaning together with --check'),
-        ([str(tmp_path / 'foreign'), '--as-perception'], 'no turn with its objects'),
-        ([str(BAG), '--ros-args', '-r', '__ns:=/a b'], 'unusable ROS arguments'),
-        ([], 'required: BAG'),
-    ):
-        assert main(['replay', *arguments]) == 2, arguments
-        error = capsys.readouterr().err
-        assert reason in error
-        assert error.count('\n') == 1, error
-
-
 def test_a_message_type_that_is_not_installed_is_named() -> None:
     """The replay would end with a traceback."""
     with pytest.raises(InputError, match='message type robot_msgs/msg/Pose of the bag is not installed'):
         message_class('robot_msgs/msg/Pose')
     with pytest.raises(InputError, match='message type std_msgs/msg/Nothing of the bag is not installed'):
         message_class('std_msgs/msg/Nothing')
-
-
-@contextmanager
-def terminal_replay(*arguments: str) -> Iterator[tuple[subprocess.Popen[bytes], int, int]]:
-    """A replay at a terminal: its process, our end of the terminal, and its own."""
-    ours, theirs = pty.openpty()
-    environment = {**os.environ, 'ROS_AUTOMATIC_DISCOVERY_RANGE': 'LOCALHOST', 'COLUMNS': '120', 'TERM': 'xterm'}
-    command = [sys.executable, '-m', 'al_questioner', 'replay', str(BAG), *arguments]
-    command += ['--ros-args', '-r', f'__ns:=/keys_{os.getpid()}']
-    process = subprocess.Popen(command, stdin=theirs, stdout=theirs, stderr=theirs, env=environment)
-    try:
-        yield process, ours, theirs
-    finally:
-        if process.poll() is None:
-            process.kill()
-            process.wait()
-        os.close(theirs)
-        os.close(ours)
-
-
-def test_keys_pause_step_and_quit() -> None:
-    """At a terminal: a paused replay would not play turn by turn, or leave the terminal another than it was."""
-    with terminal_replay('--start-paused', '--wait-for-subscribers', '0') as (process, ours, theirs):
-        before = termios.tcgetattr(theirs)
-        _read_until(ours, b'paused')
-        os.write(ours, b'n')
-        _read_until(ours, b'turn 1 ')
-        os.write(ours, b'\x1b[C')
-        _read_until(ours, b'turn 2 of 30')
-        os.write(ours, b'\x1b[A\x1b[A')
-        _read_until(ours, b'rate 1.56')
-        assert termios.tcgetattr(theirs) != before
-        os.write(ours, b'q')
-        _read_until(ours, b'2 of 30 turns')
-        assert process.wait(DEADLINE) == 0
-        assert termios.tcgetattr(theirs) == before
-
-
-@pytest.mark.parametrize('number', [signal.SIGINT, signal.SIGTERM])
-def test_a_signal_leaves_the_terminal_as_it_was(number: signal.Signals) -> None:
-    """A shell would stay without echo after Ctrl-C."""
-    with terminal_replay('--start-paused') as (process, ours, theirs):
-        before = termios.tcgetattr(theirs)
-        _read_until(ours, b'paused')
-        process.send_signal(number)
-        _read_until(ours, b'nothing was played')
-        assert process.wait(DEADLINE) == 0
-        assert termios.tcgetattr(theirs) == before
-
-
-def test_the_end_of_a_bag_arrives_and_a_closed_stdin_is_not_read(graph: Any) -> None:
-    """The last state would be lost with the process that published it, and `replay` could not be launched."""
-    states = graph.listen('learner_state', profile=qos.RECORDED_LATCHED)
-    command = [sys.executable, '-m', 'al_questioner', 'replay', str(BAG), '--rate', '1e300']
-    command += ['--wait-for-subscribers', str(DEADLINE), '--ros-args', '-r', f'__ns:=/{graph.namespace}']
-    environment = {**os.environ, 'ROS_DOMAIN_ID': str(graph.context.get_domain_id())}
-    done = subprocess.run(command, stdin=subprocess.DEVNULL, capture_output=True, env=environment, timeout=2 * DEADLINE)
-    assert done.returncode == 0, done.stderr.decode()
-    assert done.stdout.decode().splitlines() == [
-        f'{BAG}: 163 messages, 1.1 s',
-        '163 of 163 messages played, 30 of 30 turns',
-    ]
-    graph.wait_for(lambda: states and states[-1]['done'], 'the last state')
-
-
-def _read_until(terminal: int, wanted: bytes) -> None:
-    """Read what a terminal shows up to some text, which is all on one line."""
-    seen, end = b'', time.monotonic() + DEADLINE
-    while wanted not in seen:
-        assert time.monotonic() < end, seen.decode(errors='replace')
-        if select.select([terminal], [], [], 0.1)[0]:
-            seen += os.read(terminal, 4096)
 
 
 def _recorded(name: str) -> list[BagMessage]:

@@ -1,0 +1,156 @@
+"""The `replay` executable, as its users call it."""
+
+from __future__ import annotations
+
+import os
+import pty
+import select
+import signal
+import subprocess
+import sys
+import termios
+import time
+from collections.abc import Iterator
+from contextlib import contextmanager
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+from al_questioner.cli import main
+from al_questioner.recording import BagWriter, Topic
+from al_questioner.ros import qos
+from al_questioner.ros.learner import LearnerNode
+
+BAG = Path(__file__).resolve().parents[2] / 'bags' / 'expert_0'
+DEADLINE = 60.0
+
+
+def test_a_replay_that_must_not_go_on_ends_with_status_2(graph: Any) -> None:
+    """A script would take an empty replay for a good one."""
+    graph.start(LearnerNode, **graph.episode)
+    command = [
+        sys.executable,
+        '-m',
+        'al_questioner',
+        'replay',
+        str(BAG),
+        '--ros-args',
+        '-r',
+        f'__ns:=/{graph.namespace}',
+    ]
+    environment = {**os.environ, 'ROS_DOMAIN_ID': str(graph.context.get_domain_id())}
+    done = subprocess.run(command, stdin=subprocess.DEVNULL, capture_output=True, env=environment, timeout=2 * DEADLINE)
+    assert done.returncode == 2
+    (line,) = done.stderr.decode().splitlines()
+    assert line.startswith('replay: ')
+    assert f'publishes on /{graph.namespace}/turn, too; keep the replay apart' in line
+    assert 'UNKNOWN' not in line
+
+
+def test_checking_tells_of_the_first_divergence(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    """A change of the questioner would go unnoticed."""
+    assert main(['replay', str(BAG), '--check']) == 0
+    assert '30 decisions, all as recorded' in capsys.readouterr().out.replace('\n', ' ')
+
+
+def test_unusable_arguments_end_with_status_2_and_one_line(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    """A typing error would play nothing, or for ever."""
+    with BagWriter(tmp_path / 'foreign', [Topic('/a', 'stereo_msgs/msg/DisparityImage', False)]) as foreign:
+        foreign.write('/a', bytes(8), 1)
+    for arguments, reason in (
+        ([str(tmp_path)], 'is no bag'),
+        ([str(tmp_path / 'none')], 'none: there is no such bag'),
+        ([str(BAG), '--rate', '0'], 'rate must be a number above 0'),
+        ([str(BAG), '--rate', '-1'], 'rate must be a number above 0'),
+        ([str(BAG), '--rate', 'nan'], 'rate must be a number above 0'),
+        ([str(BAG), '--rate', 'inf'], 'rate must be a number above 0'),
+        ([str(BAG), '--rate', 'fast'], 'invalid float value'),
+        ([str(BAG), '--clock', '-1'], 'must be at least 0'),
+        ([str(BAG), '--clock', 'nan'], 'must be at least 0'),
+        ([str(BAG), '--wait-for-subscribers', 'nan'], 'must be at least 0'),
+        (
+            [str(BAG), '--as-perception', '--start-paused'],
+            '--start-paused has no meaning together with --as-perception',
+        ),
+        ([str(BAG), '--check', '--as-perception'], '--as-perception has no meaning together with --check'),
+        ([str(tmp_path / 'foreign'), '--as-perception'], 'no turn with its objects'),
+        ([str(BAG), '--ros-args', '-r', '__ns:=/a b'], 'unusable ROS arguments'),
+        ([], 'required: BAG'),
+    ):
+        assert main(['replay', *arguments]) == 2, arguments
+        error = capsys.readouterr().err
+        assert reason in error
+        assert error.count('\n') == 1, error
+
+
+@contextmanager
+def terminal_replay(*arguments: str) -> Iterator[tuple[subprocess.Popen[bytes], int, int]]:
+    """A replay at a terminal: its process, our end of the terminal, and its own."""
+    ours, theirs = pty.openpty()
+    environment = {**os.environ, 'ROS_AUTOMATIC_DISCOVERY_RANGE': 'LOCALHOST', 'COLUMNS': '120', 'TERM': 'xterm'}
+    command = [sys.executable, '-m', 'al_questioner', 'replay', str(BAG), *arguments]
+    command += ['--ros-args', '-r', f'__ns:=/keys_{os.getpid()}']
+    process = subprocess.Popen(command, stdin=theirs, stdout=theirs, stderr=theirs, env=environment)
+    try:
+        yield process, ours, theirs
+    finally:
+        if process.poll() is None:
+            process.kill()
+            process.wait()
+        os.close(theirs)
+        os.close(ours)
+
+
+def test_keys_pause_step_and_quit() -> None:
+    """At a terminal: a paused replay would not play turn by turn, or leave the terminal another than it was."""
+    with terminal_replay('--start-paused', '--wait-for-subscribers', '0') as (process, ours, theirs):
+        before = termios.tcgetattr(theirs)
+        _read_until(ours, b'paused')
+        os.write(ours, b'n')
+        _read_until(ours, b'turn 1 ')
+        os.write(ours, b'\x1b[C')
+        _read_until(ours, b'turn 2 of 30')
+        os.write(ours, b'\x1b[A\x1b[A')
+        _read_until(ours, b'rate 1.56')
+        assert termios.tcgetattr(theirs) != before
+        os.write(ours, b'q')
+        _read_until(ours, b'2 of 30 turns')
+        assert process.wait(DEADLINE) == 0
+        assert termios.tcgetattr(theirs) == before
+
+
+@pytest.mark.parametrize('number', [signal.SIGINT, signal.SIGTERM])
+def test_a_signal_leaves_the_terminal_as_it_was(number: signal.Signals) -> None:
+    """A shell would stay without echo after Ctrl-C."""
+    with terminal_replay('--start-paused') as (process, ours, theirs):
+        before = termios.tcgetattr(theirs)
+        _read_until(ours, b'paused')
+        process.send_signal(number)
+        _read_until(ours, b'nothing was played')
+        assert process.wait(DEADLINE) == 0
+        assert termios.tcgetattr(theirs) == before
+
+
+def test_the_end_of_a_bag_arrives_and_a_closed_stdin_is_not_read(graph: Any) -> None:
+    """The last state would be lost with the process that published it, and `replay` could not be launched."""
+    states = graph.listen('learner_state', profile=qos.RECORDED_LATCHED)
+    command = [sys.executable, '-m', 'al_questioner', 'replay', str(BAG), '--rate', '1e300']
+    command += ['--wait-for-subscribers', str(DEADLINE), '--ros-args', '-r', f'__ns:=/{graph.namespace}']
+    environment = {**os.environ, 'ROS_DOMAIN_ID': str(graph.context.get_domain_id())}
+    done = subprocess.run(command, stdin=subprocess.DEVNULL, capture_output=True, env=environment, timeout=2 * DEADLINE)
+    assert done.returncode == 0, done.stderr.decode()
+    assert done.stdout.decode().splitlines() == [
+        f'{BAG}: 163 messages, 1.1 s',
+        '163 of 163 messages played, 30 of 30 turns',
+    ]
+    graph.wait_for(lambda: states and states[-1]['done'], 'the last state')
+
+
+def _read_until(terminal: int, wanted: bytes) -> None:
+    """Read what a terminal shows up to some text, which is all on one line."""
+    seen, end = b'', time.monotonic() + DEADLINE
+    while wanted not in seen:
+        assert time.monotonic() < end, seen.decode(errors='replace')
+        if select.select([terminal], [], [], 0.1)[0]:
+            seen += os.read(terminal, 4096)

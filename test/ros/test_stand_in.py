@@ -1,0 +1,102 @@
+"""A live learner that is shown the scenes of a bag in place of perception."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Any
+
+from rcl_interfaces.msg import Log
+from sensor_msgs.msg import PointCloud2
+from std_msgs.msg import String
+
+from al_questioner.messages import documents
+from al_questioner.recording import BagMessage, deserialize, read_bag
+from al_questioner.recording.scenes import scenes_of
+from al_questioner.ros import qos
+from al_questioner.ros.learner import LearnerNode
+from al_questioner.ros.perception import PerceptionNode
+from al_questioner.ros.stand_in import StandInNode
+from al_questioner.ros.teacher import TeacherNode
+from al_questioner.simulation import WorldChoice, episode_settings, run_episode
+from al_questioner.teaching import ScriptedTeacher
+from al_questioner.world import load_task
+
+BAG = Path(__file__).resolve().parents[2] / 'bags' / 'expert_0'
+
+
+def stand_in(graph: Any) -> StandInNode:
+    return graph.start(lambda **node_arguments: StandInNode(scenes_of(read_bag(BAG)), **node_arguments))
+
+
+def test_a_second_learner_asks_what_it_would_have_asked_in_the_recorded_world(graph: Any) -> None:
+    """It would miss scenes, or the teacher would answer about other things."""
+    states = graph.listen('learner_state', profile=qos.RECORDED_LATCHED)
+    world = {'task': 'prepare_lunch', 'seed': 0}
+    stand_in(graph)
+    graph.start(TeacherNode, **world)
+    graph.start(LearnerNode, **world, strategy='farthest_fsq', budget=12.0, turns=20)
+    graph.wait_for(lambda: states and states[-1]['done'], 'the end of the second episode')
+    task = load_task('prepare_lunch')
+    settings = episode_settings(task, 'farthest_fsq', 12.0, 20)
+    teacher = ScriptedTeacher(task.symbols, task.relevant_groups, 0)
+    offline = run_episode(WorldChoice(task, 0, 0), settings, teacher)
+    assert states[-1]['queries'] == [documents.record_members(record) for record in offline.queries]
+    assert states[-1]['spent'] > 0
+
+
+def test_two_perceptions_are_one_too_many(graph: Any) -> None:
+    """A learner would see the recorded scene in one turn and another one in the next."""
+    node = stand_in(graph)
+    graph.start(PerceptionNode, **graph.world)
+    graph.start(LearnerNode, **graph.episode)
+    graph.wait_for(lambda: node.over, 'the end of the replay')
+    assert f'/{graph.namespace}/perception shows objects, too' in str(node.failure)
+
+
+def test_other_turns_than_the_recorded_ones_are_refused_with_their_number(graph: Any) -> None:
+    """A learner with more turns than the bag would wait without a word."""
+    node = stand_in(graph)
+    clouds = graph.listen('objects', PointCloud2)
+    turns = node.create_publisher(String, 'turn', qos.LATCHED)
+    members = {'stamp': {'sec': 2_000_000_000, 'nanosec': 7}, 'world': None}
+    turns.publish(String(data=documents.write('turn', 'e', {'turn': 31, **members})))
+    graph.wait_for(lambda: node.counts().get('refused on turn') == 1, 'a refusal')
+    assert not clouds
+    turns.publish(String(data=documents.write('turn', 'e', {'turn': 30, **members})))
+    graph.wait_for(lambda: clouds, 'the last recorded scene')
+    recorded = _recorded('objects')[-1]
+    assert bytes(clouds[0].data) == deserialize(recorded).data.tobytes()
+    assert clouds[0].header.frame_id == deserialize(recorded).header.frame_id
+    assert _stamp(clouds[0]) == 2_000_000_000 * 10**9 + 7
+
+
+def test_a_learner_of_another_world_is_warned_of_and_shown_the_scenes(graph: Any) -> None:
+    """The scripted teacher would answer about things that are not there, and nobody would know why."""
+    warnings = graph.listen('/rosout', Log, 100)
+    node = stand_in(graph)
+    clouds = graph.listen('objects', PointCloud2)
+    turns = node.create_publisher(String, 'turn', qos.LATCHED)
+    world = {'task': 'prepare_lunch', 'seed': 9, 'sample': 0, 'dataset': None}
+    for turn in (1, 2):
+        stamp = {'sec': turn, 'nanosec': 0}
+        turns.publish(String(data=documents.write('turn', 'e', {'turn': turn, 'stamp': stamp, 'world': world})))
+        graph.wait_for(lambda n=turn: node.turn == n, f'turn {turn}')
+    graph.wait_for(lambda: clouds and clouds[-1].header.stamp.sec == 2, 'the second scene')
+
+    def about_worlds() -> list[str]:
+        return [w.msg for w in warnings if 'seed 9, recorded 0' in w.msg and graph.namespace in w.name]
+
+    graph.wait_for(about_worlds, 'a warning')
+    assert len(about_worlds()) == 1
+
+
+def _recorded(name: str) -> list[BagMessage]:
+    return [message for message in read_bag(BAG).messages if message.topic.endswith(f'/{name}')]
+
+
+def _stamp(cloud: Any) -> int:
+    return _nanoseconds(cloud.header.stamp)
+
+
+def _nanoseconds(stamp: Any) -> int:
+    return int(stamp.sec) * 10**9 + int(stamp.nanosec)
