@@ -20,6 +20,21 @@ def make_folder(path: Path) -> None:
         raise InputError(f'{path} cannot be made a folder ({error.strerror})') from error
 
 
+def check_writable(path: Path) -> None:
+    """See whether a file could be written, without leaving one or touching what is there.
+
+    Raises:
+        InputError: it could not.
+    """
+    existed, folders = path.exists(), [folder for folder in path.parents if not folder.exists()]
+    make_folder(path.parent)
+    write_text(path, '', mode='a')
+    if not existed:
+        path.unlink()
+    for folder in folders:
+        folder.rmdir()
+
+
 def write_text(path: Path, text: str, mode: str = 'w') -> None:
     """Write a file, or, with mode `a`, see whether one could.
 

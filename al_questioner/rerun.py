@@ -49,8 +49,9 @@ def first_divergence(session: Session) -> Divergence | None:
             ('utilities', decision.utilities, theirs.utilities),
         ):
             if not np.array_equal(ours, other, equal_nan=True):
-                largest = np.nanmax(np.abs(ours - other))
-                return Divergence(recorded.turn, f'the {name} differ by up to {largest:.3g}')
+                if not np.array_equal(np.isnan(ours), np.isnan(other)):
+                    return Divergence(recorded.turn, f'the {name} of other candidates are missing')
+                return Divergence(recorded.turn, f'the {name} differ by up to {np.nanmax(np.abs(ours - other)):.3g}')
         if decision.query is not None and recorded.record is None:
             return Divergence(recorded.turn, 'a question is asked whose answer was not recorded')
         if decision.query is not None and recorded.record is not None:

@@ -5,6 +5,7 @@ from __future__ import annotations
 import dataclasses
 from collections.abc import Sequence
 from dataclasses import dataclass
+from itertools import islice
 
 import numpy as np
 from scipy.special import log_softmax
@@ -65,7 +66,7 @@ class Imitation:
 
 
 def imitate(weights: Array, demonstration: Demonstration, world: PerceivedWorld) -> Imitation:
-    """Play the demonstration's episode with dt_task_env and these weights (7,).
+    """Play the demonstration's episode, as far as it goes, with dt_task_env and these weights (7,).
 
     Args:
         weights: w.
@@ -77,9 +78,9 @@ def imitate(weights: Array, demonstration: Demonstration, world: PerceivedWorld)
         raise ValueError(f'{demonstration.name} has no simulated world')
     named = dict(zip(DECISION_FEATURES, map(float, weights), strict=True))
     settings = dataclasses.replace(demonstration.settings, strategy='dt_task_env', weights=named)
-    episode = Episode(settings, generator(choice.seed, 'learner'))
+    episode = Episode(settings, generator(choice.seed, 'learner'), demonstration.view_tolerance)
     teacher = ScriptedTeacher(choice.task.symbols, choice.task.relevant_groups, choice.seed)
-    played = [decision for decision, _ in turns(episode, world, teacher)]
+    played = [decision for decision, _ in islice(turns(episode, world, teacher), len(demonstration.steps))]
     counts = np.mean([decision.features[decision.chosen] for decision in played], axis=0)
     return Imitation(np.asarray(counts), episode.records)
 

@@ -46,6 +46,7 @@ def demonstration_of(session: Session, name: str) -> Demonstration:
         feature_names=session.feature_names,
         queries=tuple(turn.record for turn in session.turns if turn.record is not None),
         change_turns=session.change_turns,
+        view_tolerance=session.view_tolerance,
     )
 
 

@@ -13,8 +13,8 @@ from rich.console import Console
 from rich.table import Table
 
 from al_questioner.arguments import LARGEST_SEED, Parser, number
-from al_questioner.domain import QueryRecord
-from al_questioner.files import make_folder, write_text
+from al_questioner.domain import InputError, QueryRecord
+from al_questioner.files import check_writable, make_folder, write_text
 from al_questioner.imitation.assessment import imitate, predict_queries
 from al_questioner.imitation.bags import read_demonstrations
 from al_questioner.imitation.choice_likelihood import RIDGE
@@ -45,12 +45,11 @@ def parser() -> Parser:
         help='maxent: match the feature counts in rollouts, for simulated worlds (default);'
         ' choice: likelihood of the choices, without a simulator',
     )
-    count = number(int, 1, MOST)
     result.add_argument('--seed', type=number(int, 0, LARGEST_SEED), default=0, help='of the rollouts (%(default)s)')
     iterations_help = 'of maxent, at most (%(default)s)'
-    result.add_argument('--iterations', type=count, default=defaults.iterations, help=iterations_help)
+    result.add_argument('--iterations', type=number(int, 2, MOST), default=defaults.iterations, help=iterations_help)
     rollouts_help = 'of each demonstration at each iteration of maxent (%(default)s)'
-    result.add_argument('--rollouts', type=count, default=defaults.rollouts, help=rollouts_help)
+    result.add_argument('--rollouts', type=number(int, 2, MOST), default=defaults.rollouts, help=rollouts_help)
     validation_help = 'number of demonstrations, the last ones, that choose among the iterations (%(default)s)'
     result.add_argument('--validation', type=number(int, 0, MOST), default=1, help=validation_help)
     ridge_help = 'strength of the prior of choice (%(default)s)'
@@ -66,10 +65,13 @@ def main(arguments: Sequence[str]) -> int:
     given = parser().parse_args(arguments)
     console = Console()
     picture = given.picture or given.out.with_suffix('.png')
+    if picture.resolve() == given.out.resolve():
+        raise InputError(f'{picture} cannot be the weights and the picture: name one of them otherwise')
     for path in (given.out, picture):
-        make_folder(path.parent)
-        write_text(path, '', mode='a')
+        check_writable(path)
     paths = _without_other_files(given.bags, console)
+    if len({path.resolve() for path in paths}) < len(paths):
+        raise InputError('a bag is named twice')
     demonstrations = read_demonstrations(paths)
     console.print(f'{len(demonstrations)} demonstrations, {sum(len(d.steps) for d in demonstrations)} turns')
     matching = MatchingSettings(given.iterations, given.rollouts, seed=given.seed, jobs=given.jobs)
@@ -90,7 +92,11 @@ def main(arguments: Sequence[str]) -> int:
 
         training = train(demonstrations, settings, watch)
     bags = [{'name': path.name, 'sha256': digest(path)} for path in paths]
-    write_text(given.out, yaml.safe_dump(weights_document(training, bags), sort_keys=False, width=100))
+    for path in (given.out, picture):
+        make_folder(path.parent)
+    write_text(
+        given.out, yaml.safe_dump(weights_document(training, len(demonstrations), bags), sort_keys=False, width=100)
+    )
     draw_training(training, demonstrations, _learner(training, demonstrations), picture)
     console.print(_table(training))
     console.print(_summary(training), highlight=False)

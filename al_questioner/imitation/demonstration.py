@@ -9,6 +9,7 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import NDArray
 
+from al_questioner.concepts import VIEW_TOLERANCE
 from al_questioner.domain import Action, Decision, EpisodeSettings, InputError, QueryKind, QueryRecord, generator
 from al_questioner.questioning import Episode
 from al_questioner.simulation import PerceivedWorld, WorldChoice, turns
@@ -57,6 +58,7 @@ class Demonstration:
         feature_names: of the objects.
         queries: what was asked, and what came of it.
         change_turns: turns that began with a scene change.
+        view_tolerance: of the learner, see `concepts.Knowledge`.
     """
 
     name: str
@@ -66,6 +68,7 @@ class Demonstration:
     feature_names: tuple[str, ...] = ()
     queries: tuple[QueryRecord, ...] = ()
     change_turns: tuple[int, ...] = ()
+    view_tolerance: float = VIEW_TOLERANCE
 
     @property
     def task_name(self) -> str:

@@ -22,8 +22,9 @@ DAMPING = 0.3
 """Added to the squared singular values of the Jacobian: where the rollouts tell little, steps are short."""
 
 STEP = 0.5
-"""Share of the damped Gauss-Newton step that is taken, at most `LONGEST_STEP` in units of the features' scale."""
+"""Share of the damped Gauss-Newton step that is taken."""
 LONGEST_STEP = 1.0
+"""Length, in units of the features' scale, to which the step is cut before the share of it is taken."""
 
 MEMORY = 0.9
 """Weight of the earlier iterations in the running mean of the Jacobian."""
@@ -41,7 +42,7 @@ class MatchingSettings:
 
     Attributes:
         iterations: at most.
-        rollouts: of each demonstration at each iteration.
+        rollouts: of each demonstration at each iteration, 2 or more: a single one tells nothing of its neighbours.
         patience: iterations without a new smallest gap, training or validation, mean of the window, until it stops.
         seed: of the rollouts.
         jobs: number of processes.
@@ -77,15 +78,13 @@ class Matching:
         weights: (7,) mean over the window of iterations whose validation gap is smallest.
         iterations: all that were made.
         kept: index of the last iteration of that window.
+        gap: (7,) over the training demonstrations, of new rollouts with the weights.
     """
 
     weights: Array
     iterations: tuple[Iteration, ...]
     kept: int
-
-    def mean_gap_of_kept(self) -> Array:
-        """(7,) mean training gap over the window."""
-        return np.asarray(np.mean([iteration.gap for iteration in window_of(self.iterations, self.kept)], axis=0))
+    gap: Array
 
 
 def match_features(
@@ -112,7 +111,6 @@ def match_features(
     jacobian = None
     iterations: list[Iteration] = []
     smallest, fell_at = np.array([np.inf, np.inf]), 0
-    kept = 0
     with Simulator([*training, *validation], settings.jobs) as simulator:
         while len(iterations) < settings.iterations and len(iterations) - fell_at <= settings.patience:
             weights = np.divide(scaled, scale, out=np.zeros_like(scaled), where=varies)
@@ -127,16 +125,21 @@ def match_features(
                 smoothed = mean_gaps(iterations, len(iterations) - 1)
                 if (smoothed < smallest).any():
                     fell_at = len(iterations)
-                if smoothed[1] < smallest[1]:
-                    kept = len(iterations) - 1
                 smallest = np.minimum(smallest, smoothed)
             estimate = jacobian_of_counts(rollouts, scale)
             jacobian = estimate if jacobian is None else MEMORY * jacobian + (1 - MEMORY) * estimate
             scaled = scaled + gauss_newton_step(jacobian, gap, varies)
             scaled -= free.null_space.T @ (free.null_space @ scaled)
-    kept = kept or len(iterations) - 1
-    weights = np.mean([iteration.weights for iteration in window_of(iterations, kept)], axis=0)
-    return Matching(np.asarray(weights), tuple(iterations), kept)
+        kept = best_window(iterations)
+        mean = np.asarray(np.mean([iteration.weights for iteration in window_of(iterations, kept)], axis=0))
+        rollouts = simulator.roll_out(mean, settings.rollouts * FIRST_ROLLOUTS, f'{settings.seed}/kept')
+        return Matching(mean, tuple(iterations), kept, _gap(training, rollouts[: len(training)], scale))
+
+
+def best_window(iterations: Sequence[Iteration]) -> int:
+    """Index of the last iteration of the window with the smallest mean validation gap; the last one if none is full."""
+    ends = range(WINDOW - 1, len(iterations))
+    return min(ends, key=lambda last: mean_gaps(iterations, last)[1], default=len(iterations) - 1)
 
 
 def window_of(iterations: Sequence[Iteration], last: int) -> Sequence[Iteration]:
@@ -162,7 +165,7 @@ def jacobian_of_counts(rollouts: Sequence[Sequence[Rollout]], scale: Array) -> A
         features = np.array([rollout.features for rollout in of_world])
         scores = np.cumsum([rollout.scores for rollout in of_world], axis=1)
         deviations = features - features.mean(axis=0)
-        total += np.einsum('rtf,rtg->fg', deviations, scores) / (max(1, len(of_world) - 1) * features.shape[1])
+        total += np.einsum('rtf,rtg->fg', deviations, scores) / ((len(of_world) - 1) * features.shape[1])
     unit = np.divide(1.0, scale, out=np.zeros_like(scale), where=scale > 0)
     return total / len(rollouts) * unit[:, None] * unit
 

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from concurrent.futures import ProcessPoolExecutor
 from dataclasses import dataclass
+from itertools import islice
 from multiprocessing import get_context
 
 import numpy as np
@@ -124,15 +125,18 @@ class _Stage:
             )
         self._seed, task = choice.seed, choice.task
         self._teacher = ScriptedTeacher(task.symbols, task.relevant_groups, choice.seed)
-        self._settings = demonstration.settings
+        self._settings, self._tolerance = demonstration.settings, demonstration.view_tolerance
+        # Of a demonstration that was cut off, a rollout is to be compared with what there is.
+        self._turns = len(demonstration.steps)
         self._world = PerceivedWorld(choice.open())
-        for turn in (1, *self._world.change_turns(self._settings.turns)):
+        for turn in (1, *self._world.change_turns(self._turns)):
             self._world.scene(turn)
 
     def play(self, weights: Array, stream: str) -> Rollout:
         questioner = SoftmaxQuestioner(weights)
-        episode = Episode(self._settings, generator(self._seed, f'rollout/{stream}'), strategy=questioner)
-        for _ in turns(episode, self._world, self._teacher):
+        rng = generator(self._seed, f'rollout/{stream}')
+        episode = Episode(self._settings, rng, self._tolerance, questioner)
+        for _ in islice(turns(episode, self._world, self._teacher), self._turns):
             pass
         return Rollout(np.array(questioner.features), np.array(questioner.scores))
 

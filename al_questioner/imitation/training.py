@@ -43,12 +43,15 @@ class Training:
 
     Attributes:
         weights: (7,), absolute values adding up to 1.
-        scale: what they are to be multiplied by to be those of the softmax policy.
+        scale: what they are to be multiplied by to be those of the softmax policy that was trained.
         settings: how they were learnt.
         free: what the demonstrations tell nothing about.
-        agreement: with the demonstrations, validation ones included.
+        validation: number of demonstrations that were held out.
+        agreement: with the demonstrations, validation ones included; its log-likelihood is of the softmax whose scale
+            suits them best.
         gap_before, gap_after: (7,) expert's minus learner's feature counts in units of the features' scale: of
-            rollouts (maxent) or expected at each of the expert's steps (choice); before training all weights are 0.
+            rollouts of the softmax policy over the training demonstrations (maxent), or expected at each of the
+            expert's steps (choice); before training all weights are 0.
         matching: the iterations of maxent.
     """
 
@@ -56,6 +59,7 @@ class Training:
     scale: float
     settings: TrainingSettings
     free: Identifiability
+    validation: int
     agreement: Agreement
     gap_before: Array
     gap_after: Array
@@ -79,13 +83,13 @@ def train(
     """
     check_alike(demonstrations)
     free, scale = identify(demonstrations), feature_scale(demonstrations)
-    matching = None
+    matching, held_out = None, 0
     if settings.method == 'maxent':
         held_out = min(settings.validation, len(demonstrations) - 1)
         split = len(demonstrations) - held_out
         matching = match_features(demonstrations[:split], demonstrations[split:], settings.matching, watch)
         found = matching.weights
-        gap_before, gap_after = matching.iterations[0].gap, matching.mean_gap_of_kept()
+        gap_before, gap_after = matching.iterations[0].gap, matching.gap
     else:
         found = fit_choices(demonstrations, ridge=settings.ridge)
         gap_before, gap_after = (expected_gap(w, demonstrations, scale) for w in (np.zeros(len(scale)), found))
@@ -93,13 +97,14 @@ def train(
     total = float(np.abs(found).sum())
     if total == 0:
         raise InputError('the demonstrations tell nothing about any weight')
-    found_scale = total if settings.method == 'choice' else fit_temperature(found / total, [*all_steps(demonstrations)])
+    suiting = fit_temperature(found / total, list(all_steps(demonstrations)))
     return Training(
         found / total,
-        found_scale,
+        total,
         settings,
         free,
-        agreement(found / total * found_scale, demonstrations),
+        held_out,
+        agreement(found / total * suiting, demonstrations),
         gap_before,
         gap_after,
         matching,
@@ -146,22 +151,22 @@ def check_alike(demonstrations: Sequence[Demonstration]) -> None:
             )
 
 
-def weights_document(training: Training, bags: Sequence[Mapping[str, str]]) -> dict[str, Any]:
+def weights_document(training: Training, count: int, bags: Sequence[Mapping[str, str]]) -> dict[str, Any]:
     """What `train_weights` writes: the weights, and where they come from.
 
     Args:
         training: the weights.
+        count: number of demonstrations.
         bags: `name` and `sha256` of each bag.
     """
     settings, matching = training.settings, training.matching
-    count = len(bags)
     source = f'{count} recorded demonstration{"s" if count != 1 else ""} of an expert'
     method = 'maximum entropy inverse reinforcement learning' if matching else "likelihood of the expert's choices"
     details: dict[str, Any] = {'method': settings.method, 'version': __version__, 'bags': [dict(bag) for bag in bags]}
     if matching:
         details['settings'] = {
             **{k: v for k, v in dataclasses.asdict(settings.matching).items() if k != 'jobs'},
-            'validation': settings.validation,
+            'validation': training.validation,
         }
         details['iterations'] = len(matching.iterations)
         details['kept_iteration'] = matching.kept + 1

@@ -93,7 +93,7 @@ def read_bag(path: Path) -> Bag:
                 for connection, stamp, data in reader.messages()
             )
     except Exception as error:
-        raise BagError(f'{path}: cannot be read ({_one_line(error)}); try record --repair {path}') from error
+        raise BagError(f'{path}: cannot be read ({_one_line(error)}){_hint(path)}') from error
     found = Counter(message.topic for message in messages)
     short = [f'{found[name]} of {count} on {name}' for name, count in expected.items() if found[name] != count]
     if short:
@@ -122,9 +122,16 @@ def storage_files(path: Path) -> Iterator[Path]:
 
 
 def digest(path: Path) -> str:
-    """SHA-256 of all files of a bag that hold messages, in order, as hexadecimal digits."""
+    """SHA-256 of all files of a bag that hold messages, in order, as hexadecimal digits.
+
+    Raises:
+        BagError: there is no such file.
+    """
     total = hashlib.sha256()
-    for file in [path] if path.is_file() else storage_files(path):
+    files = [path] if path.is_file() else sorted(file for file in path.iterdir() if _holds_messages(file))
+    if not files:
+        raise BagError(f'{path}: holds no file with messages')
+    for file in files:
         total.update(file.read_bytes())
     return total.hexdigest()
 
@@ -146,6 +153,15 @@ def _check_there(path: Path) -> None:
         raise BagError(f'{path}: is no bag (no metadata.yaml and no file with messages in it)')
     if path.is_file() and path.suffix not in STORAGE_SUFFIXES.values():
         raise BagError(f'{path}: is no bag (a directory with metadata.yaml, or a .mcap or .db3 file)')
+
+
+def _holds_messages(file: Path) -> bool:
+    """Whether it is one of the files of a bag, compressed or not."""
+    return file.suffix != '.broken' and bool({*file.suffixes} & {*STORAGE_SUFFIXES.values()})
+
+
+def _hint(path: Path) -> str:
+    return f'; try record --repair {path}' if path.is_dir() else ''
 
 
 def _is_latched(extension: object) -> bool:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections import defaultdict
 from collections.abc import Mapping
 from dataclasses import dataclass, field
@@ -147,9 +148,12 @@ class _Recorded:
 def _sessions(bag: Bag, recorded: _Recorded) -> list[Session]:
     try:
         states = recorded.last_states()
+        # Latched topics tell a recorder of an episode that was over before it began: it is left out.
+        begun = [episode_id for episode_id in recorded.episodes if 1 in recorded.stamps[episode_id]]
         return [
             _session(bag.path, recorded, document, states.get(episode_id))
             for episode_id, document in recorded.episodes.items()
+            if not begun or episode_id in begun
         ]
     except BagError:
         raise
@@ -199,8 +203,9 @@ def _turn(
     stamp = recorded.stamps[episode_id].get(turn)
     if stamp is None:
         raise BagError(f'{path}: turn {turn} of {settings.turns} was not recorded: did the recording begin too late?')
-    # The learner takes the first cloud that is not older than the turn.
-    cloud = next((message for at, message in recorded.clouds if at >= stamp), None)
+    # The learner takes the first cloud that is not older than the turn; one of the next turn came too late.
+    end = recorded.stamps[episode_id].get(turn + 1, math.inf)
+    cloud = next((message for at, message in recorded.clouds if stamp <= at < end), None)
     decision = recorded.decisions.get(stamp)
     if cloud is None or decision is None:
         missing = 'objects' if cloud is None else 'decision'

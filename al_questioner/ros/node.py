@@ -114,7 +114,9 @@ class QuestionerNode(Node):
 
         def wait() -> None:
             self.does('waiting for a recorder', expected_within=SECONDS_FOR_RECORDER)
-            while self.context.ok() and not all(self._is_recorded(topic) for topic in topics):
+            while (
+                self.context.ok() and not self._worker.stopped and not all(self._is_recorded(topic) for topic in topics)
+            ):
                 time.sleep(0.05)
             self.does('a recorder listens')
 

@@ -54,6 +54,7 @@ class RecorderNode(QuestionerNode):
         self.until_done = bool(given['until_done'])
         self._last_turns: dict[str, int] = {}
         self._missed = 0
+        self._seen_alive: set[str] = set()
         names = {name: self.resolve_topic_name(name) for name in TYPES}
         topics = [Topic(names[name], type_, name not in EVENTS) for name, type_ in TYPES.items()]
         path = Path(str(given['bag'])).expanduser() if given['bag'] else Path(_default_name())
@@ -122,7 +123,11 @@ class RecorderNode(QuestionerNode):
                     ' the recording cannot be used as a demonstration'
                 )
             self._last_turns[episode_id] = turn
-        if name == 'learner_state' and document['done'] and self.until_done:
+        if document.get('turn') == 1 or not document.get('done', True):
+            self._seen_alive.add(document['episode_id'])
+        # The latched state of a learner that was done before the recording began is no end of it.
+        is_end = name == 'learner_state' and document['done'] and document['episode_id'] in self._seen_alive
+        if is_end and self.until_done:
             self.after(DRAIN, self._finish)
 
     def _finish(self) -> None:

@@ -27,6 +27,11 @@ class Worker:
         if not self._stopped.is_set():
             self._jobs.put(job)
 
+    @property
+    def stopped(self) -> bool:
+        """Whether no job will be done any more."""
+        return self._stopped.is_set()
+
     def stop(self, timeout: float = 2.0) -> None:
         """Drop the jobs that wait and let the running one finish, for at most `timeout` seconds."""
         self._stopped.set()

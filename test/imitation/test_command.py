@@ -15,6 +15,9 @@ from al_questioner.domain import DECISION_FEATURES
 from al_questioner.imitation.bags import read_demonstrations
 from al_questioner.recording import read_sessions
 from al_questioner.rerun import first_divergence
+from al_questioner.simulation import WorldChoice, episode_settings, run_episode
+from al_questioner.teaching import ScriptedTeacher
+from al_questioner.world import load_task
 
 ROOT = Path(__file__).resolve().parents[2]
 BAGS = [str(ROOT / 'bags' / f'expert_{number}') for number in range(3)]
@@ -65,7 +68,7 @@ def test_choices_train_quickly_and_the_same_twice(tmp_path: Path, capsys: pytest
 
 def test_rollouts_train_the_same_twice(tmp_path: Path) -> None:
     """A seed that does not determine the result is no seed."""
-    short = ['--iterations', 2, '--rollouts', 1]
+    short = ['--iterations', 2, '--rollouts', 2]
     for name, jobs in (('a', 1), ('b', 2)):
         assert run(BAGS[0], *short, '--jobs', jobs, '--out', tmp_path / f'{name}.yaml') == 0
     assert (tmp_path / 'a.yaml').read_text() == (tmp_path / 'b.yaml').read_text()
@@ -106,7 +109,8 @@ def test_broken_bags_end_with_status_2_and_one_line(tmp_path: Path, capsys, dama
     error = capsys.readouterr().err
     assert re.search(reason, error)
     assert error.count('\n') == 1
-    assert not out.exists() or out.read_text() == ''
+    assert not out.exists()
+    assert not out.with_suffix('.png').exists()
     assert main(['record', '--repair', str(bag)]) == 0
     assert run(bag, '--method', 'choice', '--out', out) == 0
 
@@ -120,7 +124,10 @@ def test_unusable_arguments_end_with_status_2_and_one_line(tmp_path: Path, capsy
         ([empty, '--out', out], 'is no bag'),
         ([tmp_path / 'missing', '--out', out], 'there is no such bag'),
         ([BAGS[0], '--out', out, '--method', 'magic'], 'invalid choice'),
-        ([BAGS[0], '--out', out, '--rollouts', '0'], 'must be at least 1'),
+        ([BAGS[0], '--out', out, '--rollouts', '1'], 'must be at least 2'),
+        ([BAGS[0], '--out', out, '--iterations', '1'], 'must be at least 2'),
+        ([BAGS[0], BAGS[0], '--out', out], 'a bag is named twice'),
+        ([BAGS[0], '--out', tmp_path / 'w.png'], 'cannot be the weights and the picture'),
         ([BAGS[0], '--out', out, '--ridge', 'nan'], 'must be at least 0'),
         (['--out', out], 'required: BAG'),
         ([BAGS[0]], 'required: --out'),
@@ -137,3 +144,18 @@ def test_earlier_weights_survive_a_failed_training(tmp_path: Path) -> None:
     out.write_text('weights: {discriminability: 1.0}')
     assert run(tmp_path, '--out', out) == 2
     assert out.read_text() == 'weights: {discriminability: 1.0}'
+
+
+@pytest.mark.parametrize(
+    ('budget', 'turns', 'least', 'latest'),
+    [(15, 30, 11, 26), (25, 40, 18, 36), pytest.param(500, 150, 100, 150, marks=pytest.mark.slow)],
+)
+def test_the_shipped_weights_ask_as_the_documentation_says(budget: int, turns: int, least: int, latest: int) -> None:
+    """The default questioner would spend its budget at once, or be silent where it may ask as much as it likes."""
+    task = load_task('prepare_lunch')
+    settings = episode_settings(task, 'dt_task_env', budget, turns)
+    teacher = ScriptedTeacher(task.symbols, task.relevant_groups, 1)
+    result = run_episode(WorldChoice(task, 1, 1), settings, teacher)
+    assert len(result.queries) >= least
+    assert result.spent <= budget
+    assert max(query.turn for query in result.queries) >= latest

@@ -8,7 +8,9 @@ from scipy.special import softmax
 
 from al_questioner.domain import InputError
 from al_questioner.imitation.feature_matching import (
+    Iteration,
     MatchingSettings,
+    best_window,
     gauss_newton_step,
     jacobian_of_counts,
     match_features,
@@ -92,7 +94,7 @@ def test_the_score_sums_to_zero_on_average(experts):
 
 def test_the_same_seed_finds_the_same_in_any_number_of_processes(experts):
     """Training would be a lottery."""
-    short = dataclasses.replace(FEW, iterations=2, rollouts=1)
+    short = dataclasses.replace(FEW, iterations=2, rollouts=2)
     one, other = (match_features(experts, [], dataclasses.replace(short, jobs=jobs)) for jobs in (1, 2))
     np.testing.assert_array_equal(one.weights, other.weights)
 
@@ -112,3 +114,43 @@ def test_without_a_world_there_is_nothing_to_roll_out_in(made):
     """The user of a real robot must be told what to use instead."""
     with pytest.raises(InputError, match='use --method choice'):
         match_features([made.synthetic(np.ones(7), 0, 5)], [], FEW)
+
+
+def test_the_window_with_the_smallest_validation_gap_is_kept():
+    """The last iterations, or those that fit the training demonstrations best, would be taken for the best ones."""
+
+    def iterations(gaps, validation_gaps):
+        ones = np.eye(7)[0]
+        return [Iteration(np.zeros(7), g * ones, v * ones) for g, v in zip(gaps, validation_gaps, strict=True)]
+
+    falling, late_best = np.linspace(5, 1, 30), np.abs(np.arange(30) - 14.5)
+    assert best_window(iterations(falling, late_best)) == 19
+    assert best_window(iterations(falling, falling)) == 29
+    assert best_window(iterations(falling[:4], falling[:4])) == 3
+
+
+def test_a_demonstration_that_was_cut_off_is_compared_with_as_many_turns(experts):
+    """Ten recorded turns would be held against the thirty of a whole rollout."""
+    cut = dataclasses.replace(experts[0], steps=experts[0].steps[:4])
+    with Simulator([cut]) as simulator:
+        ((rollout,),) = simulator.roll_out(np.zeros(7), 1, 'z')
+    assert rollout.features.shape == rollout.scores.shape == (4, 7)
+
+
+def test_settled_questions_are_not_drawn():
+    """The policy would ask the feature subset query again and again, as no learner does."""
+    from al_questioner.domain import QueryKind
+    from al_questioner.imitation.rollouts import SoftmaxQuestioner
+    from al_questioner.questioning import Episode
+    from al_questioner.simulation import PerceivedWorld, WorldChoice, episode_settings, turns
+    from al_questioner.teaching import ScriptedTeacher
+    from al_questioner.world import load_task
+
+    task = load_task('prepare_lunch')
+    choice = WorldChoice(task, 0, 0)
+    settings = episode_settings(task, 'dt_task_env', 20, 8)
+    likes_spending = SoftmaxQuestioner(np.array([0, 0, 0, 0, 200.0, 0, 0]))
+    episode = Episode(settings, np.random.default_rng(0), strategy=likes_spending)
+    teacher = ScriptedTeacher(task.symbols, task.relevant_groups, 0)
+    asked = [record.kind for _, record in turns(episode, PerceivedWorld(choice.open()), teacher) if record]
+    assert asked.count(QueryKind.FEATURE_SUBSET) <= 1

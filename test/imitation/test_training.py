@@ -21,7 +21,7 @@ def test_what_is_written_can_be_read_and_tells_where_it_comes_from(experts, tmp_
     """The learner could not take the weights, or nobody could tell what they are."""
     training = train(experts, TrainingSettings(method, matching=QUICK))
     path = tmp_path / 'w.yaml'
-    path.write_text(yaml.safe_dump(weights_document(training, BAGS), sort_keys=False))
+    path.write_text(yaml.safe_dump(weights_document(training, 2, BAGS), sort_keys=False))
     read = read_weights(path)
     assert list(read.values) == list(DECISION_FEATURES)
     assert sum(map(abs, read.values.values())) == pytest.approx(1, abs=1e-5)
@@ -29,6 +29,9 @@ def test_what_is_written_can_be_read_and_tells_where_it_comes_from(experts, tmp_
     details = yaml.safe_load(path.read_text())['training']
     assert details['method'] == method
     assert details['bags'] == BAGS
+    assert details['settings'].get('validation', 1) == 1
+    assert details['softmax_scale'] == pytest.approx(training.scale, rel=1e-5) != 1.0
+    assert details['gap_after'] != details['gap_before']
     assert details['unidentified'] == ['remaining_time']
     assert set(details['gap_before']) == set(details['gap_after']) == set(DECISION_FEATURES)
     assert draw_training(training, experts, [d.queries for d in experts], tmp_path / 'w.png').stat().st_size > 10_000

@@ -3,12 +3,13 @@
 from __future__ import annotations
 
 import dataclasses
+from pathlib import Path
 
 import numpy as np
 import pytest
 
 from al_questioner.imitation.bags import read_demonstrations
-from al_questioner.recording import BagError, read_sessions, repair
+from al_questioner.recording import BagError, BagWriter, read_bag, read_sessions, repair
 from al_questioner.rerun import first_divergence
 
 
@@ -68,6 +69,7 @@ def test_an_unfinished_recording_counts_as_far_as_it_goes(bags, tmp_path):
         ([('turn', 3)], 'turn 3 of 8 was not recorded'),
         ([('decision', 4)], 'turn 4 of 8 was recorded without its decision'),
         ([('objects', 8)], 'turn 8 of 8 was recorded without its objects'),
+        ([('objects', 4)], 'turn 4 of 8 was recorded without its objects'),
         ([('episode', 1)], 'no episode was recorded'),
         ([('learner_state', turn) for turn in range(1, 9)], 'ended before the first turn'),
     ],
@@ -117,3 +119,24 @@ def test_decisions_without_features_cannot_be_learnt_from(bags, tmp_path):
     bags.write_episode(tmp_path / 'b', strategy='random_fsq')
     with pytest.raises(BagError, match='strategy random_fsq: turn 1: the decision carries no decision features'):
         read_demonstrations([tmp_path / 'b'])
+
+
+def test_what_latched_topics_tell_of_an_earlier_episode_is_left_out(tmp_path):
+    """A learner that is done and still up would make the bag of the next episode unreadable."""
+    shipped = Path(__file__).resolve().parents[2] / 'bags'
+    old, new = (read_bag(shipped / name) for name in ('expert_0', 'expert_1'))
+    topics = [dataclasses.replace(topic, name=f'/r/{last_part(topic.name)}') for topic in new.topics]
+    left_over = [
+        next(m for m in reversed(old.messages) if last_part(m.topic) == name)
+        for name in ('turn', 'episode', 'learner_state')
+    ]
+    with BagWriter(tmp_path / 'b', topics) as bag:
+        for message in (*left_over, *new.messages):
+            bag.write(f'/r/{last_part(message.topic)}', message.data, message.stamp)
+    (session,) = read_sessions(tmp_path / 'b')
+    assert session.seed == 1
+    assert len(session.turns) == 30
+
+
+def last_part(topic):
+    return topic.rsplit('/', 1)[-1]
