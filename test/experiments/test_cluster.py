@@ -26,6 +26,7 @@ def test_a_cluster_of_two_workers_gives_the_same_tables(tmp_path: Path) -> None:
         assert (tmp_path / 'dask' / name).read_text() == (tmp_path / 'local' / name).read_text()
 
 
+@pytest.mark.slow
 def test_a_cluster_that_is_not_there_is_named(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     """A mistyped address would wait for ever, or end in a traceback."""
     pytest.importorskip('dask.distributed', reason='dask is not installed: pip install .[cluster]')

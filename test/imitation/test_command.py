@@ -66,6 +66,7 @@ def test_choices_train_quickly_and_the_same_twice(tmp_path: Path, capsys: pytest
     assert 'not identified: remaining_time' in output
 
 
+@pytest.mark.slow
 def test_rollouts_train_the_same_twice(tmp_path: Path) -> None:
     """A seed that does not determine the result is no seed."""
     short = ['--iterations', 2, '--rollouts', 2]

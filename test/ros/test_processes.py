@@ -71,6 +71,7 @@ def test_three_processes_play_the_offline_episode(tmp_path: Path) -> None:
     }
 
 
+@pytest.mark.slow
 def test_one_process_plays_the_offline_episode(tmp_path: Path) -> None:
     """Nodes composed into one process would behave otherwise."""
     one = play(tmp_path, 'one', *SMALL, '--strategy', 'random_fsq', '--one-process', '--namespace', '/a/robot_1/')
@@ -245,6 +246,7 @@ def test_a_killed_recorder_loses_no_more_than_its_last_second(processes: Process
     assert run('train_weights', str(bag), '--method', 'choice', '--out', str(out)).returncode == 0
 
 
+@pytest.mark.slow
 def test_a_demo_overwrites_no_recording(tmp_path: Path) -> None:
     """A demonstration cannot be given twice."""
     done = run('demo', *SMALL, '--out', str(tmp_path / 'out'), '--record', str(tmp_path))
