@@ -7,9 +7,9 @@ from collections.abc import Sequence
 from typing import NamedTuple
 
 from al_questioner.domain import InputError
+from al_questioner.messages.stamps import SECOND
 from al_questioner.recording.bags import BagMessage
 
-SECOND = 1_000_000_000
 FASTER = 1.25
 """Factor of the rate, up or down, at each wish for it."""
 SLOWEST, FASTEST = 1e-3, 1e3

@@ -6,15 +6,13 @@ import math
 from collections.abc import Mapping
 from dataclasses import dataclass
 from types import MappingProxyType
-from typing import Any
 
 from al_questioner.domain import InputError
 from al_questioner.messages import documents
 from al_questioner.messages.documents import Document
+from al_questioner.messages.stamps import nanoseconds, stamp_of
 from al_questioner.recording.bags import Bag, BagError, BagMessage, deserialize
-from al_questioner.recording.session import TYPES
-
-SECOND = 1_000_000_000
+from al_questioner.recording.session import TYPES, taken_cloud
 
 
 @dataclass(frozen=True)
@@ -40,7 +38,7 @@ def scenes_of(bag: Bag) -> RecordedScenes:
     """
     try:
         turns = [documents.read('turn', deserialize(message).data) for message in _on(bag, 'turn')]
-        clouds = [(_nanoseconds(deserialize(message).header.stamp), message) for message in _on(bag, 'objects')]
+        clouds = [(nanoseconds(deserialize(message).header.stamp), message) for message in _on(bag, 'objects')]
     except BagError:
         raise
     except InputError as error:
@@ -48,11 +46,10 @@ def scenes_of(bag: Bag) -> RecordedScenes:
     episodes = sorted({document['episode_id'] for document in turns})
     if len(episodes) > 1:
         raise BagError(f'{bag.path}: holds the scenes of several episodes: {", ".join(episodes)}')
-    begins = [document['stamp']['sec'] * SECOND + document['stamp']['nanosec'] for document in turns]
+    begins = [stamp_of(document['stamp']) for document in turns]
     found = {}
     for document, begin, end in zip(turns, begins, [*begins[1:], math.inf], strict=False):
-        # The learner takes the first cloud that is not older than the turn.
-        taken = next((message for stamp, message in clouds if begin <= stamp < end), None)
+        taken = taken_cloud(clouds, begin, end)
         if taken is not None:
             found[int(document['turn'])] = taken
     if not found:
@@ -66,7 +63,3 @@ def _on(bag: Bag, name: str) -> list[BagMessage]:
         if message.type != TYPES[name]:
             raise BagError(f'{bag.path}: topic {message.topic} holds {message.type}, expected {TYPES[name]}')
     return found
-
-
-def _nanoseconds(stamp: Any) -> int:
-    return int(stamp.sec) * SECOND + int(stamp.nanosec)

@@ -4,15 +4,15 @@ from __future__ import annotations
 
 import math
 from collections import defaultdict
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
-from typing import Any
 
 from al_questioner.domain import Costs, Decision, EpisodeSettings, InputError, QueryRecord, Scene
 from al_questioner.messages import documents
 from al_questioner.messages.clouds import decision_of_cloud, scene_of_cloud
 from al_questioner.messages.documents import Document
+from al_questioner.messages.stamps import nanoseconds, stamp_of
 from al_questioner.recording.bags import Bag, BagError, BagMessage, deserialize, read_bag
 
 STRING = 'std_msgs/msg/String'
@@ -122,15 +122,14 @@ class _Recorded:
             return
         content = deserialize(message)
         if name == 'objects':
-            self.clouds.append((_stamp(content.header), message))
+            self.clouds.append((nanoseconds(content.header.stamp), message))
         elif name == 'decision':
-            self.decisions[_stamp(content.header)] = message
+            self.decisions[nanoseconds(content.header.stamp)] = message
         elif name in ('episode', 'turn'):
             document = documents.read(name, content.data)
             episode_id = document['episode_id']
             if name == 'turn':
-                stamp = document['stamp']
-                self.stamps[episode_id][document['turn']] = stamp['sec'] * 10**9 + stamp['nanosec']
+                self.stamps[episode_id][document['turn']] = stamp_of(document['stamp'])
             else:
                 self.episodes[episode_id] = document
 
@@ -203,9 +202,7 @@ def _turn(
     stamp = recorded.stamps[episode_id].get(turn)
     if stamp is None:
         raise BagError(f'{path}: turn {turn} of {settings.turns} was not recorded: did the recording begin too late?')
-    # The learner takes the first cloud that is not older than the turn; one of the next turn came too late.
-    end = recorded.stamps[episode_id].get(turn + 1, math.inf)
-    cloud = next((message for at, message in recorded.clouds if stamp <= at < end), None)
+    cloud = taken_cloud(recorded.clouds, stamp, recorded.stamps[episode_id].get(turn + 1, math.inf))
     decision = recorded.decisions.get(stamp)
     if cloud is None or decision is None:
         missing = 'objects' if cloud is None else 'decision'
@@ -215,9 +212,16 @@ def _turn(
     return RecordedTurn(turn, scene, weighed, record)
 
 
+def taken_cloud(clouds: Sequence[tuple[int, BagMessage]], begin: int, end: float) -> BagMessage | None:
+    """The `objects` of a turn: the learner takes the first cloud that is not older than it.
+
+    Args:
+        clouds: with their stamps, in the order in which they were received.
+        begin: stamp of the turn.
+        end: stamp of the next one; a cloud of that came too late.
+    """
+    return next((message for at, message in clouds if begin <= at < end), None)
+
+
 def _differ(before: Scene, after: Scene) -> bool:
     return before.object_ids != after.object_ids or before.features.tobytes() != after.features.tobytes()
-
-
-def _stamp(header: Any) -> int:
-    return int(header.stamp.sec) * 10**9 + int(header.stamp.nanosec)

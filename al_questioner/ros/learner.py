@@ -29,13 +29,14 @@ from al_questioner.messages import documents
 from al_questioner.messages.clouds import cloud_of_decision, scene_of_cloud
 from al_questioner.messages.documents import Document
 from al_questioner.messages.pictures import markers
+from al_questioner.messages.stamps import nanoseconds, stamp_members
 from al_questioner.questioning import Episode
 from al_questioner.ros import qos
 from al_questioner.ros.node import QuestionerNode
 from al_questioner.ros.parameters import declare, help_text, refuse_unknown
 from al_questioner.ros.running import run_nodes
 from al_questioner.ros.settings import DEFAULT_TASK, WORLD_SETTINGS, all_names, learner_settings
-from al_questioner.ros.types import CLOUD_TYPES, MARKER_TYPES, header, nanoseconds, stamp_members
+from al_questioner.ros.types import CLOUD_TYPES, MARKER_TYPES, header
 from al_questioner.ros.worlds import declare_world, new_episode_id, world_members
 from al_questioner.simulation import episode_settings
 from al_questioner.teaching import read_plain_answer

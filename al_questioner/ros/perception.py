@@ -13,12 +13,13 @@ from al_questioner.domain import Observation, Scene
 from al_questioner.messages.clouds import cloud_of_scene
 from al_questioner.messages.documents import Document
 from al_questioner.messages.pictures import image
+from al_questioner.messages.stamps import stamp_of
 from al_questioner.ros import qos
 from al_questioner.ros.node import QuestionerNode
 from al_questioner.ros.parameters import declare, help_text, refuse_unknown
 from al_questioner.ros.running import run_nodes
 from al_questioner.ros.settings import PERCEPTION_SETTINGS, WORLD_SETTINGS, all_names
-from al_questioner.ros.types import CLOUD_TYPES, header, octets, stamp_of
+from al_questioner.ros.types import CLOUD_TYPES, header, octets
 from al_questioner.ros.worker import Worker
 from al_questioner.ros.worlds import check_world, declare_world
 from al_questioner.simulation import PerceivedWorld

@@ -9,10 +9,11 @@ from sensor_msgs.msg import PointCloud2
 
 from al_questioner.domain import InputError
 from al_questioner.messages.documents import Document
+from al_questioner.messages.stamps import stamp_of
 from al_questioner.recording.scenes import RecordedScenes
 from al_questioner.ros import qos
 from al_questioner.ros.node import QuestionerNode
-from al_questioner.ros.types import header, stamp_of
+from al_questioner.ros.types import header
 
 WORLD = ('task', 'seed', 'sample')
 """What makes up a simulated world."""

@@ -11,10 +11,8 @@ from std_msgs.msg import ColorRGBA, Header, String
 from visualization_msgs.msg import Marker, MarkerArray
 
 from al_questioner.messages.clouds import CloudTypes
-from al_questioner.messages.documents import Document
 from al_questioner.messages.pictures import MarkerTypes
-
-NANOSECONDS = 1_000_000_000
+from al_questioner.messages.stamps import SECOND
 
 
 def octets(content: bytes) -> array[int]:
@@ -28,24 +26,9 @@ MARKER_TYPES = MarkerTypes(
 )
 
 
-def nanoseconds(stamp: Time) -> int:
-    """A stamp as nanoseconds since the epoch of its clock."""
-    return int(stamp.sec) * NANOSECONDS + int(stamp.nanosec)
-
-
 def header(stamp: int, frame_id: str) -> Header:
     """A header with a stamp in nanoseconds."""
-    return Header(stamp=Time(sec=stamp // NANOSECONDS, nanosec=stamp % NANOSECONDS), frame_id=frame_id)
-
-
-def stamp_members(stamp: int) -> Document:
-    """A stamp in nanoseconds as the member of a document."""
-    return {'sec': stamp // NANOSECONDS, 'nanosec': stamp % NANOSECONDS}
-
-
-def stamp_of(members: Document) -> int:
-    """The inverse of `stamp_members`."""
-    return int(members['sec']) * NANOSECONDS + int(members['nanosec'])
+    return Header(stamp=Time(sec=stamp // SECOND, nanosec=stamp % SECOND), frame_id=frame_id)
 
 
 def text(content: str) -> String:

@@ -21,8 +21,8 @@ from turn_parts.topics import TYPES, VOLATILE
 
 from al_questioner.domain import QueryRecord
 from al_questioner.messages import documents
+from al_questioner.messages.stamps import SECOND, stamp_of
 from al_questioner.ros.graph import Graph
-from al_questioner.ros.types import NANOSECONDS, stamp_of
 
 
 @contextlib.contextmanager
@@ -142,7 +142,7 @@ def children_waited() -> float:
         for pid in children.read_text().split():
             for statistics in Path(f'/proc/{pid}/task').glob('*/schedstat'):
                 with contextlib.suppress(OSError):  # a thread may just have ended
-                    known.append(int(statistics.read_text().split()[1]) / NANOSECONDS)
+                    known.append(int(statistics.read_text().split()[1]) / SECOND)
     return sum(known) if known else float('nan')
 
 
@@ -153,4 +153,4 @@ def opened(heard: Mapping[str, list[bytes]], topic: str) -> list[Any]:
 
 def turn_begins(turns: Iterator[documents.Document]) -> dict[int, float]:
     """Seconds since the epoch at which the learner began each turn, from its `turn` documents."""
-    return {document['turn']: stamp_of(document['stamp']) / NANOSECONDS for document in turns}
+    return {document['turn']: stamp_of(document['stamp']) / SECOND for document in turns}

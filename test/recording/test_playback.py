@@ -7,8 +7,9 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from al_questioner.domain import InputError
+from al_questioner.messages.stamps import SECOND
 from al_questioner.recording import BagMessage
-from al_questioner.recording.playback import FASTER, FASTEST, SECOND, SLOWEST, Playback
+from al_questioner.recording.playback import FASTER, FASTEST, SLOWEST, Playback
 
 
 def messages(*seconds, topic='/r/objects'):
