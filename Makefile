@@ -8,6 +8,9 @@ INSTALLED := $(VENV)/installed
 # As the executables do for themselves, see al_questioner/__main__.py.
 export OMP_NUM_THREADS ?= 1
 
+# Nearly all of the tests' time is processes that start, so two files at a time, each in one process.
+PYTEST := $(RUN) pytest -n 2 --dist loadfile
+
 .PHONY: setup demo test test-all lint clean
 
 setup: $(INSTALLED)
@@ -27,10 +30,10 @@ demo: setup
 	$(RUN) al_questioner demo
 
 test: setup
-	$(RUN) pytest -m 'not slow'
+	$(PYTEST) -m 'not slow'
 
 test-all: setup
-	$(RUN) pytest
+	$(PYTEST)
 
 lint: setup
 	$(RUN) ruff format --check .
