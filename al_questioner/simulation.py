@@ -28,7 +28,7 @@ from al_questioner.domain import (
     generator,
 )
 from al_questioner.perception import perceive, view_features
-from al_questioner.questioning import Episode, new_knowledge, read_weights
+from al_questioner.questioning import Episode, Strategy, new_knowledge, read_weights
 from al_questioner.teaching import Teacher
 from al_questioner.world import Task, World, make_world
 
@@ -98,6 +98,15 @@ class PerceivedWorld:
     def test_set(self) -> tuple[NDArray[np.float32], tuple[str, ...]]:
         """(k, m) features of the held-out observations, and their k symbols."""
         return perceive(self._world.test_observations()).features, self._world.test_labels()
+
+    @cached_property
+    def validation_set(self) -> tuple[NDArray[np.float32], tuple[str, ...]]:
+        """(k, m) features of a second draw of held-out observations, and their k symbols: for the greedy oracle.
+
+        Raises:
+            InputError: the world has no second draw.
+        """
+        return perceive(self._world.validation_observations()).features, self._world.validation_labels()
 
 
 def episode_settings(
@@ -261,6 +270,7 @@ def run_episode(
     teacher: Teacher,
     watch: TurnWatcher | None = None,
     world: PerceivedWorld | None = None,
+    strategy: Strategy | None = None,
 ) -> EpisodeResult:
     """Play an episode in one process: what the three nodes do, without ROS.
 
@@ -270,15 +280,18 @@ def run_episode(
         teacher: who answers.
         watch: called after each turn.
         world: the world of the choice, if it is open already.
+        strategy: who decides in the place of the strategy that the settings name.
     """
     evaluation = Evaluation(choice, settings, world)
-    play(evaluation, teacher, watch)
+    play(evaluation, teacher, watch, strategy)
     return evaluation.result()
 
 
-def play(evaluation: Evaluation, teacher: Teacher, watch: TurnWatcher | None = None) -> None:
+def play(
+    evaluation: Evaluation, teacher: Teacher, watch: TurnWatcher | None = None, strategy: Strategy | None = None
+) -> None:
     """Play the episode that an evaluation is about to follow, see `run_episode`."""
-    episode = Episode(evaluation.settings, generator(evaluation.choice.seed, 'learner'))
+    episode = Episode(evaluation.settings, generator(evaluation.choice.seed, 'learner'), strategy=strategy)
     for decision, record in turns(episode, evaluation.world, teacher):
         accuracy_now = evaluation.next_turn(record, episode.knowledge)
         if watch is not None:

@@ -3,7 +3,7 @@
 from al_questioner.concepts.hyperparameters import Kernel
 from al_questioner.concepts.knowledge import VIEW_TOLERANCE, Knowledge
 from al_questioner.concepts.models import ConceptModels, compile_models
-from al_questioner.concepts.selection import select_features
+from al_questioner.concepts.selection import Selector, rank_p_values, select_features
 from al_questioner.concepts.standardiser import Standardiser
 
 __all__ = [
@@ -11,7 +11,9 @@ __all__ = [
     'ConceptModels',
     'Kernel',
     'Knowledge',
+    'Selector',
     'Standardiser',
     'compile_models',
+    'rank_p_values',
     'select_features',
 ]

@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
+from copy import copy
 from dataclasses import dataclass
 
 import numpy as np
@@ -11,7 +12,7 @@ from numpy.typing import NDArray
 from al_questioner.concepts.arrays import Array
 from al_questioner.concepts.hyperparameters import Kernel, tuned_kernel
 from al_questioner.concepts.models import ConceptModels
-from al_questioner.concepts.selection import select_features
+from al_questioner.concepts.selection import Selector, select_features
 from al_questioner.concepts.standardiser import Standardiser
 from al_questioner.domain import NO_SYMBOL, FloatArray, InputError, QueryRecord, Scene, SceneError, group_of
 
@@ -40,7 +41,7 @@ class Knowledge:
         symbols: the concepts to ground.
         amplitude: variance of the Gaussian processes' kernel.
         length_scale: of the kernel in standard deviations; None for the square root of the number of features in use.
-        computational_selection: select features computationally after every label.
+        selector: selects features computationally after every label; None for all that the teacher has not ruled out.
         view_tolerance: an object whose features moved by less is still the same view; root mean square over the
             features, in standard deviations. The default means 'not at all'; a live camera's noise needs more.
     """
@@ -50,7 +51,7 @@ class Knowledge:
         symbols: Sequence[str],
         amplitude: float = 4.0,
         length_scale: float | None = None,
-        computational_selection: bool = False,
+        selector: Selector | None = None,
         view_tolerance: float = VIEW_TOLERANCE,
     ) -> None:
         if not (np.isfinite(view_tolerance) and view_tolerance >= 0):
@@ -61,7 +62,7 @@ class Knowledge:
         self.labelled_views: list[LabelledView] = []
         self._models = ConceptModels(self.symbols, amplitude, length_scale)
         self._configured = (amplitude, length_scale)
-        self._computational_selection = computational_selection
+        self._selector = selector
         self._view_tolerance = view_tolerance
         self._standardiser = Standardiser(0)
         self._told_relevant: NDArray[np.bool_] | None = None
@@ -152,14 +153,24 @@ class Knowledge:
         Raises:
             InputError: an unknown symbol, or features that do not fit those observed.
         """
-        if symbol not in self.symbols and symbol != NO_SYMBOL:
-            raise InputError(f'unknown label {symbol!r}; known: {", ".join((*self.symbols, NO_SYMBOL))}')
-        vector = np.array(features, dtype=np.float32)
-        if vector.shape != (len(self.feature_names),):
-            raise InputError(f'features have shape {vector.shape}, expected {(len(self.feature_names),)}')
-        if not np.isfinite(vector).all():
-            raise InputError(f'the features of object {object_id} are not all finite')
-        self.labelled_views.append(LabelledView(object_id, vector, symbol, turn))
+        self.labelled_views.append(self._labelled_view(object_id, features, symbol, turn))
+        self._learn_anew()
+
+    def label_scene(self, scene: Scene, symbols: Mapping[int, str], turn: int) -> None:
+        """Learn what objects of a scene are, all at once.
+
+        Args:
+            scene: what they look like.
+            symbols: a symbol, or `NO_SYMBOL`, by object id.
+            turn: when it was said.
+
+        Raises:
+            InputError: an object is not in the scene, a symbol is unknown, or features do not fit those observed.
+        """
+        rows = {object_id: _row(scene, object_id) for object_id in symbols}
+        self.labelled_views += [
+            self._labelled_view(object_id, row, symbols[object_id], turn) for object_id, row in rows.items()
+        ]
         self._learn_anew()
 
     def learn(self, record: QueryRecord, scene: Scene) -> None:
@@ -171,9 +182,7 @@ class Knowledge:
         if record.groups:
             self.restrict_to_groups(record.groups)
         elif record.object_id is not None and record.symbol is not None:
-            if record.object_id not in scene.object_ids:
-                raise InputError(f'object {record.object_id} is not in the scene')
-            self.label(record.object_id, scene.features[scene.index_of(record.object_id)], record.symbol, record.turn)
+            self.label(record.object_id, _row(scene, record.object_id), record.symbol, record.turn)
 
     def restrict_to_groups(self, groups: Iterable[str]) -> None:
         """Use the features of these groups only, as the answer to a feature subset query.
@@ -201,6 +210,13 @@ class Knowledge:
     def look_ahead_chunks(self, scene: Scene) -> Iterator[tuple[slice, Array]]:
         """`look_ahead` in parts: consecutive rows of the table, as a slice, and their part of it."""
         return self._models.look_ahead_chunks(self._standardiser.transform(scene.features)[:, self._active])
+
+    def predict_after_label(self, view: FloatArray, symbol: str, features: FloatArray) -> Array:
+        """(k, |Y|) q_y(x) of (k, m) raw features had a view, (m,) raw features, been labelled; nothing is learnt."""
+        labelled = np.concatenate([self._labelled_features(), np.asarray(view, dtype=np.float64)[None]])
+        table = self._standardiser.transform(labelled)[:, self._active]
+        models = copy(self._models).fit(table, [*self._labels(), symbol])
+        return models.predict_proba(self._standardiser.transform(features)[:, self._active])
 
     def predict_after_selection(self, scene: Scene) -> Array:
         """(|X|, |Y|) prediction for the scene had the teacher named the features a computational selector would pick.
@@ -243,6 +259,16 @@ class Knowledge:
         squared: Array = np.mean((points[:, None] - labelled[None]) ** 2, axis=2)
         return np.asarray(np.sqrt(np.min(squared, axis=1)))
 
+    def _labelled_view(self, object_id: int, features: FloatArray, symbol: str, turn: int) -> LabelledView:
+        if symbol not in self.symbols and symbol != NO_SYMBOL:
+            raise InputError(f'unknown label {symbol!r}; known: {", ".join((*self.symbols, NO_SYMBOL))}')
+        vector = np.array(features, dtype=np.float32)
+        if vector.shape != (len(self.feature_names),):
+            raise InputError(f'features have shape {vector.shape}, expected {(len(self.feature_names),)}')
+        if not np.isfinite(vector).all():
+            raise InputError(f'the features of object {object_id} are not all finite')
+        return LabelledView(object_id, vector, symbol, turn)
+
     def _learn_anew(self) -> None:
         """Fit the models to what is known now.
 
@@ -253,8 +279,8 @@ class Knowledge:
         table, labels = self._standardiser.transform(self._labelled_features()), self._labels()
         told = self._told_relevant
         self._active = np.ones(len(self.feature_names), dtype=bool) if told is None else told.copy()
-        if self._computational_selection:
-            self._active[self._active] = select_features(table[:, self._active], labels)
+        if self._selector is not None:
+            self._active[self._active] = self._selector(table[:, self._active], labels)
         self._models.fit(table[:, self._active], labels)
 
     def _labels(self) -> list[str]:
@@ -269,6 +295,13 @@ class Knowledge:
         difference = (first.astype(np.float64) - second) / self._standardiser.scale
         same: NDArray[np.bool_] = np.sqrt(np.mean(difference**2, axis=1)) <= self._view_tolerance
         return same
+
+
+def _row(scene: Scene, object_id: int) -> NDArray[np.float32]:
+    if object_id not in scene.object_ids:
+        raise InputError(f'object {object_id} is not in the scene')
+    row: NDArray[np.float32] = scene.features[scene.index_of(object_id)]
+    return row
 
 
 def _layout_difference(expected: tuple[str, ...], actual: tuple[str, ...]) -> str:

@@ -4,14 +4,17 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 from matplotlib import pyplot as plt
 from matplotlib.axes import Axes
+from matplotlib.figure import Figure
 from matplotlib.ticker import MaxNLocator
 
 from al_questioner.domain import QueryKind
-from al_questioner.experiments.plan import CONTROLS, PAPER_CONDITIONS, Cell, Condition
+from al_questioner.experiments.ceilings import CEILINGS
+from al_questioner.experiments.plan import CONTROLS, PAPER_CONDITIONS, PAPER_STRATEGIES, Cell, Condition
 from al_questioner.experiments.results import Results
 from al_questioner.experiments.statistics import mean_and_error
 from al_questioner.files import make_folder
@@ -26,7 +29,13 @@ COLOURS = {
     'random_fsq': '#b8860b',
     'farthest_fsq': '#8e44ad',
     'rarest_demo': '#d1622b',
+    'all_labels': '#9a9a9a',
+    'greedy_oracle': '#00838f',
 }
+
+
+LONG = 40
+"""The paper shows the questioning behaviour where there are more turns than these."""
 
 
 def draw_figures(results: Results, change_intervals: Mapping[str, int], folder: Path) -> list[Path]:
@@ -59,53 +68,73 @@ def condition_name(condition: Condition) -> str:
     return f'{numbered[condition]}: {limits}' if condition in numbered else limits
 
 
-def _grid(count: int) -> tuple[int, int]:
-    columns = 2 if count > 1 else 1
-    return -(-count // columns), columns
-
-
-def _panels(results: Results, task: str) -> list[Condition]:
+def _conditions(results: Results, task: str) -> list[Condition]:
     """The conditions as the paper lays them out: budget rises upwards, time to the right."""
     return sorted(results.conditions(task), key=lambda condition: (-condition.budget, condition.turns))
 
 
+def _panels(
+    results: Results, task: str, height: float, same_scale: bool = False
+) -> tuple[Figure, list[tuple[Axes, Condition]]]:
+    """A figure with a panel for each condition, two in a row."""
+    conditions = _conditions(results, task)
+    columns = min(2, len(conditions))
+    rows = -(-len(conditions) // columns)
+    size = (5.2 * columns, height * rows)
+    figure, axes = plt.subplots(rows, columns, figsize=size, sharey=same_scale, squeeze=False)
+    for panel in axes.flat[len(conditions) :]:
+        panel.set_axis_off()
+    panels = list(zip(axes.flat, conditions, strict=False))
+    for panel, condition in panels:
+        panel.set_title(condition_name(condition), loc='left', fontsize=10)
+    figure.suptitle(f'{task}, {len(results.samples)} samples', x=0.01, ha='left', fontsize=11)
+    return figure, panels
+
+
+def _finish(figure: Figure, columns: int, path: Path) -> Path:
+    """Save a figure with the legend of its first panel below."""
+    handles, labels = figure.axes[0].get_legend_handles_labels()
+    figure.legend(handles, labels, loc='outside lower center', ncols=columns, frameon=False)
+    return save(figure, path)
+
+
+def _line(strategy: str) -> dict[str, Any]:
+    """How the line of a strategy looks: those of the paper drawn through, controls dashed, ceilings dotted."""
+    style = '--' if strategy in CONTROLS else ':' if strategy in CEILINGS else '-'
+    return {'color': COLOURS.get(strategy), 'linestyle': style, 'linewidth': 1.6, 'label': strategy}
+
+
 def _learning_curves(results: Results, task: str, path: Path) -> Path:
-    conditions = _panels(results, task)
-    rows, columns = _grid(len(conditions))
-    figure, axes = plt.subplots(rows, columns, figsize=(5.2 * columns, 3.6 * rows), sharey=True, squeeze=False)
-    for panel, condition in zip(axes.flat, conditions, strict=False):
+    """Accuracy after each turn, with the standard error of the paper's strategies; of all it would be a blur."""
+    figure, panels = _panels(results, task, 3.6, same_scale=True)
+    for panel, condition in panels:
         for strategy in results.strategies:
             curves = results.curves(task, condition, strategy)
             if not len(curves):
                 continue
             mean, error = mean_and_error(curves)
             turns = np.arange(1, len(mean) + 1)
-            style = '--' if strategy in CONTROLS else '-'
-            colour = COLOURS.get(strategy)
-            (line,) = panel.plot(turns, mean, style, color=colour, linewidth=1.6, label=strategy)
-            panel.fill_between(turns, mean - error, mean + error, color=line.get_color(), alpha=0.13, linewidth=0)
-        panel.set_title(condition_name(condition), loc='left', fontsize=10)
+            (line,) = panel.plot(turns, mean, **_line(strategy))
+            if strategy in PAPER_STRATEGIES:
+                panel.fill_between(turns, mean - error, mean + error, color=line.get_color(), alpha=0.15, linewidth=0)
         panel.set(xlabel='turn', ylabel='accuracy', ylim=(0, 1), xlim=(0, condition.turns))
-    for panel in axes.flat[len(conditions) :]:
-        panel.set_axis_off()
-    handles, labels = axes.flat[0].get_legend_handles_labels()
-    figure.legend(handles, labels, loc='outside lower center', ncols=4, frameon=False)
-    figure.suptitle(f'{task}: mean and standard error over the samples', x=0.01, ha='left', fontsize=11)
-    return save(figure, path)
+    return _finish(figure, 4, path)
 
 
 def _behaviour(results: Results, task: str, change_interval: int, path: Path) -> Path:
     """When each strategy asked what, in the first sample."""
-    conditions = [c for c in _panels(results, task) if c.turns > 40] or _panels(results, task)[:1]
-    height = 0.34 * len(results.strategies) + 0.9
+    conditions = _conditions(results, task)
+    conditions = [condition for condition in conditions if condition.turns > LONG] or conditions[-1:]
+    strategies = _askers(results)
+    height = 0.34 * len(strategies) + 0.9
     figure, axes = plt.subplots(len(conditions), 1, figsize=(10, height * len(conditions) + 0.4), squeeze=False)
     for panel, condition in zip(axes.flat, conditions, strict=True):
-        for row, strategy in enumerate(results.strategies):
+        for row, strategy in enumerate(strategies):
             group = results.group(task, condition, strategy)
             if group:
                 _draw_queries(panel, results, group[0].cell, -row)
         mark_changes(panel, list(range(1 + change_interval, condition.turns + 1, change_interval)))
-        panel.set_yticks([-row for row in range(len(results.strategies))], results.strategies, fontsize=9)
+        panel.set_yticks([-row for row in range(len(strategies))], strategies, fontsize=9)
         panel.set(xlim=(0, condition.turns + 1), xlabel='turn')
         panel.set_title(condition_name(condition), loc='left', fontsize=10)
     _kind_legend(axes.flat[-1])
@@ -126,24 +155,18 @@ def _kind_legend(axes: Axes) -> None:
 
 def _kinds(results: Results, task: str, path: Path) -> Path:
     """Queries of each kind, mean over the samples."""
-    conditions = _panels(results, task)
-    rows, columns = _grid(len(conditions))
-    figure, axes = plt.subplots(rows, columns, figsize=(5.2 * columns, 2.9 * rows), squeeze=False)
-    for panel, condition in zip(axes.flat, conditions, strict=False):
-        positions = -np.arange(len(results.strategies))
-        left = np.zeros(len(results.strategies))
+    figure, panels = _panels(results, task, 3.0)
+    strategies = _askers(results)
+    positions = -np.arange(len(strategies))
+    for panel, condition in panels:
+        left = np.zeros(len(strategies))
         for kind, colour in KIND_COLOURS.items():
-            counts = np.array([_mean_count(results, task, condition, name, kind) for name in results.strategies])
+            counts = np.array([_mean_count(results, task, condition, name, kind) for name in strategies])
             panel.barh(positions, counts, left=left, color=colour, label=kind_name(kind))
             left += counts
-        panel.set_yticks(positions, results.strategies, fontsize=9)
+        panel.set_yticks(positions, strategies, fontsize=9)
         panel.set_xlabel('queries')
-        panel.set_title(condition_name(condition), loc='left', fontsize=10)
-    for panel in axes.flat[len(conditions) :]:
-        panel.set_axis_off()
-    handles, labels = axes.flat[0].get_legend_handles_labels()
-    figure.legend(handles, labels, loc='outside lower center', ncols=3, frameon=False)
-    return save(figure, path)
+    return _finish(figure, 3, path)
 
 
 def _mean_count(results: Results, task: str, condition: Condition, strategy: str, kind: QueryKind) -> float:
@@ -154,31 +177,21 @@ def _mean_count(results: Results, task: str, condition: Condition, strategy: str
 
 def _budget(results: Results, task: str, path: Path) -> Path:
     """Share of the budget spent over time, mean over the samples."""
-    conditions = _panels(results, task)
-    rows, columns = _grid(len(conditions))
-    figure, axes = plt.subplots(rows, columns, figsize=(5.2 * columns, 3.0 * rows), sharey=True, squeeze=False)
-    for panel, condition in zip(axes.flat, conditions, strict=False):
-        for strategy in results.strategies:
+    figure, panels = _panels(results, task, 3.0, same_scale=True)
+    for panel, condition in panels:
+        for strategy in _askers(results):
             spent = _spent(results, task, condition, strategy)
             if len(spent):
-                style = '--' if strategy in CONTROLS else '-'
                 share = spent.mean(axis=0) / (condition.budget or 1)
-                panel.step(
-                    np.arange(1, len(share) + 1),
-                    share,
-                    style,
-                    where='post',
-                    color=COLOURS.get(strategy),
-                    label=strategy,
-                )
-        panel.set_title(condition_name(condition), loc='left', fontsize=10)
+                panel.step(np.arange(1, len(share) + 1), share, where='post', **_line(strategy))
         panel.set(xlabel='turn', ylabel='share of budget spent', ylim=(0, 1.02), xlim=(0, condition.turns))
         panel.xaxis.set_major_locator(MaxNLocator(integer=True))
-    for panel in axes.flat[len(conditions) :]:
-        panel.set_axis_off()
-    handles, labels = axes.flat[0].get_legend_handles_labels()
-    figure.legend(handles, labels, loc='outside lower center', ncols=4, frameon=False)
-    return save(figure, path)
+    return _finish(figure, 4, path)
+
+
+def _askers(results: Results) -> list[str]:
+    """The strategies that ask; `all_labels` is told without asking."""
+    return [name for name in results.strategies if name != 'all_labels']
 
 
 def _spent(results: Results, task: str, condition: Condition, strategy: str) -> np.ndarray:

@@ -6,10 +6,14 @@ import dataclasses
 import itertools
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
+from functools import partial
 from typing import Any
 
+from al_questioner.concepts import Selector, rank_p_values, select_features
+from al_questioner.configuration import config_dir
 from al_questioner.domain import SettingsError
-from al_questioner.questioning import STRATEGIES
+from al_questioner.experiments.ceilings import CEILINGS
+from al_questioner.questioning import STRATEGIES, Strategy, UncertaintySampling, read_weights
 from al_questioner.world import Task, load_task
 
 
@@ -35,6 +39,15 @@ PAPER_STRATEGIES = ('u_sampling', 'dt_iros', 'dt_task', 'dt_task_env')
 CONTROLS = ('u_sampling_fsq', 'random_fsq', 'farthest_fsq', 'rarest_demo')
 PAPER_TASKS = ('prepare_lunch', 'pack_lunchbox')
 
+SELECTORS: Mapping[str, Selector | None] = {
+    'anova': select_features,
+    'anova, at least 10': partial(select_features, least=10),
+    'anova, at least 20': partial(select_features, least=20),
+    'Kruskal-Wallis': partial(select_features, p_values=rank_p_values),
+    'none': None,
+}
+"""Computational feature selectors of u_sampling, by name; the first is its own."""
+
 
 @dataclass(frozen=True)
 class Variation:
@@ -45,12 +58,20 @@ class Variation:
         synchrony: how synchronously the objects change their state, in [0, 1]; None for the task's.
         wrong_rate: share of the teacher's answers that are wrong.
         weights: by strategy, weights of the decision features; those that ship for the others.
+        selector: of u_sampling, a key of `SELECTORS`.
+        repeats: whether u_sampling may ask about a view that has been labelled.
     """
 
     change_interval: int | None = None
     synchrony: float | None = None
     wrong_rate: float = 0.0
     weights: Mapping[str, Mapping[str, float]] = field(default_factory=dict)
+    selector: str = 'anova'
+    repeats: bool = True
+
+    def strategy(self, name: str) -> Strategy | None:
+        """The strategy of this name as it is varied; None for one that is as its settings say."""
+        return UncertaintySampling(SELECTORS[self.selector], self.repeats) if name == 'u_sampling' else None
 
     def task(self, name: str) -> Task:
         """The task, varied.
@@ -65,6 +86,12 @@ class Variation:
         if self.synchrony is not None:
             changes['synchrony'] = self.synchrony
         return dataclasses.replace(task, scenes=dataclasses.replace(task.scenes, **changes)) if changes else task
+
+
+def shipped_weights() -> Mapping[str, Mapping[str, float]]:
+    """The weights in `config/weights` of the paper's strategies that have some."""
+    paths = {name: config_dir() / 'weights' / f'{name}.yaml' for name in PAPER_STRATEGIES}
+    return {name: read_weights(path).values for name, path in paths.items() if path.is_file()}
 
 
 @dataclass(frozen=True, order=True)
@@ -120,9 +147,10 @@ class Plan:
                 raise SettingsError(f'the experiment has no {name}')
             if len(set(values)) < len(values):
                 raise SettingsError(f'the experiment names a {name} twice')
+        known = (*STRATEGIES, *CEILINGS)
         for strategy in self.strategies:
-            if strategy not in STRATEGIES:
-                raise SettingsError(f'unknown strategy {strategy!r}; known: {", ".join(STRATEGIES)}')
+            if strategy not in known:
+                raise SettingsError(f'unknown strategy {strategy!r}; known: {", ".join(known)}')
         for name in self.tasks:
             self.variation.task(name)
 

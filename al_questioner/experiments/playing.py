@@ -10,8 +10,16 @@ from functools import lru_cache
 from pathlib import Path
 from typing import Any
 
+from al_questioner.experiments.ceilings import CEILING_SETTINGS, CEILINGS
 from al_questioner.experiments.plan import Cell, Variation
-from al_questioner.simulation import EpisodeResult, PerceivedWorld, WorldChoice, episode_settings, run_episode
+from al_questioner.simulation import (
+    EpisodeResult,
+    Evaluation,
+    PerceivedWorld,
+    WorldChoice,
+    episode_settings,
+    run_episode,
+)
 from al_questioner.teaching import ScriptedTeacher
 
 Row = dict[str, Any]
@@ -79,12 +87,15 @@ def play_episode(cell: Cell, variation: Variation, dataset: str = '') -> Episode
     """Play the episode of a cell."""
     task = variation.task(cell.task)
     choice = WorldChoice(task, cell.seed, cell.sample, Path(dataset) if dataset else None)
+    teacher = ScriptedTeacher(task.symbols, task.relevant_groups, cell.seed, variation.wrong_rate)
+    world = _open_world(cell.task, cell.sample, variation.change_interval, variation.synchrony, dataset)
+    if cell.strategy in CEILINGS:
+        settings = episode_settings(task, CEILING_SETTINGS, cell.budget, cell.turns)
+        return CEILINGS[cell.strategy](Evaluation(choice, settings, world), task, teacher)
     settings = episode_settings(task, cell.strategy, cell.budget, cell.turns)
     if cell.strategy in variation.weights:
         settings = dataclasses.replace(settings, weights=variation.weights[cell.strategy])
-    teacher = ScriptedTeacher(task.symbols, task.relevant_groups, cell.seed, variation.wrong_rate)
-    world = _open_world(cell.task, cell.sample, variation.change_interval, variation.synchrony, dataset)
-    return run_episode(choice, settings, teacher, world=world)
+    return run_episode(choice, settings, teacher, world=world, strategy=variation.strategy(cell.strategy))
 
 
 @lru_cache(maxsize=2)

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import csv
-from collections.abc import Mapping, Sequence
+from collections.abc import Collection, Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property
 from pathlib import Path
@@ -12,6 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from al_questioner.domain import InputError
+from al_questioner.experiments.ceilings import CEILINGS
 from al_questioner.experiments.plan import CONTROLS, PAPER_STRATEGIES, Cell, Condition
 
 Array = NDArray[np.float64]
@@ -36,6 +37,8 @@ class TurnRow:
     turn: int
     accuracy: float
     kind: str
+    object_id: str
+    symbol: str
     outcome: str
     spent: float
 
@@ -52,6 +55,18 @@ class Results:
     episodes: Sequence[EpisodeRow]
     turns: Sequence[TurnRow]
 
+    def of_samples(self, samples: Collection[int]) -> Results:
+        """The part of it that is about these samples."""
+        return Results(
+            [row for row in self.episodes if row.cell.sample in samples],
+            [row for row in self.turns if row.cell.sample in samples],
+        )
+
+    @cached_property
+    def samples(self) -> tuple[int, ...]:
+        """The numbers of the samples."""
+        return tuple(sorted({row.cell.sample for row in self.episodes}))
+
     @cached_property
     def tasks(self) -> tuple[str, ...]:
         """The tasks, in the order of the table."""
@@ -59,8 +74,8 @@ class Results:
 
     @cached_property
     def strategies(self) -> tuple[str, ...]:
-        """The strategies: those of the paper first, then the controls, then others."""
-        known = (*PAPER_STRATEGIES, *CONTROLS)
+        """The strategies: those of the paper first, then the controls, then the ceilings, then others."""
+        known = (*PAPER_STRATEGIES, *CONTROLS, *CEILINGS)
         found = dict.fromkeys(row.cell.strategy for row in self.episodes)
         return (*(name for name in known if name in found), *(name for name in found if name not in known))
 
@@ -123,7 +138,16 @@ def read_results(folder: Path) -> Results:
         for row in _rows(folder / 'episodes.csv')
     ]
     turns = [
-        TurnRow(_cell(row), int(row['turn']), float(row['accuracy']), row['kind'], row['outcome'], float(row['spent']))
+        TurnRow(
+            _cell(row),
+            int(row['turn']),
+            float(row['accuracy']),
+            row['kind'],
+            row['object_id'],
+            row['symbol'],
+            row['outcome'],
+            float(row['spent']),
+        )
         for row in _rows(folder / 'turns.csv')
     ]
     if not episodes:

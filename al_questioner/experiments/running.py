@@ -16,7 +16,7 @@ from joblib import Parallel, delayed, parallel_config
 
 from al_questioner import __version__
 from al_questioner.domain import InputError, SettingsError
-from al_questioner.experiments.plan import Cell, Plan
+from al_questioner.experiments.plan import Cell, Plan, Variation
 from al_questioner.experiments.playing import EPISODE_COLUMNS, TURN_COLUMNS, Played, Row, play_cells
 from al_questioner.files import make_folder, write_text
 
@@ -38,7 +38,7 @@ class Store:
     """
 
     def __init__(self, folder: Path, plan: Plan, dataset: str = '') -> None:
-        self.folder = folder
+        self.folder, self.plan, self.dataset = folder, plan, dataset
         self._cells = folder / 'cells'
         make_folder(self._cells)
         manifest = folder / 'manifest.json'
@@ -56,6 +56,11 @@ class Store:
         except (OSError, ValueError, KeyError, TypeError):
             return None
 
+    def missing(self) -> list[tuple[Cell, ...]]:
+        """The cells that nothing is stored of, together those that share a world and their limits."""
+        groups = (tuple(cell for cell in group if self.load(cell) is None) for group in self.plan.groups())
+        return [group for group in groups if group]
+
     def save(self, played: Played) -> None:
         """Store a cell; a crash meanwhile leaves no half of it."""
         path = self._path(played.cell)
@@ -64,9 +69,9 @@ class Store:
         write_text(draft, json.dumps({'episode': played.episode, 'turns': played.turns}))
         draft.replace(path)
 
-    def write_tables(self, cells: Sequence[Cell]) -> list[Path]:
-        """Write `episodes.csv` and `turns.csv` from what is stored of these cells, in their order."""
-        stored = [played for cell in sorted(cells) if (played := self.load(cell)) is not None]
+    def write_tables(self) -> list[Path]:
+        """Write `episodes.csv` and `turns.csv` from what is stored of the plan, sorted."""
+        stored = [played for cell in sorted(self.plan.cells()) if (played := self.load(cell)) is not None]
         episodes, turns = self.folder / 'episodes.csv', self.folder / 'turns.csv'
         _write_csv(episodes, EPISODE_COLUMNS, (played.episode for played in stored))
         _write_csv(turns, TURN_COLUMNS, (row for played in stored for row in played.turns))
@@ -77,43 +82,47 @@ class Store:
 
 
 def run(
-    plan: Plan,
-    store: Store,
+    stores: Sequence[Store],
     jobs: int = 1,
     scheduler: str | None = None,
-    dataset: str = '',
     watch: Watcher | None = None,
 ) -> list[Played]:
-    """Play all cells that are not stored yet, and return those that failed.
+    """Play all cells of some experiments that are not stored yet, and return those that failed.
 
     Args:
-        plan: the experiment.
-        store: where its cells are.
+        stores: of the experiments.
         jobs: number of local processes; 1 for this one.
         scheduler: address of a dask scheduler that spreads the work instead.
-        dataset: root of a directory of crops.
         watch: told of each cell that was played.
 
     Raises:
         InputError: dask is not installed, or there is no scheduler at the address.
     """
-    total = len(plan.cells())
-    missing = [tuple(cell for cell in group if store.load(cell) is None) for group in plan.groups()]
-    missing = [group for group in missing if group]
-    done = total - sum(map(len, missing))
+    missing = [(number, group) for number, store in enumerate(stores) for group in store.missing()]
+    total = sum(len(store.plan.cells()) for store in stores)
+    done = total - sum(len(group) for _, group in missing)
     failed = []
     with _backend(scheduler):
         parallel = Parallel(n_jobs=-1 if scheduler else jobs, return_as='generator_unordered', pre_dispatch='2*n_jobs')
-        for results in parallel(delayed(play_cells)(group, plan.variation, dataset) for group in missing):
+        tasks = (
+            delayed(_play_numbered)(number, group, stores[number].plan.variation, stores[number].dataset)
+            for number, group in missing
+        )
+        for number, results in parallel(tasks):
             for played in results:
                 done += 1
                 if played.error:
                     failed.append(played)
                 else:
-                    store.save(played)
+                    stores[number].save(played)
                 if watch is not None:
                     watch(done, total, played)
     return failed
+
+
+def _play_numbered(number: int, cells: Sequence[Cell], variation: Variation, dataset: str) -> tuple[int, list[Played]]:
+    """`play_cells`, with the number of the experiment that the results belong to, as they come in any order."""
+    return number, play_cells(cells, variation, dataset)
 
 
 @contextmanager

@@ -28,7 +28,7 @@ class SoftmaxQuestioner:
         scores: per turn so far, (7,) gradient of log p(chosen) with respect to the weights.
     """
 
-    computational_selection = False
+    selector = None
 
     def __init__(self, weights: Array) -> None:
         self._weights = weights

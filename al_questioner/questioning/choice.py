@@ -9,6 +9,7 @@ from typing import Protocol
 import numpy as np
 from numpy.typing import NDArray
 
+from al_questioner.concepts import Selector
 from al_questioner.domain import Action, Outcome, QueryKind
 from al_questioner.questioning.situation import Situation
 
@@ -32,13 +33,12 @@ class Choice:
 
 
 class Strategy(Protocol):
-    """Decides what to ask. It keeps no state of its own: all it knows is in the situation.
+    """Decides what to ask. It keeps no state of its own: all it knows is in the situation."""
 
-    Attributes:
-        computational_selection: whether the learner selects features computationally, for want of a teacher who does.
-    """
-
-    computational_selection: bool
+    @property
+    def selector(self) -> Selector | None:
+        """How the learner selects features computationally, for want of a teacher who does; None if it does not."""
+        ...
 
     def choose(self, situation: Situation, rng: np.random.Generator) -> Choice:
         """Choose one of `situation.candidates`; ties are broken with `rng`."""

@@ -25,7 +25,7 @@ class SubsetFirst(ABC):
         kind: of the queries after the first.
     """
 
-    computational_selection = False
+    selector = None
     kind = QueryKind.LABEL
 
     def choose(self, situation: Situation, rng: np.random.Generator) -> Choice:

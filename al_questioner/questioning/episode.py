@@ -38,7 +38,7 @@ def new_knowledge(settings: EpisodeSettings, view_tolerance: float = VIEW_TOLERA
         settings.symbols,
         settings.amplitude,
         settings.length_scale,
-        strategy.computational_selection,
+        strategy.selector,
         view_tolerance,
     )
 

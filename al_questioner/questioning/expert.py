@@ -34,7 +34,7 @@ class ScriptedExpert:
     utility is 1 for what the rules single out and 0 for all else.
     """
 
-    computational_selection = False
+    selector = None
 
     def choose(self, situation: Situation, rng: np.random.Generator) -> Choice:
         """What the rules say, ties broken at random; nothing if they say nothing."""

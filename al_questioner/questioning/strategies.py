@@ -8,6 +8,7 @@ from functools import partial
 import numpy as np
 from numpy.typing import NDArray
 
+from al_questioner.concepts import Selector, select_features
 from al_questioner.domain import DECISION_FEATURES, QueryKind, SettingsError
 from al_questioner.questioning.choice import Choice, Strategy, choose_best, nothing_considered
 from al_questioner.questioning.controls import Farthest, RandomLabel, RarestDemonstration, UncertainUnlabelled
@@ -24,9 +25,16 @@ class UncertaintySampling:
     """U-sampling: label the object of largest prediction entropy, every turn until the budget is gone.
 
     As in the paper it has no feature subset query, so features are selected computationally, and it may ask again.
+    What the paper leaves open can be varied.
+
+    Args:
+        selector: of the features; None for none.
+        repeats: whether it may ask about a view that has been labelled.
     """
 
-    computational_selection = True
+    def __init__(self, selector: Selector | None = select_features, repeats: bool = True) -> None:
+        self.selector = selector
+        self._repeats = repeats
 
     def choose(self, situation: Situation, rng: np.random.Generator) -> Choice:
         """The affordable label query of largest entropy; nothing if there is none."""
@@ -34,14 +42,16 @@ class UncertaintySampling:
         entropy = prediction_entropy(situation.probabilities)
         for row, action in enumerate(situation.candidates):
             if action.kind is QueryKind.LABEL and action.object_id is not None:
-                utilities[row] = entropy[situation.scene.index_of(action.object_id)]
+                index = situation.scene.index_of(action.object_id)
+                if self._repeats or not situation.labelled[index]:
+                    utilities[row] = entropy[index]
         return choose_best(situation, utilities, rng)
 
 
 class DecisionTheoretic:
     """The candidate of largest expected utility w . E[phi | a] (equations 1 and 2 of the paper)."""
 
-    computational_selection = False
+    selector = None
 
     def __init__(self, weights: NDArray[np.float64]) -> None:
         self.weights = weights

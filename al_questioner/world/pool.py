@@ -87,14 +87,21 @@ def make_sample(task: Task, sample: int) -> Sample:
     if scenes.turnover == 'state':
         kinds_of_objects = _kinds(kinds, apportion(shares, scenes.objects), rng)
         things = _things(kinds_of_objects, task, rng)
-        return Sample(_sights(things, scenes.training_size, 'training'), _elsewhere(things, task, rng))
+        return Sample(_sights(things, scenes.training_size, 'training'), _elsewhere(things, task, rng, 'test'))
     clutter = round(scenes.clutter_share * scenes.training_size)
     wanted = {**apportion(shares, scenes.training_size - clutter), NO_SYMBOL: clutter}
     training = _things(_kinds(kinds, wanted, rng), task, rng)
-    equal = {symbol: 1 / len(task.symbols) for symbol in task.symbols}
-    counts = apportion(equal if scenes.test_balance == 'classes' else shares, scenes.test_size)
-    test = _things(_kinds(kinds, counts, rng), task, rng)
-    return Sample(_sights(training, len(training), 'training'), _elsewhere(test, task, rng))
+    return Sample(_sights(training, len(training), 'training'), _held_out(kinds, task, rng, 'test'))
+
+
+def make_validation(task: Task, sample: int) -> tuple[Sight, ...]:
+    """A second draw of test sights, like those of `make_sample` but none of them, and drawn independently."""
+    of_sample, rng = generator(sample, 'world/sample'), generator(sample, 'world/validation')
+    kinds = _some_kinds(task, of_sample)
+    if task.scenes.turnover != 'state':
+        return _held_out(kinds, task, rng, 'validation')
+    counts = apportion(task.class_frequencies, task.scenes.objects)
+    return _elsewhere(_things(_kinds(kinds, counts, of_sample), task, of_sample), task, rng, 'validation')
 
 
 def observe(sight: Sight, task: Task, sample: int, object_id: int) -> Observation:
@@ -180,9 +187,19 @@ def _sights(things: Sequence[Thing], count: int, split: str) -> tuple[Sight, ...
     return tuple(sights)
 
 
-def _elsewhere(things: Sequence[Thing], task: Task, rng: np.random.Generator) -> tuple[Sight, ...]:
-    """The test sights, anywhere on the table: where a thing lay in training says nothing about where it lies later."""
-    sights = _sights(things, task.scenes.test_size, 'test')
+def _held_out(
+    kinds: Mapping[str, Sequence[Kind]], task: Task, rng: np.random.Generator, split: str
+) -> tuple[Sight, ...]:
+    """Held-out sights, each of a thing of its own."""
+    scenes = task.scenes
+    equal = {symbol: 1 / len(task.symbols) for symbol in task.symbols}
+    counts = apportion(equal if scenes.test_balance == 'classes' else task.class_frequencies, scenes.test_size)
+    return _elsewhere(_things(_kinds(kinds, counts, rng), task, rng), task, rng, split)
+
+
+def _elsewhere(things: Sequence[Thing], task: Task, rng: np.random.Generator, split: str) -> tuple[Sight, ...]:
+    """Held-out sights, anywhere on the table: where a thing lay in training says nothing about where it lies later."""
+    sights = _sights(things, task.scenes.test_size, split)
     if task.sensors.cold_pull > 0:
         return sights
     return tuple(replace(sight, place=int(rng.integers(len(_grid(task))))) for sight in sights)

@@ -9,7 +9,7 @@ from typing import NamedTuple, Protocol
 import numpy as np
 
 from al_questioner.domain import InputError, Observation, generator
-from al_questioner.world.pool import Sight, make_sample, observe
+from al_questioner.world.pool import Sight, make_sample, make_validation, observe
 from al_questioner.world.task import Task
 
 
@@ -57,6 +57,22 @@ class World(Protocol):
 
     def test_labels(self) -> tuple[str, ...]:
         """Symbol of each test observation, never 'none'."""
+        ...
+
+    def validation_observations(self) -> tuple[Observation, ...]:
+        """A second draw of held-out observations: for whoever may know the truth, never for results.
+
+        Raises:
+            InputError: this world has no second draw.
+        """
+        ...
+
+    def validation_labels(self) -> tuple[str, ...]:
+        """Symbol of each validation observation.
+
+        Raises:
+            InputError: this world has no second draw.
+        """
         ...
 
     def report(self) -> str:
@@ -131,6 +147,14 @@ class SimulatedWorld:
         """See `World.test_labels`."""
         return tuple(sight.symbol for sight in self._sample.test)
 
+    def validation_observations(self) -> tuple[Observation, ...]:
+        """See `World.validation_observations`; the ids number the observations."""
+        return tuple(self._observe(sight, i) for i, sight in enumerate(self._validation))
+
+    def validation_labels(self) -> tuple[str, ...]:
+        """See `World.validation_labels`."""
+        return tuple(sight.symbol for sight in self._validation)
+
     def report(self) -> str:
         """See `World.report`: a simulated world hides nothing."""
         return ''
@@ -138,6 +162,10 @@ class SimulatedWorld:
     @cached_property
     def _test_observations(self) -> tuple[Observation, ...]:
         return tuple(self._observe(sight, i) for i, sight in enumerate(self._sample.test))
+
+    @cached_property
+    def _validation(self) -> tuple[Sight, ...]:
+        return make_validation(self._task, self._sample_number)
 
     @cached_property
     def _sights_of(self) -> list[list[int]]:

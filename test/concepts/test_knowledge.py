@@ -94,16 +94,13 @@ def test_looking_at_the_models_leaves_no_trace(scene):
     np.testing.assert_array_equal(plain.predict_proba(scene.features), watched.predict_proba(scene.features))
 
 
-@pytest.mark.parametrize('computational_selection', [False, True])
-def test_watched_and_unwatched_learners_agree_to_the_last_bit(computational_selection):
+@pytest.mark.parametrize('selector', [None, select_features])
+def test_watched_and_unwatched_learners_agree_to_the_last_bit(selector):
     """Models follow from the events alone: a look between them must not move one digit, or ties break otherwise."""
     rng = np.random.default_rng(12)
     names = (*(f'colour_{i}' for i in range(8)), *(f'size_{i}' for i in range(4)))
     table = rng.normal(size=(7, 12))
-    plain, watched = (
-        Knowledge((*SYMBOLS, 'drink'), amplitude=25.0, computational_selection=computational_selection)
-        for _ in range(2)
-    )
+    plain, watched = (Knowledge((*SYMBOLS, 'drink'), amplitude=25.0, selector=selector) for _ in range(2))
 
     def look(knowledge):
         return [
@@ -178,7 +175,7 @@ def test_computational_selection_follows_the_labels(scene):
     table = rng.normal(size=(8, 30))
     table[:, 7] = [0, 0, 0, 0, 9, 9, 9, 9]
     many = scene_of(table, names=names)
-    knowledge = Knowledge(SYMBOLS, computational_selection=True)
+    knowledge = Knowledge(SYMBOLS, selector=select_features)
     knowledge.observe(many)
     for i, symbol in [(0, 'snack'), (4, 'fruit')]:
         knowledge.label(i, many.features[i], symbol, 1)

@@ -45,7 +45,7 @@ def scripted(toy, monkeypatch):
     """An episode that asks what the test wants."""
 
     class Scripted:
-        computational_selection = False
+        selector = None
 
         def choose(self, situation, rng):
             rows = [row for row, action in enumerate(situation.candidates) if action == self.wanted]

@@ -127,6 +127,14 @@ class DatasetWorld:
         """See `World.test_labels`."""
         return tuple(self._symbol(crop) for crop, _ in self._test_set)
 
+    def validation_observations(self) -> tuple[Observation, ...]:
+        """See `World.validation_observations`: a directory of crops has no second draw."""
+        raise InputError('a directory of crops has no second draw of held-out observations')
+
+    def validation_labels(self) -> tuple[str, ...]:
+        """See `World.validation_labels`: a directory of crops has no second draw."""
+        raise InputError('a directory of crops has no second draw of held-out observations')
+
     @property
     def skipped(self) -> tuple[Skipped, ...]:
         """What was passed over so far: more may join when a scene or the test draws it."""

@@ -1,0 +1,88 @@
+"""What a questioner could reach at most: ceilings that know the truth, and hence are no strategies."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+
+import numpy as np
+from numpy.typing import NDArray
+
+from al_questioner.concepts import Knowledge
+from al_questioner.questioning import Situation, UnlabelledFirst
+from al_questioner.questioning.decision_features import symbol_given_object
+from al_questioner.simulation import EpisodeResult, Evaluation, PerceivedWorld, accuracy, play
+from al_questioner.teaching import Teacher
+from al_questioner.world import Task
+
+CEILING_SETTINGS = 'random_fsq'
+"""The strategy whose settings the ceilings share: a learner that selects no features computationally."""
+
+
+class GreedyOracle(UnlabelledFirst):
+    """One early feature subset query, then the label after which held-out accuracy is highest, scene by scene.
+
+    It is greedy: a label is judged by what it leads to at once. The accuracy is that on the world's second draw of
+    held-out observations, not on those that results are about; among equals, the geometric mean of the probabilities of
+    the true symbols decides. As the budget is spread evenly over the scenes, each change finds some left.
+
+    Args:
+        world: of the episode.
+    """
+
+    def __init__(self, world: PerceivedWorld) -> None:
+        self._world = world
+        self._features, self._labels = world.validation_set
+
+    def score(self, situation: Situation) -> NDArray[np.float64]:
+        """(|X|,) rank of each object's label; NaN for what the scene's share of the budget does not allow."""
+        ranks = np.full(len(situation.scene), np.nan)
+        rows = np.flatnonzero(~situation.labelled)
+        if situation.allowance < situation.costs.label or not len(rows):
+            return ranks
+        symbols, scene, truth = situation.symbols, situation.scene, self._world.truth(situation.turn)
+        true = np.array([symbols.index(label) for label in self._labels])
+        accuracies, likelihoods = np.empty(len(rows)), np.empty(len(rows))
+        for i, row in enumerate(rows):
+            label = truth[scene.object_ids[row]]
+            q = situation.knowledge.predict_after_label(scene.features[row], label, self._features)
+            accuracies[i] = accuracy(q, self._labels, symbols)
+            likelihoods[i] = np.mean(np.log(symbol_given_object(q)[np.arange(len(true)), true]))
+        ranks[rows[np.lexsort((likelihoods, accuracies))]] = np.arange(len(rows))
+        return ranks
+
+
+def play_greedy_oracle(evaluation: Evaluation, task: Task, teacher: Teacher) -> EpisodeResult:
+    """The episode of the `GreedyOracle`.
+
+    Raises:
+        InputError: the world has no second draw of held-out observations.
+    """
+    play(evaluation, teacher, strategy=GreedyOracle(evaluation.world))
+    return evaluation.result()
+
+
+def follow_all_labels(evaluation: Evaluation, task: Task, teacher: Teacher) -> EpisodeResult:
+    """What a learner knows that is told, for nothing, every label as it comes into sight, and the relevant features.
+
+    It asks nothing. No questioner in these scenes can be told more; fewer labels, well chosen, can be more accurate.
+    """
+    settings, world = evaluation.settings, evaluation.world
+    knowledge = Knowledge(settings.symbols, settings.amplitude, settings.length_scale)
+    for turn in range(1, settings.turns + 1):
+        scene = world.scene(turn)
+        knowledge.observe(scene)
+        if not knowledge.subset_was_told:
+            knowledge.restrict_to_groups(task.relevant_groups)
+        fresh = [scene.object_ids[row] for row in np.flatnonzero(~knowledge.is_labelled(scene))]
+        if fresh:
+            truth = world.truth(turn)
+            knowledge.label_scene(scene, {object_id: truth[object_id] for object_id in fresh}, turn)
+        evaluation.next_turn(None, knowledge)
+    return evaluation.result()
+
+
+CEILINGS: Mapping[str, Callable[[Evaluation, Task, Teacher], EpisodeResult]] = {
+    'all_labels': follow_all_labels,
+    'greedy_oracle': play_greedy_oracle,
+}
+"""Plays each ceiling, by name."""
