@@ -9,7 +9,7 @@ from dataclasses import dataclass, field
 from typing import Any
 
 from al_questioner.domain import SettingsError
-from al_questioner.questioning import STRATEGIES
+from al_questioner.questioning import strategy_factory
 from al_questioner.world import Task, load_task
 
 
@@ -100,7 +100,7 @@ class Plan:
         variation: what is changed in all of them.
 
     Raises:
-        InputError: an unknown task or strategy, or nothing to play.
+        InputError: an unknown task or strategy, one that cannot be imported, or nothing to play.
     """
 
     tasks: tuple[str, ...]
@@ -121,8 +121,7 @@ class Plan:
             if len(set(values)) < len(values):
                 raise SettingsError(f'the experiment names a {name} twice')
         for strategy in self.strategies:
-            if strategy not in STRATEGIES:
-                raise SettingsError(f'unknown strategy {strategy!r}; known: {", ".join(STRATEGIES)}')
+            strategy_factory(strategy)
         for name in self.tasks:
             self.variation.task(name)
 
