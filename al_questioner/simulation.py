@@ -28,7 +28,7 @@ from al_questioner.domain import (
     generator,
 )
 from al_questioner.perception import perceive, view_features
-from al_questioner.questioning import Episode, Strategy, new_knowledge, read_weights
+from al_questioner.questioning import STRATEGIES, Episode, Strategy, new_knowledge, read_weights
 from al_questioner.teaching import Teacher
 from al_questioner.world import Task, World, make_world
 
@@ -123,12 +123,15 @@ def episode_settings(
 ) -> EpisodeSettings:
     """Settings of an episode; what is not given comes from the task, and the weights from `config/weights`.
 
+    A strategy that another package contributes gets the weights of the file, or none: whether it can use them is for it
+    to say.
+
     Raises:
         InputError: a value out of range, an unknown strategy, or a weights file that cannot be used.
     """
     name = task.episode.strategy if strategy is None else strategy
     shipped = config_dir() / 'weights' / f'{name}.yaml'
-    if weights_file and not shipped.is_file():
+    if weights_file and name in STRATEGIES and not shipped.is_file():
         raise SettingsError(f'strategy {name} uses no weights, but the weights file {weights_file} is given')
     path = Path(weights_file).expanduser() if weights_file else shipped
     weights = read_weights(path).values if weights_file or shipped.is_file() else {}

@@ -19,7 +19,7 @@ import numpy as np
 from al_questioner.concepts import Knowledge
 from al_questioner.domain import NO_SYMBOL, Scene, generator
 from al_questioner.perception import perceive
-from al_questioner.questioning import STRATEGIES
+from al_questioner.questioning import STRATEGIES, known_strategies
 from al_questioner.simulation import WorldChoice, accuracy, episode_settings, run_episode
 from al_questioner.teaching import ScriptedTeacher
 from al_questioner.world import Task, World, load_task
@@ -80,7 +80,7 @@ def main() -> None:
     parser.add_argument('--task', nargs='+', default=['prepare_lunch', 'kitchen_table', 'pack_lunchbox'])
     parser.add_argument('--samples', type=int, default=5)
     parser.add_argument(
-        '--strategies', nargs='*', choices=list(STRATEGIES), help='measure these, or all if none is named'
+        '--strategies', nargs='*', choices=known_strategies(), help='measure these, or all if none is named'
     )
     given = parser.parse_args()
     for name in given.task:

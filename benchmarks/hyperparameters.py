@@ -27,7 +27,7 @@ from measuring import median_and_spread, print_table
 from scipy.stats import wilcoxon
 
 from al_questioner.concepts import hyperparameters
-from al_questioner.questioning import STRATEGIES
+from al_questioner.questioning import known_strategies
 from al_questioner.simulation import PerceivedWorld, WorldChoice, episode_settings, run_episode
 from al_questioner.teaching import ScriptedTeacher
 from al_questioner.world import load_task
@@ -134,7 +134,7 @@ def main() -> None:
     """Print a table."""
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     parser.add_argument('--task', nargs='+', default=TASKS)
-    parser.add_argument('--strategy', nargs='+', default=FAST_STRATEGIES, choices=list(STRATEGIES))
+    parser.add_argument('--strategy', nargs='+', default=FAST_STRATEGIES, choices=known_strategies())
     parser.add_argument('--tune-every', nargs='+', type=int, default=[5, 10])
     parser.add_argument('--amplitude', type=float, default=4.0, help='configured where K applies (%(default)s)')
     parser.add_argument('--budget', type=float, default=25)

@@ -38,7 +38,7 @@ def parser() -> Parser:
     result = Parser(prog='demo', description='Play one learning episode, show how it goes, and draw how it went.')
     result.add_argument('--task', default='kitchen_table', help='a name in config/tasks, or a YAML file (%(default)s)')
     result.add_argument('--dataset', type=Path, help='root of a directory of RGB-D crops, for tasks that read one')
-    result.add_argument('--strategy', help=f"one of {', '.join(STRATEGIES)} (the task's)")
+    result.add_argument('--strategy', help=f"one of {', '.join(STRATEGIES)}, or of an installed package (the task's)")
     result.add_argument('--weights-file', help='YAML file with weights of the decision features')
     result.add_argument('--budget', type=float, help="query budget (the task's)")
     result.add_argument('--turns', type=int, help="length of the episode (the task's)")

@@ -8,8 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from al_questioner.concepts import Knowledge
-from al_questioner.questioning import Situation, UnlabelledFirst
-from al_questioner.questioning.decision_features import symbol_given_object
+from al_questioner.questioning import Situation, UnlabelledFirst, symbol_given_object
 from al_questioner.simulation import EpisodeResult, Evaluation, PerceivedWorld, accuracy, play
 from al_questioner.teaching import Teacher
 from al_questioner.world import Task

@@ -13,7 +13,7 @@ from al_questioner.concepts import Selector, rank_p_values, select_features
 from al_questioner.configuration import config_dir
 from al_questioner.domain import SettingsError
 from al_questioner.experiments.ceilings import CEILINGS
-from al_questioner.questioning import STRATEGIES, Strategy, UncertaintySampling, read_weights
+from al_questioner.questioning import Strategy, UncertaintySampling, read_weights, strategy_factory
 from al_questioner.world import Task, load_task
 
 
@@ -127,7 +127,7 @@ class Plan:
         variation: what is changed in all of them.
 
     Raises:
-        InputError: an unknown task or strategy, or nothing to play.
+        InputError: an unknown task or strategy, one that cannot be imported, or nothing to play.
     """
 
     tasks: tuple[str, ...]
@@ -147,10 +147,9 @@ class Plan:
                 raise SettingsError(f'the experiment has no {name}')
             if len(set(values)) < len(values):
                 raise SettingsError(f'the experiment names a {name} twice')
-        known = (*STRATEGIES, *CEILINGS)
         for strategy in self.strategies:
-            if strategy not in known:
-                raise SettingsError(f'unknown strategy {strategy!r}; known: {", ".join(known)}')
+            if strategy not in CEILINGS:
+                strategy_factory(strategy)
         for name in self.tasks:
             self.variation.task(name)
 

@@ -1,15 +1,19 @@
 """What to ask next: candidate queries, their expected utility, strategies, and the ask/tell episode."""
 
-from al_questioner.questioning.choice import Choice, Strategy
+from al_questioner.questioning.choice import Choice, Strategy, choose_best, has_asked, nothing_considered, rows_of
 from al_questioner.questioning.controls import UnlabelledFirst
+from al_questioner.questioning.decision_features import symbol_given_object
 from al_questioner.questioning.episode import Episode, new_knowledge
+from al_questioner.questioning.expected_utility import expected_features
 from al_questioner.questioning.situation import Situation
 from al_questioner.questioning.strategies import (
     IROS_FEATURES,
     STRATEGIES,
     TASK_FEATURES,
     UncertaintySampling,
+    known_strategies,
     make_strategy,
+    strategy_factory,
 )
 from al_questioner.questioning.weights import Weights, read_weights
 
@@ -24,7 +28,15 @@ __all__ = [
     'UncertaintySampling',
     'UnlabelledFirst',
     'Weights',
+    'choose_best',
+    'expected_features',
+    'has_asked',
+    'known_strategies',
     'make_strategy',
     'new_knowledge',
+    'nothing_considered',
     'read_weights',
+    'rows_of',
+    'strategy_factory',
+    'symbol_given_object',
 ]

@@ -2,9 +2,10 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from itertools import takewhile
-from typing import Protocol
+from typing import Protocol, TypeAlias, runtime_checkable
 
 import numpy as np
 from numpy.typing import NDArray
@@ -32,6 +33,7 @@ class Choice:
     features: NDArray[np.float64] | None = None
 
 
+@runtime_checkable
 class Strategy(Protocol):
     """Decides what to ask. It keeps no state of its own: all it knows is in the situation."""
 
@@ -42,6 +44,10 @@ class Strategy(Protocol):
 
     def choose(self, situation: Situation, rng: np.random.Generator) -> Choice:
         """Choose one of `situation.candidates`; ties are broken with `rng`."""
+
+
+StrategyFactory: TypeAlias = Callable[[Mapping[str, float]], Strategy]
+"""Makes a strategy from weights by decision feature, which are empty if none are given."""
 
 
 def nothing_considered(situation: Situation) -> NDArray[np.float64]:

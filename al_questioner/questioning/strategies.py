@@ -1,4 +1,4 @@
-"""The questioning strategies of the paper, and the table of all strategies."""
+"""The questioning strategies of the paper, and how every strategy is found by its name."""
 
 from __future__ import annotations
 
@@ -10,7 +10,8 @@ from numpy.typing import NDArray
 
 from al_questioner.concepts import Selector, select_features
 from al_questioner.domain import DECISION_FEATURES, QueryKind, SettingsError
-from al_questioner.questioning.choice import Choice, Strategy, choose_best, nothing_considered
+from al_questioner.questioning.choice import Choice, Strategy, StrategyFactory, choose_best, nothing_considered
+from al_questioner.questioning.contributed import contributed_factory, contributions
 from al_questioner.questioning.controls import Farthest, RandomLabel, RarestDemonstration, UncertainUnlabelled
 from al_questioner.questioning.decision_features import prediction_entropy
 from al_questioner.questioning.expected_utility import expected_features
@@ -76,12 +77,12 @@ def decision_theoretic(name: str, used: tuple[str, ...], weights: Mapping[str, f
     return DecisionTheoretic(np.array([float(weights.get(feature, 0.0)) for feature in DECISION_FEATURES]))
 
 
-def _unweighted(strategy: Callable[[], Strategy]) -> Callable[[Mapping[str, float]], Strategy]:
+def _unweighted(strategy: Callable[[], Strategy]) -> StrategyFactory:
     """A factory that leaves the weights aside: they are for the strategies that use them."""
     return lambda weights: strategy()
 
 
-STRATEGIES: Mapping[str, Callable[[Mapping[str, float]], Strategy]] = {
+STRATEGIES: Mapping[str, StrategyFactory] = {
     'u_sampling': _unweighted(UncertaintySampling),
     'dt_iros': partial(decision_theoretic, 'dt_iros', IROS_FEATURES),
     'dt_task': partial(decision_theoretic, 'dt_task', TASK_FEATURES),
@@ -92,19 +93,36 @@ STRATEGIES: Mapping[str, Callable[[Mapping[str, float]], Strategy]] = {
     'rarest_demo': _unweighted(RarestDemonstration),
     'expert': _unweighted(ScriptedExpert),
 }
-"""Makes each strategy, by name, from weights by decision feature."""
+"""What makes each strategy that ships, by name."""
+
+
+def known_strategies() -> tuple[str, ...]:
+    """The names of all strategies: those of `STRATEGIES`, then those that other installed packages contribute."""
+    return (*STRATEGIES, *contributions(STRATEGIES))
+
+
+def strategy_factory(name: str) -> StrategyFactory:
+    """What makes the strategy of this name; other packages are searched only for a name that is not in `STRATEGIES`.
+
+    Raises:
+        SettingsError: an unknown name, or a contributed strategy that cannot be imported.
+    """
+    if name in STRATEGIES:
+        return STRATEGIES[name]
+    contributed = contributions(STRATEGIES)
+    if name not in contributed:
+        raise SettingsError(f'unknown strategy {name!r}; known: {", ".join((*STRATEGIES, *contributed))}')
+    return contributed_factory(contributed[name])
 
 
 def make_strategy(name: str, weights: Mapping[str, float]) -> Strategy:
     """The strategy of this name.
 
     Args:
-        name: a key of `STRATEGIES`.
-        weights: weight by decision feature; only the decision-theoretic strategies use them.
+        name: one of `known_strategies()`.
+        weights: weight by decision feature; of the strategies that ship only the decision-theoretic ones use them.
 
     Raises:
-        SettingsError: an unknown name, or weights that do not fit the strategy.
+        SettingsError: an unknown name, weights that do not fit the strategy, or a contributed one that cannot be made.
     """
-    if name not in STRATEGIES:
-        raise SettingsError(f'unknown strategy {name!r}; known: {", ".join(STRATEGIES)}')
-    return STRATEGIES[name](weights)
+    return strategy_factory(name)(weights)

@@ -36,7 +36,11 @@ TEACHER_SETTINGS = (
 def learner_settings(task: Task) -> tuple[Setting, ...]:
     """The learner's parameters, with the task's values as defaults."""
     return (
-        Setting('strategy', task.episode.strategy, f'questioning strategy: {", ".join(sorted(STRATEGIES))}'),
+        Setting(
+            'strategy',
+            task.episode.strategy,
+            f'questioning strategy: {", ".join(sorted(STRATEGIES))}, or one that an installed package contributes',
+        ),
         Setting('weights_file', '', 'YAML file with weights of the decision features; empty: those of the strategy'),
         Setting('budget', task.episode.budget, 'query budget', unit='cost of a label query', lower=0.0),
         Setting('turns', task.episode.turns, 'length of the episode', unit='turns', lower=1, upper=LARGEST_TURN),
