@@ -41,7 +41,7 @@ PAPER_TASKS = ('prepare_lunch', 'pack_lunchbox')
 
 SELECTORS: Mapping[str, Selector | None] = {
     'anova': select_features,
-    'anova, at least 10': partial(select_features, least=10),
+    'anova at .001': partial(select_features, significance=0.001),
     'anova, at least 20': partial(select_features, least=20),
     'Kruskal-Wallis': partial(select_features, p_values=rank_p_values),
     'none': None,

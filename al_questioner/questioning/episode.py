@@ -27,13 +27,21 @@ from al_questioner.questioning.situation import Situation
 from al_questioner.questioning.strategies import make_strategy
 
 
-def new_knowledge(settings: EpisodeSettings, view_tolerance: float = VIEW_TOLERANCE) -> Knowledge:
+def new_knowledge(
+    settings: EpisodeSettings, view_tolerance: float = VIEW_TOLERANCE, strategy: Strategy | None = None
+) -> Knowledge:
     """What a learner with these settings knows before the first turn.
+
+    Args:
+        settings: of the episode.
+        view_tolerance: see `Knowledge`.
+        strategy: who decides, and selects features, in the place of the strategy that the settings name.
 
     Raises:
         SettingsError: an unknown strategy, or weights that do not fit it.
     """
-    strategy = make_strategy(settings.strategy, settings.weights)
+    if strategy is None:
+        strategy = make_strategy(settings.strategy, settings.weights)
     return Knowledge(
         settings.symbols,
         settings.amplitude,
@@ -70,7 +78,7 @@ class Episode:
         self.settings = settings
         self._rng = rng
         self._strategy = make_strategy(settings.strategy, settings.weights) if strategy is None else strategy
-        self.knowledge = new_knowledge(settings, view_tolerance)
+        self.knowledge = new_knowledge(settings, view_tolerance, self._strategy)
         self._turn = 0
         self._spent = 0.0
         self._records: list[QueryRecord] = []

@@ -303,3 +303,35 @@ def test_tuning_moves_from_the_length_scale_that_was_configured(scene):
     knowledge.label(0, scene.features[0], 'snack', 1)
     knowledge.tune()
     assert 20 <= knowledge.kernel.length_scale <= 80
+
+
+def test_labels_of_a_scene_at_once_are_labels_one_by_one(scene):
+    """The ceiling that is told everything would know something else than a learner that asked for it."""
+    said = {0: 'snack', 3: 'fruit', 5: NO_SYMBOL}
+    at_once, one_by_one = Knowledge(SYMBOLS), Knowledge(SYMBOLS)
+    for knowledge in (at_once, one_by_one):
+        knowledge.observe(scene)
+    at_once.label_scene(scene, said, turn=4)
+    for object_id, symbol in said.items():
+        one_by_one.label(object_id, scene.features[object_id], symbol, 4)
+    assert [(v.object_id, v.label, v.turn) for v in at_once.labelled_views] == [
+        (object_id, symbol, 4) for object_id, symbol in said.items()
+    ]
+    np.testing.assert_allclose(
+        at_once.predict_proba(scene.features), one_by_one.predict_proba(scene.features), atol=1e-9
+    )
+    for wrong, reason in (({0: 'drink'}, 'unknown label'), ({0: 'snack', 77: 'snack'}, 'object 77')):
+        with pytest.raises(InputError, match=reason):
+            at_once.label_scene(scene, wrong, 5)
+    assert len(at_once.labelled_views) == 3
+
+
+@pytest.mark.parametrize('symbol', ['snack', NO_SYMBOL])
+def test_a_prediction_after_a_label_is_that_of_having_learnt_it(taught, scene, symbol):
+    """The oracle would weigh labels by what they do not lead to, or teach the learner what nobody told it."""
+    taught.restrict_to_groups(('colour', 'size'))
+    before = taught.predict_proba(scene.features)
+    foreseen = taught.predict_after_label(scene.features[4], symbol, scene.features)
+    np.testing.assert_array_equal(taught.predict_proba(scene.features), before)
+    taught.label(4, scene.features[4], symbol, 5)
+    np.testing.assert_allclose(foreseen, taught.predict_proba(scene.features), atol=1e-9)

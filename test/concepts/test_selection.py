@@ -2,9 +2,10 @@
 
 import numpy as np
 import pytest
+from scipy.stats import kruskal
 from sklearn.feature_selection import f_classif
 
-from al_questioner.concepts.selection import anova_p_values, select_features
+from al_questioner.concepts.selection import anova_p_values, rank_p_values, select_features
 from al_questioner.domain import InputError
 
 
@@ -61,3 +62,18 @@ def test_unit_of_a_feature_does_not_matter():
 def test_shapes_that_do_not_fit():
     with pytest.raises(InputError, match='do not fit 3 labels'):
         select_features(np.zeros((2, 4)), list('abc'))
+
+
+@pytest.mark.parametrize('seed', range(5))
+def test_rank_p_values_equal_scipy_feature_by_feature(seed):
+    """A selector that is varied would be another than the one named."""
+    rng = np.random.default_rng(seed)
+    features = rng.integers(0, 4, size=(15, 6)).astype(float)
+    features[:, 2] = 7.0
+    labels = ['a', 'b', 'c', *rng.choice(['a', 'b', 'c'], size=12)]
+    found = rank_p_values(features, labels)
+    for column in range(6):
+        groups = [features[np.array(labels) == name, column] for name in ('a', 'b', 'c')]
+        assert found[column] == pytest.approx(1.0 if column == 2 else kruskal(*groups).pvalue)
+    selected = select_features(features, labels, significance=0.0, least=2, p_values=rank_p_values)
+    assert set(np.flatnonzero(selected)) == set(np.argsort(found, kind='stable')[:2])

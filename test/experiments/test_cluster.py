@@ -20,7 +20,19 @@ def test_a_cluster_of_two_workers_gives_the_same_tables(tmp_path: Path) -> None:
         n_workers=2, threads_per_worker=1, host='127.0.0.1', dashboard_address=None, processes=True
     ) as cluster:
         assert (
-            main(['experiment', *SMALL, '--scheduler', cluster.scheduler_address, '--out', str(tmp_path / 'dask')]) == 0
+            main(
+                [
+                    'experiment',
+                    *SMALL,
+                    '--backend',
+                    'dask',
+                    '--scheduler',
+                    cluster.scheduler_address,
+                    '--out',
+                    str(tmp_path / 'dask'),
+                ]
+            )
+            == 0
         )
     for name in ('episodes.csv', 'turns.csv'):
         assert (tmp_path / 'dask' / name).read_text() == (tmp_path / 'local' / name).read_text()
@@ -30,7 +42,10 @@ def test_a_cluster_of_two_workers_gives_the_same_tables(tmp_path: Path) -> None:
 def test_a_cluster_that_is_not_there_is_named(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     """A mistyped address would wait for ever, or end in a traceback."""
     pytest.importorskip('dask.distributed', reason='dask is not installed: pip install .[cluster]')
-    assert main(['experiment', *SMALL, '--scheduler', 'tcp://127.0.0.1:1', '--out', str(tmp_path)]) == 2
+    assert (
+        main(['experiment', *SMALL, '--backend', 'dask', '--scheduler', 'tcp://127.0.0.1:1', '--out', str(tmp_path)])
+        == 2
+    )
     error = capsys.readouterr().err
     assert 'no dask scheduler answers at tcp://127.0.0.1:1' in error
     assert error.count('\n') == 1

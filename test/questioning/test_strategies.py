@@ -5,7 +5,7 @@ import pytest
 
 from al_questioner.concepts import Knowledge
 from al_questioner.domain import NO_SYMBOL, Action, Costs, Outcome, QueryKind, QueryRecord, SettingsError
-from al_questioner.questioning import STRATEGIES, Situation, make_strategy
+from al_questioner.questioning import STRATEGIES, Situation, UncertaintySampling, make_strategy
 from al_questioner.questioning.choice import choose_best, settled_actions
 
 CONTROLS = ('u_sampling_fsq', 'random_fsq', 'farthest_fsq', 'rarest_demo')
@@ -215,3 +215,15 @@ def test_weights_that_do_not_fit(name, weights, reason):
     """Weights of another strategy must not pass as this one's."""
     with pytest.raises(SettingsError, match=reason):
         make_strategy(name, weights)
+
+
+def test_uncertainty_sampling_can_be_kept_from_asking_again(toy):
+    """The study of whether it may ask again would vary nothing."""
+    situation = situation_of(toy, ['snack'] * 5)
+    again = UncertaintySampling().choose(situation, np.random.default_rng(0))
+    never = UncertaintySampling(repeats=False).choose(situation, np.random.default_rng(0))
+    assert np.isfinite(again.utilities).sum() == 6
+    assert [situation.candidates[i].object_id for i in np.flatnonzero(np.isfinite(never.utilities))] == [5]
+    everything = situation_of(toy, ['snack'] * 6)
+    nothing = UncertaintySampling(repeats=False).choose(everything, np.random.default_rng(0))
+    assert everything.candidates[nothing.index].kind is QueryKind.NO_QUERY

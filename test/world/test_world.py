@@ -242,3 +242,19 @@ def test_cold_things_stand_near_the_refrigerator_if_asked_to(lunchbox: Task, mon
     assert cold > warm + 0.4
     cold, warm = mean_x(0.0)
     assert abs(cold - warm) < 0.15
+
+
+@pytest.mark.parametrize('name', ['kitchen', 'lunch'])
+def test_the_second_draw_is_like_the_test_set_and_none_of_it(name: str, request: pytest.FixtureRequest) -> None:
+    """The oracle would look at what results are measured on, or at another world."""
+    task: Task = request.getfixturevalue(name)
+    world = SimulatedWorld(task, 1, 2)
+    assert Counter(world.validation_labels()) == Counter(world.test_labels())
+    drawn = [pool.make_sample(task, 2).test, pool.make_validation(task, 2)]
+    assert {sight.thing.kind.name for sight in drawn[0]} == {sight.thing.kind.name for sight in drawn[1]}
+    if task.scenes.turnover == 'state':
+        assert {sight.thing for sight in drawn[0]} == {sight.thing for sight in drawn[1]}
+    seen = [digest([pool.observe(sight, task, 2, 0)]) for sights in drawn for sight in sights[:6]]
+    assert len(set(seen)) == 12
+    again = SimulatedWorld(task, 5, 2)
+    assert again.validation_labels() == world.validation_labels()

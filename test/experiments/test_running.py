@@ -1,4 +1,4 @@
-"""Experiments: paired, resumable, the same however the work is spread, and told honestly."""
+"""Running experiments: paired, resumable, and the same however the work is spread."""
 
 from __future__ import annotations
 
@@ -7,17 +7,13 @@ import dataclasses
 import json
 from pathlib import Path
 
-import numpy as np
 import pytest
-from scipy.stats import mannwhitneyu
 
-from al_questioner.cli import main
 from al_questioner.domain import InputError, SettingsError
 from al_questioner.experiments import playing, running
-from al_questioner.experiments.claims import Verdict, verdicts
 from al_questioner.experiments.plan import Cell, Condition, Plan, Variation
 from al_questioner.experiments.playing import play_cells, play_episode
-from al_questioner.experiments.results import EpisodeRow, Results, TurnRow, read_results
+from al_questioner.experiments.results import read_results
 from al_questioner.experiments.running import Store, run
 
 PLAN = Plan(('prepare_lunch',), (Condition(3, 4), Condition(2, 6)), ('random_fsq', 'dt_task_env'), (0, 1))
@@ -29,8 +25,8 @@ def tables(folder: Path) -> tuple[str, str]:
 
 def played(folder: Path, plan: Plan = PLAN, **options: object) -> tuple[str, str]:
     store = Store(folder, plan)
-    assert run(plan, store, **options) == []
-    store.write_tables(plan.cells())
+    assert run([store], **options) == []
+    store.write_tables()
     return tables(folder)
 
 
@@ -106,9 +102,9 @@ def test_a_failed_cell_is_told_and_the_rest_goes_on(tmp_path: Path, monkeypatch:
 
     monkeypatch.setattr(playing, 'play_episode', failing)
     store = Store(tmp_path, PLAN)
-    failed = run(PLAN, store)
+    failed = run([store])
     assert {(p.cell.strategy, p.cell.sample, p.error) for p in failed} == {('dt_task_env', 1, 'RuntimeError: broken')}
-    store.write_tables(PLAN.cells())
+    store.write_tables()
     assert len(read_results(tmp_path).episodes) == 6
 
 
@@ -144,87 +140,3 @@ def test_plans_that_make_no_sense_are_refused() -> None:
     ):
         with pytest.raises(InputError, match=reason):
             dataclasses.replace(PLAN, **changes)
-
-
-def made_results(finals: dict[str, list[float]], condition: Condition, queries: dict[str, int]) -> Results:
-    """Results in which each strategy ends with these accuracies and asks so many label queries."""
-    episodes, turns = [], []
-    for strategy, values in finals.items():
-        for sample, value in enumerate(values):
-            cell = Cell('prepare_lunch', condition.budget, condition.turns, strategy, sample)
-            count = queries[strategy]
-            episodes.append(EpisodeRow(cell, value, value, count, float(count)))
-            for turn in range(1, condition.turns + 1):
-                kind = 'label' if turn <= count else 'no_query'
-                if turn == 2 and strategy != 'u_sampling':
-                    kind = 'feature_subset'
-                turns.append(TurnRow(cell, turn, value, kind, 'answered', 0.0))
-    return Results(episodes, turns)
-
-
-def verdict_of(results: Results, words: str) -> Verdict:
-    (found,) = [verdict for verdict in verdicts(results) if words in verdict.claim]
-    return found
-
-
-def test_verdicts_of_made_results() -> None:
-    """The page would praise or damn the paper for nothing."""
-    condition = Condition(500, 150)
-    low, high = [0.5, 0.51, 0.52, 0.53, 0.54], [0.9, 0.91, 0.92, 0.93, 0.94]
-    queries = {'u_sampling': 150, 'dt_iros': 9, 'dt_task': 22, 'dt_task_env': 134}
-    good = made_results({'u_sampling': low, 'dt_iros': low, 'dt_task': low, 'dt_task_env': high}, condition, queries)
-    assert all(verdict.reproduced for verdict in verdicts(good))
-    p = mannwhitneyu(high, low, alternative='greater').pvalue
-    assert f'dt_task p = {p:.3f} (Holm {3 * p:.3f})' in verdict_of(good, 'statistically outperforms').found
-    bad = made_results(
-        {'u_sampling': low, 'dt_iros': low, 'dt_task': high, 'dt_task_env': high},
-        condition,
-        {**queries, 'dt_task_env': 30, 'u_sampling': 149},
-    )
-    assert not verdict_of(bad, 'statistically outperforms').reproduced
-    assert not verdict_of(bad, '134 / 22 / 9').reproduced
-    assert not verdict_of(bad, 'order of magnitude').reproduced
-    assert not verdict_of(bad, 'asks at every turn').reproduced
-    assert verdict_of(bad, 'FSQ early').reproduced
-
-
-def test_the_command_writes_tables_figures_and_page(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
-    """The one command of the documentation would not do what it says; p-values are recomputed from the table."""
-    strategies = ['u_sampling', 'dt_iros', 'dt_task', 'dt_task_env', 'random_fsq']
-    arguments = [
-        '--task',
-        'prepare_lunch',
-        '--condition',
-        '4/6',
-        '--samples',
-        '3',
-        '--jobs',
-        '1',
-        '--strategy',
-        *strategies,
-    ]
-    assert main(['experiment', *arguments, '--out', str(tmp_path)]) == 0
-    page = (tmp_path / 'report.md').read_text()
-    assert len(list((tmp_path / 'figures' / 'report').glob('*.png'))) == 4
-    rows = list(csv.DictReader((tmp_path / 'episodes.csv').open()))
-    finals = {s: [float(r['final_accuracy']) for r in rows if r['strategy'] == s] for s in strategies}
-    for name in ('u_sampling', 'random_fsq'):
-        p = mannwhitneyu(finals['dt_task_env'], finals[name], alternative='greater').pvalue
-        difference = np.mean(finals['dt_task_env']) - np.mean(finals[name])
-        assert f'| `{name}` | {difference:+.3f} | {p:.4f} |' in page
-    assert '15 episodes, 0 failed' in capsys.readouterr().out
-
-
-def test_unusable_arguments_end_with_status_2_and_one_line(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
-    """A typing error would start hours of work, or end in a traceback."""
-    for arguments, reason in (
-        (['--condition', 'C9'], 'C1, C2, C3, C4, or BUDGET/TURNS'),
-        (['--condition', '5'], 'C1, C2, C3, C4, or BUDGET/TURNS'),
-        (['--samples', '0'], 'must be at least 1'),
-        (['--strategy', 'clever'], 'unknown strategy'),
-        (['--weights-file', 'missing.yaml'], 'cannot be read'),
-    ):
-        assert main(['experiment', *arguments, '--out', str(tmp_path / 'x')]) == 2
-        error = capsys.readouterr().err
-        assert reason in error
-        assert error.count('\n') == 1

@@ -1,0 +1,122 @@
+"""The `experiment` executable."""
+
+from __future__ import annotations
+
+import csv
+import os
+import re
+import signal
+import subprocess
+import sys
+import time
+from pathlib import Path
+
+import numpy as np
+import pytest
+from scipy.stats import mannwhitneyu, wilcoxon
+
+from al_questioner.cli import main
+
+SMALL = ['--task', 'prepare_lunch', '--condition', '4/6', '--samples', '3', '--jobs', '1']
+
+
+def test_the_command_writes_tables_figures_and_page(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    """The one command of the documentation would not do what it says; p-values are recomputed from the table."""
+    strategies = ['u_sampling', 'dt_iros', 'dt_task', 'dt_task_env', 'random_fsq']
+    arguments = [*SMALL, '--strategy', *strategies, '--ceilings']
+    assert main(['experiment', *arguments, '--out', str(tmp_path)]) == 0
+    page = (tmp_path / 'report.md').read_text()
+    assert len(list((tmp_path / 'figures' / 'report').glob('*.png'))) == 4
+    rows = list(csv.DictReader((tmp_path / 'episodes.csv').open()))
+    finals = {row['strategy']: [] for row in rows}
+    for row in sorted(rows, key=lambda row: int(row['sample'])):
+        finals[row['strategy']].append(float(row['final_accuracy']))
+    for name in ('u_sampling', 'random_fsq'):
+        p = mannwhitneyu(finals['dt_task_env'], finals[name], alternative='greater').pvalue
+        difference = np.round(np.subtract(finals['dt_task_env'], finals[name]), 12)
+        paired = wilcoxon(difference, alternative='greater').pvalue if difference.any() else 1.0
+        (line,) = [line for line in page.splitlines() if f'| `{name}` | {difference.mean():+.3f} | {p:.4f} |' in line]
+        assert line.endswith(f' {paired:.4f} |')
+    assert set(finals) == {*strategies, 'all_labels', 'greedy_oracle'}
+    # A ceiling is no strategy to be tested against.
+    assert '| `greedy_oracle` | +' not in page
+    assert '| `greedy_oracle` | -' not in page
+    assert '21 episodes, 0 failed' in capsys.readouterr().out
+
+
+def test_studies_stand_beside_the_comparison(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    """What the paper does not tell would be missing from the page, or be about other episodes than its tables."""
+    arguments = ['--task', 'prepare_lunch', '--condition', 'C1', '--samples', '1', '--jobs', '2']
+    command = ['experiment', *arguments, '--strategy', 'u_sampling', '--studies', 'repeats', '--out', str(tmp_path)]
+    assert main(command) == 0
+    page = (tmp_path / 'report.md').read_text()
+    assert '### Whether u_sampling may ask again' in page
+    rows = list(csv.DictReader((tmp_path / 'studies' / 'repeats' / 'never_asks_again' / 'episodes.csv').open()))
+    assert {row['strategy'] for row in rows} == {'u_sampling'}
+    (lunch,) = [row for row in rows if (row['task'], float(row['budget']), row['turns']) == ('prepare_lunch', 25, '40')]
+    (line,) = [line for line in page.splitlines() if line.startswith('| never asks again |')]
+    assert line.split(' | ')[1].startswith(f'{float(lunch["final_accuracy"]):.3f} ')
+    assert '9 episodes, 0 failed' in capsys.readouterr().out
+
+
+@pytest.mark.slow
+def test_a_killed_experiment_goes_on_where_it_was(tmp_path: Path) -> None:
+    """A night's work would be lost, or its results be others than those of an undisturbed run."""
+    arguments = ['--task', 'prepare_lunch', '--condition', 'C1', '10/20', '--samples', '4', '--jobs', '2']
+    command = [
+        sys.executable,
+        '-m',
+        'al_questioner',
+        'experiment',
+        *arguments,
+        '--strategy',
+        'random_fsq',
+        'dt_task_env',
+    ]
+    whole, killed = tmp_path / 'whole', tmp_path / 'killed'
+    subprocess.run([*command, '--out', str(whole)], check=True, stdout=subprocess.DEVNULL, timeout=200)
+    process = subprocess.Popen([*command, '--out', str(killed)], start_new_session=True, stdout=subprocess.DEVNULL)
+    deadline = time.monotonic() + 200
+    while not list(killed.glob('cells/**/*.json')):
+        assert process.poll() is None
+        assert time.monotonic() < deadline
+        time.sleep(0.01)
+    os.killpg(process.pid, signal.SIGKILL)
+    process.wait()
+    kept = {path: path.stat().st_mtime_ns for path in killed.glob('cells/**/*.json')}
+    assert 0 < len(kept) < 16
+    assert not (killed / 'episodes.csv').exists()
+    subprocess.run([*command, '--out', str(killed)], check=True, stdout=subprocess.DEVNULL, timeout=200)
+    assert {path: path.stat().st_mtime_ns for path in kept} == kept
+    for name in ('episodes.csv', 'turns.csv'):
+        assert (killed / name).read_text() == (whole / name).read_text()
+
+
+def test_the_shipped_weights_are_recorded(tmp_path: Path) -> None:
+    """Results with other weights would be mixed into a folder, and nobody could say which they were with."""
+    arguments = ['--task', 'prepare_lunch', '--condition', '2/2', '--samples', '1', '--strategy', 'dt_task_env']
+    command = ['experiment', *arguments, '--out', str(tmp_path)]
+    assert main(command) == 0
+    assert re.search('"dt_iros": {\\s+"discriminability"', (tmp_path / 'manifest.json').read_text())
+    other = tmp_path / 'weights.yaml'
+    other.write_text('weights: {discriminability: 1.0}\n')
+    assert main([*command, '--weights-file', str(other)]) == 2
+
+
+def test_unusable_arguments_end_with_status_2_and_one_line(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    """A typing error would start hours of work, or end in a traceback."""
+    for arguments, reason in (
+        (['--condition', 'C9'], 'C1, C2, C3, C4, or BUDGET/TURNS'),
+        (['--condition', '5'], 'C1, C2, C3, C4, or BUDGET/TURNS'),
+        (['--samples', '0'], 'must be at least 1'),
+        (['--strategy', 'clever'], 'unknown strategy'),
+        (['--studies', 'magic'], 'unknown study'),
+        (['--studies', 'repeats', 'repeats'], 'named twice'),
+        (['--weights-file', 'missing.yaml'], 'cannot be read'),
+        (['--backend', 'dask'], 'belong together'),
+        (['--scheduler', 'tcp://127.0.0.1:1'], 'belong together'),
+    ):
+        assert main(['experiment', *arguments, '--out', str(tmp_path / 'x')]) == 2
+        error = capsys.readouterr().err
+        assert reason in error
+        assert error.count('\n') == 1
