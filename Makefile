@@ -11,7 +11,7 @@ export OMP_NUM_THREADS ?= 1
 # Nearly all of the tests' time is processes that start, so two files at a time, each in one process.
 PYTEST := $(RUN) pytest -n 2 --dist loadfile
 
-.PHONY: setup demo test test-all lint clean
+.PHONY: setup demo test test-all reproduction lint clean
 
 setup: $(INSTALLED)
 
@@ -34,6 +34,12 @@ test: setup
 
 test-all: setup
 	$(PYTEST)
+
+# All of docs/reproduction.md: the weights from the demonstrations, then the comparison and what stands beside it.
+reproduction: setup
+	$(RUN) al_questioner train_weights bags/expert_0 bags/expert_1 bags/expert_2 --out out/reproduction/weights.yaml
+	$(RUN) al_questioner experiment --out out/reproduction --weights-file out/reproduction/weights.yaml --samples 20 \
+		--task prepare_lunch pack_lunchbox kitchen_table --ceilings --studies --page docs/reproduction.md
 
 lint: setup
 	$(RUN) ruff format --check .

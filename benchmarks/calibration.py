@@ -1,10 +1,9 @@
-"""How hard each simulated world is: what labels, features and questions are worth in it.
+"""How hard each simulated world is: what labels and features are worth in it.
 
-    python benchmarks/calibration.py [--task TASK ...] [--samples N] [--strategies]
+    python benchmarks/calibration.py [--task TASK ...] [--samples N]
 
 For each task, over N samples (seeds 0 to N - 1), the accuracy on held-out observations of a learner that was told
-all labels, or 25 labels drawn at random, with all features or with those that the scripted teacher calls relevant;
-with --strategies also the final accuracy of each strategy under budget 25 and 40 turns.
+all labels, or 25 labels drawn at random, with all features or with those that the scripted teacher calls relevant.
 """
 
 from __future__ import annotations
@@ -19,9 +18,7 @@ import numpy as np
 from al_questioner.concepts import Knowledge
 from al_questioner.domain import NO_SYMBOL, Scene, generator
 from al_questioner.perception import perceive
-from al_questioner.questioning import STRATEGIES, known_strategies
-from al_questioner.simulation import WorldChoice, accuracy, episode_settings, run_episode
-from al_questioner.teaching import ScriptedTeacher
+from al_questioner.simulation import WorldChoice, accuracy
 from al_questioner.world import Task, World, load_task
 
 LABELS = 25
@@ -43,8 +40,7 @@ def told(task: Task, pool: Scene, labels: list[str], rows: list[int], with_subse
     knowledge.observe(pool)
     if with_subset:
         knowledge.restrict_to_groups(task.relevant_groups)
-    for row in rows:
-        knowledge.label(pool.object_ids[row], pool.features[row], labels[row], 1)
+    knowledge.label_scene(pool, {pool.object_ids[row]: labels[row] for row in rows}, 1)
     return knowledge
 
 
@@ -67,21 +63,11 @@ def measure(task: Task, sample: int) -> Iterator[tuple[str, float]]:
     yield 'share of clutter', labels.count(NO_SYMBOL) / len(labels)
 
 
-def final_accuracy(task: Task, strategy: str, sample: int) -> float:
-    """Of one episode under budget 25 and 40 turns."""
-    teacher = ScriptedTeacher(task.symbols, task.relevant_groups, sample)
-    settings = episode_settings(task, strategy, budget=25, turns=40)
-    return run_episode(WorldChoice(task, sample, sample), settings, teacher).final_accuracy
-
-
 def main() -> None:
     """Print a table for each task."""
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     parser.add_argument('--task', nargs='+', default=['prepare_lunch', 'kitchen_table', 'pack_lunchbox'])
     parser.add_argument('--samples', type=int, default=5)
-    parser.add_argument(
-        '--strategies', nargs='*', choices=known_strategies(), help='measure these, or all if none is named'
-    )
     given = parser.parse_args()
     for name in given.task:
         task = load_task(name)
@@ -89,8 +75,6 @@ def main() -> None:
         for sample in range(given.samples):
             for figure, value in measure(task, sample):
                 figures.setdefault(figure, []).append(value)
-            for strategy in (given.strategies or STRATEGIES) if given.strategies is not None else ():
-                figures.setdefault(strategy, []).append(final_accuracy(task, strategy, sample))
         print(f'\n{name}, {given.samples} samples')
         for figure, values in figures.items():
             spread = statistics.stdev(values) if len(values) > 1 else 0.0
