@@ -38,6 +38,9 @@ from al_questioner.experiments.studies import STUDIES, make_studies
 from al_questioner.files import make_folder, write_text
 from al_questioner.questioning import read_weights
 
+WHOLE_RUN = 1e9
+"""Seconds, longer than any experiment."""
+
 
 def condition(text: str) -> Condition:
     """An argument type: C1 to C4, or BUDGET/TURNS."""
@@ -163,11 +166,16 @@ def _run(stores: Sequence[Store], given: argparse.Namespace, console: Console) -
         bars.TimeRemainingColumn(),
         console=console,
         transient=True,
+        # The speed of the last half minute says little about episodes that take from a tenth of a second to ten.
+        speed_estimate_period=WHOLE_RUN,
     ) as progress:
-        bar = progress.add_task('', total=sum(len(store.plan.cells()) for store in stores))
+        bar = progress.add_task('looking what is there already', total=0)
 
-        def watch(done: int, total: int, played: Played) -> None:
-            progress.update(bar, completed=done, description=f'{played.cell.task} {played.cell.strategy}')
+        def watch(done: int, total: int, played: Played | None) -> None:
+            if played is None:
+                progress.reset(bar, total=total, completed=done, description='playing')
+            else:
+                progress.update(bar, completed=done, description=f'{played.cell.task} {played.cell.strategy}')
 
         return run(stores, given.jobs, given.scheduler, watch)
 

@@ -154,8 +154,11 @@ class Plan:
             self.variation.task(name)
 
     def groups(self) -> Iterator[tuple[Cell, ...]]:
-        """The cells, together those that share a world and their limits: they are played in one go."""
-        for task, sample, condition in itertools.product(self.tasks, self.samples, self.conditions):
+        """The cells, together those that share a world and their limits: they are played in one go.
+
+        Sample by sample, so that the first ones tell how long the others will take.
+        """
+        for sample, task, condition in itertools.product(self.samples, self.tasks, self.conditions):
             yield tuple(Cell(task, condition.budget, condition.turns, strategy, sample) for strategy in self.strategies)
 
     def cells(self) -> Sequence[Cell]:

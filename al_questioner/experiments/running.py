@@ -20,8 +20,9 @@ from al_questioner.experiments.plan import Cell, Plan, Variation
 from al_questioner.experiments.playing import EPISODE_COLUMNS, TURN_COLUMNS, Played, Row, play_cells
 from al_questioner.files import make_folder, write_text
 
-Watcher = Callable[[int, int, Played], None]
-"""Told, for each cell that was played, how many are there now, how many there will be, and what came of it."""
+Watcher = Callable[[int, int, Played | None], None]
+"""Told at the start, and of each cell that was played, how many are there now, how many there will be, and what came of
+it; None at the start."""
 
 
 class Store:
@@ -93,7 +94,7 @@ def run(
         stores: of the experiments.
         jobs: number of local processes; 1 for this one.
         scheduler: address of a dask scheduler that spreads the work instead.
-        watch: told of each cell that was played.
+        watch: told of the start and of each cell that was played.
 
     Raises:
         InputError: dask is not installed, or there is no scheduler at the address.
@@ -101,6 +102,8 @@ def run(
     missing = [(number, group) for number, store in enumerate(stores) for group in store.missing()]
     total = sum(len(store.plan.cells()) for store in stores)
     done = total - sum(len(group) for _, group in missing)
+    if watch is not None:
+        watch(done, total, None)
     failed = []
     with _backend(scheduler):
         parallel = Parallel(n_jobs=-1 if scheduler else jobs, return_as='generator_unordered', pre_dispatch='2*n_jobs')
