@@ -137,6 +137,7 @@ def _behaviour(results: Results, task: str, change_interval: int, path: Path) ->
         panel.set_yticks([-row for row in range(len(strategies))], strategies, fontsize=9)
         panel.set(xlim=(0, condition.turns + 1), xlabel='turn')
         panel.set_title(condition_name(condition), loc='left', fontsize=10)
+    figure.suptitle(f'{task}, sample {results.samples[0]}', x=0.01, ha='left', fontsize=11)
     _kind_legend(axes.flat[-1])
     return save(figure, path)
 
