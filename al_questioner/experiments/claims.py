@@ -10,7 +10,7 @@ import numpy as np
 from al_questioner.domain import QueryKind
 from al_questioner.experiments.plan import PAPER_CONDITIONS, PAPER_STRATEGIES, PAPER_TASKS, Condition
 from al_questioner.experiments.results import Results, TurnRow
-from al_questioner.experiments.statistics import Comparison, compare
+from al_questioner.experiments.statistics import Comparison, compare, p_text
 
 OURS = 'dt_task_env'
 BASELINES = tuple(name for name in PAPER_STRATEGIES if name != OURS)
@@ -62,9 +62,9 @@ def verdicts(results: Results, change_intervals: Mapping[str, int]) -> Iterator[
     played = [name for name in PAPER_CONDITIONS if _was_played(results, lunch, name)]
     if len(played) == len(PAPER_CONDITIONS):
         yield _never_below_task_centric(results, lunch)
-    for name in played:
-        yield _asks_at_every_turn(results, lunch, name)
-        yield _asks_for_the_subset_early(results, lunch, name)
+    if played:
+        yield _asks_at_every_turn(results, lunch, played)
+        yield _asks_for_the_subset_early(results, lunch, played)
     if 'C4' in played:
         yield from _query_counts(results, lunch)
     if 'C2' in played:
@@ -99,7 +99,7 @@ def _accuracy_verdicts(results: Results, task: str, name: str) -> Iterator[Verdi
         comparison.other: comparison for comparison in baseline_comparisons(results, task, PAPER_CONDITIONS[name])
     }
     tests = '; '.join(
-        f'{other}: p = {c.p:.3f} (Holm {c.p_holm:.3f}), superiority {c.superiority:.2f}'
+        f'{other}: {p_text(c.p)} (Holm {p_text(c.p_holm)}), superiority {c.superiority:.2f}'
         for other, c in comparisons.items()
     )
     beaten = {other for other, c in comparisons.items() if c.p_holm < SIGNIFICANT}
@@ -126,33 +126,33 @@ def _never_below_task_centric(results: Results, task: str) -> Verdict:
     )
 
 
-def _asks_at_every_turn(results: Results, task: str, name: str) -> Verdict:
-    condition = PAPER_CONDITIONS[name]
-    asked = []
-    for turns in _episodes(results, task, condition, 'u_sampling'):
-        affordable = min(len(turns), int(condition.budget))
-        asked.append(all(turn.kind == QueryKind.LABEL.value for turn in turns[:affordable]))
-    return Verdict(
-        f'{task}, {name}: u_sampling asks at every turn until its budget is gone',
-        f'in {sum(asked)} of {len(asked)} samples',
-        '',
-        all(asked),
-    )
+def _asks_at_every_turn(results: Results, task: str, names: Sequence[str]) -> Verdict:
+    found, always = [], True
+    for name in names:
+        condition = PAPER_CONDITIONS[name]
+        asked = []
+        for turns in _episodes(results, task, condition, 'u_sampling'):
+            affordable = min(len(turns), int(condition.budget))
+            asked.append(all(turn.kind == QueryKind.LABEL.value for turn in turns[:affordable]))
+        found.append(f'{name} in {sum(asked)} of {len(asked)} samples')
+        always = always and all(asked)
+    return Verdict(f'{task}: u_sampling asks at every turn until its budget is gone', ', '.join(found), '', always)
 
 
-def _asks_for_the_subset_early(results: Results, task: str, name: str) -> Verdict:
+def _asks_for_the_subset_early(results: Results, task: str, names: Sequence[str]) -> Verdict:
     found, early = [], True
     for strategy in DECISION_THEORETIC:
         turns = [
             next((turn.turn for turn in episode if turn.kind == QueryKind.FEATURE_SUBSET.value), None)
+            for name in names
             for episode in _episodes(results, task, PAPER_CONDITIONS[name], strategy)
         ]
         asked = [turn for turn in turns if turn is not None]
         early = early and len(asked) == len(turns) and max(asked) <= EARLY_TURN
         when = f'in turn {min(asked)} to {max(asked)}, median {np.median(asked):g}' if asked else 'never'
         missing = len(turns) - len(asked)
-        found.append(f'{strategy} {when}' + (f', in {missing} samples never' if asked and missing else ''))
-    claim = f'{task}, {name}: the decision-theoretic strategies ask the FSQ early (in the first {EARLY_TURN} turns)'
+        found.append(f'{strategy} {when}' + (f', in {missing} episodes never' if asked and missing else ''))
+    claim = f'{task}: the decision-theoretic strategies ask the FSQ early (in the first {EARLY_TURN} turns)'
     return Verdict(claim, '; '.join(found), '', early)
 
 

@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 
 from al_questioner.domain import InputError
 from al_questioner.experiments.ceilings import CEILINGS
-from al_questioner.experiments.plan import CONTROLS, PAPER_STRATEGIES, Cell, Condition
+from al_questioner.experiments.plan import CONTROLS, PAPER_STRATEGIES, PAPER_TASKS, Cell, Condition
 
 Array = NDArray[np.float64]
 
@@ -69,8 +69,9 @@ class Results:
 
     @cached_property
     def tasks(self) -> tuple[str, ...]:
-        """The tasks, in the order of the table."""
-        return tuple(dict.fromkeys(row.cell.task for row in self.episodes))
+        """The tasks: those of the paper first."""
+        found = dict.fromkeys(row.cell.task for row in self.episodes)
+        return (*(name for name in PAPER_TASKS if name in found), *(name for name in found if name not in PAPER_TASKS))
 
     @cached_property
     def strategies(self) -> tuple[str, ...]:

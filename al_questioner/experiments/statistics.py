@@ -66,6 +66,11 @@ def compare(first: Array, others: Mapping[str, Array], seed: int = 0) -> list[Co
     return found
 
 
+def p_text(p: float) -> str:
+    """A p-value for readers: 'p = 0.012', 'p < 0.001'."""
+    return 'p < 0.001' if p < 0.001 else f'p = {p:.3f}'
+
+
 def holm(p_values: Sequence[float]) -> list[float]:
     """Holm's step-down correction: the i-th smallest of k times k - i + 1, made monotone, at most 1."""
     count = len(p_values)
