@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Iterator, Mapping, Sequence
-from copy import copy
 from dataclasses import dataclass
 
 import numpy as np
@@ -211,12 +210,10 @@ class Knowledge:
         """`look_ahead` in parts: consecutive rows of the table, as a slice, and their part of it."""
         return self._models.look_ahead_chunks(self._standardiser.transform(scene.features)[:, self._active])
 
-    def predict_after_label(self, view: FloatArray, symbol: str, features: FloatArray) -> Array:
-        """(k, |Y|) q_y(x) of (k, m) raw features had a view, (m,) raw features, been labelled; nothing is learnt."""
-        labelled = np.concatenate([self._labelled_features(), np.asarray(view, dtype=np.float64)[None]])
-        table = self._standardiser.transform(labelled)[:, self._active]
-        models = copy(self._models).fit(table, [*self._labels(), symbol])
-        return models.predict_proba(self._standardiser.transform(features)[:, self._active])
+    def predict_after_each(self, views: FloatArray, symbols: Sequence[str], features: FloatArray) -> Array:
+        """(e, k, |Y|) q_y(x) of (k, m) raw features had each of (e, m) views, by itself, been named so."""
+        named, asked = (self._standardiser.transform(table)[:, self._active] for table in (views, features))
+        return self._models.predict_after_each(named, symbols, asked)
 
     def predict_after_selection(self, scene: Scene) -> Array:
         """(|X|, |Y|) prediction for the scene had the teacher named the features a computational selector would pick.

@@ -92,9 +92,7 @@ class ConceptModels:
         names = tuple(labels)
         if len(names) != len(points):
             raise InputError(f'{len(names)} labels for {len(points)} feature vectors')
-        for label in names:
-            if label not in self.symbols and label != NO_SYMBOL:
-                raise InputError(f'unknown label {label!r}; known: {", ".join((*self.symbols, NO_SYMBOL))}')
+        self._check_labels(names)
         targets = np.array([[float(label == symbol) for label in names] for symbol in self.symbols])
         n_known = len(self._labels)
         if len(points) == n_known + 1 and names[:-1] == self._labels and np.array_equal(points[:-1], self._points):
@@ -219,6 +217,46 @@ class ConceptModels:
             if len(things) == n_things:
                 self._last_table = exact, part.copy()
             yield slice(first, first + len(things)), part
+
+    def predict_after_each(self, examples: ArrayLike, labels: Sequence[str], features: ArrayLike) -> Array:
+        """What the models would say of things after one more example, for several such examples, each by itself.
+
+        As in `look_ahead`, nothing is fitted but what is not certain to lie within 8e-7.
+
+        Args:
+            examples: (e, m) standardised features.
+            labels: e names, each a symbol or `NO_SYMBOL`.
+            features: (k, m) standardised features of the things.
+
+        Returns:
+            (e, k, |Y|): [i] is `predict_proba(features)` had the i-th example been learnt.
+
+        Raises:
+            InputError: not m columns, a value that is not finite, or labels that do not fit.
+        """
+        new, things = self._matching(examples), self._matching(features)
+        if len(labels) != len(new):
+            raise InputError(f'{len(labels)} labels for {len(new)} feature vectors')
+        self._check_labels(labels)
+        points = np.concatenate([new, things])
+        known = self._points if self._labels else np.empty((0, points.shape[1]))
+        marginals = self._posterior.at(self._covariance(known, points))
+        n_symbols, own = len(self.symbols), np.array([[label == symbol for symbol in self.symbols] for label in labels])
+        found = np.empty((len(new), len(things), n_symbols))
+        per_example = 2 * n_symbols * len(points) * max(5, len(self._labels))
+        size = max(1, CHUNK_NUMBERS // per_example)
+        for first in range(0, len(new), size):
+            rows = np.arange(first, min(first + size, len(new)))
+            prior = self._covariance(new[rows], points)
+            table = predict_each(self._posterior, marginals, rows, prior, self.amplitude, exact=True)[:, :, len(new) :]
+            as_negative, as_positive = table[:, : len(rows)], table[:, len(rows) :]
+            found[rows] = np.where(own[rows].T[:, :, None], as_positive, as_negative).transpose(1, 2, 0)
+        return found
+
+    def _check_labels(self, labels: Sequence[str]) -> None:
+        for label in labels:
+            if label not in self.symbols and label != NO_SYMBOL:
+                raise InputError(f'unknown label {label!r}; known: {", ".join((*self.symbols, NO_SYMBOL))}')
 
     def _is_affordable(self, n_things: int) -> bool:
         """Whether an exact look-ahead takes no more than some seconds; if not, a warning is logged, once."""

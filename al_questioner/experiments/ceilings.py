@@ -40,12 +40,10 @@ class GreedyOracle(UnlabelledFirst):
             return ranks
         symbols, scene, truth = situation.symbols, situation.scene, self._world.truth(situation.turn)
         true = np.array([symbols.index(label) for label in self._labels])
-        accuracies, likelihoods = np.empty(len(rows)), np.empty(len(rows))
-        for i, row in enumerate(rows):
-            label = truth[scene.object_ids[row]]
-            q = situation.knowledge.predict_after_label(scene.features[row], label, self._features)
-            accuracies[i] = accuracy(q, self._labels, symbols)
-            likelihoods[i] = np.mean(np.log(symbol_given_object(q)[np.arange(len(true)), true]))
+        labels = [truth[scene.object_ids[row]] for row in rows]
+        after = situation.knowledge.predict_after_each(scene.features[rows], labels, self._features)
+        accuracies = [accuracy(q, self._labels, symbols) for q in after]
+        likelihoods = np.mean(np.log(symbol_given_object(after)[:, np.arange(len(true)), true]), axis=1)
         ranks[rows[np.lexsort((likelihoods, accuracies))]] = np.arange(len(rows))
         return ranks
 

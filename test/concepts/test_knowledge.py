@@ -326,12 +326,17 @@ def test_labels_of_a_scene_at_once_are_labels_one_by_one(scene):
     assert len(at_once.labelled_views) == 3
 
 
-@pytest.mark.parametrize('symbol', ['snack', NO_SYMBOL])
-def test_a_prediction_after_a_label_is_that_of_having_learnt_it(taught, scene, symbol):
+def test_predictions_after_labels_are_those_of_having_learnt_each(taught, scene):
     """The oracle would weigh labels by what they do not lead to, or teach the learner what nobody told it."""
     taught.restrict_to_groups(('colour', 'size'))
     before = taught.predict_proba(scene.features)
-    foreseen = taught.predict_after_label(scene.features[4], symbol, scene.features)
+    rows, symbols = [4, 5, 3], ['snack', NO_SYMBOL, 'fruit']
+    foreseen = taught.predict_after_each(scene.features[rows], symbols, scene.features)
     np.testing.assert_array_equal(taught.predict_proba(scene.features), before)
-    taught.label(4, scene.features[4], symbol, 5)
-    np.testing.assert_allclose(foreseen, taught.predict_proba(scene.features), atol=1e-9)
+    for row, symbol, after in zip(rows, symbols, foreseen, strict=True):
+        oracle = Knowledge(SYMBOLS)
+        oracle.observe(scene)
+        oracle.restrict_to_groups(('colour', 'size'))
+        oracle.label_scene(scene, {0: 'snack', 1: 'fruit', 2: NO_SYMBOL}, 1)
+        oracle.label(row, scene.features[row], symbol, 5)
+        np.testing.assert_allclose(after, oracle.predict_proba(scene.features), atol=8e-7)

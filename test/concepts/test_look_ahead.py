@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from al_questioner.concepts import ConceptModels, Knowledge, look_ahead, models
-from al_questioner.domain import NO_SYMBOL, Scene
+from al_questioner.domain import NO_SYMBOL, InputError, Scene
 
 TOLERANCE = 1e-6
 """What the look-ahead promises."""
@@ -320,3 +320,23 @@ def test_models_that_were_never_fitted(learning_state):
     state = learning_state(45, n=0, n_symbols=2, n_things=3)
     np.testing.assert_array_equal(state.models().look_ahead(state.scene), state.fitted().look_ahead(state.scene))
     assert state.largest_error(ConceptModels(state.symbols, state.amplitude).look_ahead(state.scene)) <= TOLERANCE
+
+
+@pytest.mark.parametrize('numbers', [1, 10**9])
+@pytest.mark.parametrize('n', [0, 7])
+def test_other_things_than_the_examples_can_be_asked_about(learning_state, monkeypatch, numbers, n):
+    """The oracle would judge labels by what other ones lead to, or differently in a large scene."""
+    monkeypatch.setattr(models, 'CHUNK_NUMBERS', numbers)
+    state = learning_state(3, n=n)
+    fitted = state.fitted()
+    examples, labels = state.scene[[0, 1, 0, 1]], [state.symbols[0], NO_SYMBOL, state.symbols[1], state.symbols[0]]
+    things = np.random.default_rng(0).normal(size=(5, state.scene.shape[1]))
+    found = fitted.predict_after_each(examples, labels, things)
+    for row, label, after in zip(examples, labels, found, strict=True):
+        features = np.concatenate([state.features, row[None]])
+        again = state.models().fit(features, [*state.labels, label])
+        np.testing.assert_allclose(after, again.predict_proba(things), rtol=0, atol=TOLERANCE)
+    with pytest.raises(InputError, match='unknown label'):
+        fitted.predict_after_each(examples, ['x'] * 4, things)
+    with pytest.raises(InputError, match='3 labels for 4'):
+        fitted.predict_after_each(examples, labels[:3], things)
