@@ -154,12 +154,15 @@ class Plan:
             self.variation.task(name)
 
     def groups(self) -> Iterator[tuple[Cell, ...]]:
-        """The cells, together those that share a world and their limits: they are played in one go.
+        """The cells, together those that share a world.
 
         Sample by sample, so that the first ones tell how long the others will take.
         """
-        for sample, task, condition in itertools.product(self.samples, self.tasks, self.conditions):
-            yield tuple(Cell(task, condition.budget, condition.turns, strategy, sample) for strategy in self.strategies)
+        for sample, task in itertools.product(self.samples, self.tasks):
+            yield tuple(
+                Cell(task, condition.budget, condition.turns, strategy, sample)
+                for condition, strategy in itertools.product(self.conditions, self.strategies)
+            )
 
     def cells(self) -> Sequence[Cell]:
         """All cells."""

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import csv
+import itertools
 import json
 import os
 import platform
@@ -19,6 +20,9 @@ from al_questioner.domain import InputError, SettingsError
 from al_questioner.experiments.plan import Cell, Plan, Variation
 from al_questioner.experiments.playing import EPISODE_COLUMNS, TURN_COLUMNS, Played, Row, play_cells
 from al_questioner.files import make_folder, write_text
+
+GROUPS_PER_JOB = 4
+"""With fewer worlds for each process than that, the conditions of one are spread over several processes."""
 
 Watcher = Callable[[int, int, Played | None], None]
 """Told at the start, and of each cell that was played, how many are there now, how many there will be, and what came of
@@ -58,7 +62,7 @@ class Store:
             return None
 
     def missing(self) -> list[tuple[Cell, ...]]:
-        """The cells that nothing is stored of, together those that share a world and their limits."""
+        """The cells that nothing is stored of, together those that share a world."""
         groups = (tuple(cell for cell in group if self.load(cell) is None) for group in self.plan.groups())
         return [group for group in groups if group]
 
@@ -100,6 +104,8 @@ def run(
         InputError: dask is not installed, or there is no scheduler at the address.
     """
     missing = [(number, group) for number, store in enumerate(stores) for group in store.missing()]
+    if scheduler or len(missing) < GROUPS_PER_JOB * jobs:
+        missing = [(number, part) for number, group in missing for part in _by_condition(group)]
     total = sum(len(store.plan.cells()) for store in stores)
     done = total - sum(len(group) for _, group in missing)
     if watch is not None:
@@ -121,6 +127,11 @@ def run(
                 if watch is not None:
                     watch(done, total, played)
     return failed
+
+
+def _by_condition(cells: Sequence[Cell]) -> list[tuple[Cell, ...]]:
+    """The cells of each condition: more, but smaller pieces of work, each of which opens the world anew."""
+    return [tuple(part) for _, part in itertools.groupby(cells, lambda cell: cell.condition)]
 
 
 def _play_numbered(number: int, cells: Sequence[Cell], variation: Variation, dataset: str) -> tuple[int, list[Played]]:
