@@ -8,7 +8,8 @@ import os
 import re
 import shlex
 import time
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
+from datetime import timedelta
 from pathlib import Path
 
 from rich import progress as bars
@@ -20,11 +21,13 @@ from al_questioner.concepts import compile_models
 from al_questioner.domain import EpisodeError, SettingsError
 from al_questioner.experiments.ceilings import CEILINGS
 from al_questioner.experiments.figures import condition_name, draw_figures
+from al_questioner.experiments.forecast import Forecast
 from al_questioner.experiments.plan import (
     CONTROLS,
     PAPER_CONDITIONS,
     PAPER_STRATEGIES,
     PAPER_TASKS,
+    Cell,
     Condition,
     Plan,
     Variation,
@@ -33,13 +36,11 @@ from al_questioner.experiments.plan import (
 from al_questioner.experiments.playing import Played
 from al_questioner.experiments.report import Page, report
 from al_questioner.experiments.results import Results, read_results
-from al_questioner.experiments.running import Store, run
-from al_questioner.experiments.studies import STUDIES, make_studies
+from al_questioner.experiments.running import run
+from al_questioner.experiments.storing import Store
+from al_questioner.experiments.studies import STUDIES, Study, make_studies
 from al_questioner.files import make_folder, write_text
 from al_questioner.questioning import read_weights
-
-WHOLE_RUN = 1e9
-"""Seconds, longer than any experiment."""
 
 
 def condition(text: str) -> Condition:
@@ -104,22 +105,13 @@ def main(arguments: Sequence[str]) -> int:
         raise SettingsError('--backend dask and --scheduler ADDRESS belong together')
     weights = dict(shipped_weights())
     if given.weights_file:
-        weights['dt_task_env'] = read_weights(Path(given.weights_file)).values
-    variation = Variation(given.change_interval, given.synchrony, given.wrong_rate, weights)
-    samples = tuple(range(given.first_sample, given.first_sample + given.samples))
-    ceilings = [name for name in CEILINGS if given.ceilings and name not in given.strategy]
-    plan = Plan(tuple(given.task), tuple(given.condition), (*given.strategy, *ceilings), samples, variation)
+        weights['dt_task_env'] = read_weights(Path(given.weights_file))
+    plan = _plan(given, {name: found.values for name, found in weights.items()})
     names = list(STUDIES) if given.studies == [] else given.studies or []
-    studies = make_studies(names, variation, samples)
+    studies = make_studies(names, plan.variation, plan.samples)
     store = Store(given.out, plan, given.dataset)
-    variants = {
-        study.name: {
-            label: Store(given.out / 'studies' / study.name / _folder_name(label), varied, given.dataset)
-            for label, varied in study.plans.items()
-        }
-        for study in studies
-    }
-    stores = [store, *(found for by_label in variants.values() for found in by_label.values())]
+    variants = [(study, _variant_stores(study, given)) for study in studies]
+    stores = [store, *(found for _, by_label in variants for found in by_label.values())]
     console = Console()
     with console.status('preparing the models, some ten seconds the first time ever'):
         compile_models()
@@ -127,17 +119,20 @@ def main(arguments: Sequence[str]) -> int:
     failed = _run(stores, given, console)
     for played in failed:
         console.print(f'failed: {played.cell}: {played.error}', highlight=False, soft_wrap=True)
-    total = sum(len(each.plan.cells()) for each in stores)
-    if len(failed) == total:
-        raise EpisodeError('every episode failed')
     tables = [path for each in stores for path in each.write_tables()]
+    if store.is_empty():
+        raise EpisodeError('every episode of the comparison failed')
     page = Page(
         f'python -m al_questioner experiment {shlex.join(arguments)}'.strip(),
         read_results(store.folder),
-        {task: variation.task(task).scenes.change_interval for task in plan.tasks},
+        {task: plan.variation.task(task).scenes.change_interval for task in plan.tasks},
         (),
         {name: weights[name] for name in plan.strategies if name in weights},
-        [(study, {label: read_results(s.folder) for label, s in variants[study.name].items()}) for study in studies],
+        [
+            (study, {label: read_results(each.folder) for label, each in by_label.items() if not each.is_empty()})
+            for study, by_label in variants
+        ],
+        _varied(given),
     )
     paths = [*tables[:2], *_write_page(page, given.out / 'report.md')]
     if given.page:
@@ -146,38 +141,69 @@ def main(arguments: Sequence[str]) -> int:
         console.print(_summary(page.results, task))
     for path in paths:
         console.print(f'  {path}', highlight=False, soft_wrap=True)
+    total = sum(len(each.plan.cells()) for each in stores)
     console.print(f'{total} episodes, {len(failed)} failed, {time.monotonic() - began:.0f} s')
     if failed:
         raise EpisodeError(f'{len(failed)} of {total} episodes failed; the same command tries them again')
     return 0
 
 
-def _folder_name(label: str) -> str:
-    return re.sub('[^a-z0-9.]+', '_', label.lower()).strip('_')
+def _plan(given: argparse.Namespace, weights: Mapping[str, Mapping[str, float]]) -> Plan:
+    """The comparison that the arguments name."""
+    samples = range(given.first_sample, given.first_sample + given.samples)
+    ceilings = [name for name in CEILINGS if given.ceilings and name not in given.strategy]
+    return Plan(
+        tuple(given.task),
+        tuple(given.condition),
+        (*given.strategy, *ceilings),
+        tuple(samples),
+        Variation(given.change_interval, given.synchrony, given.wrong_rate, weights),
+    )
+
+
+def _variant_stores(study: Study, given: argparse.Namespace) -> dict[str, Store]:
+    """Where the variants of a study are kept, by label."""
+    folder = given.out / 'studies' / study.name
+    names = {label: re.sub('[^a-z0-9.]+', '_', label.lower()).strip('_') for label in study.plans}
+    return {label: Store(folder / names[label], plan, given.dataset) for label, plan in study.plans.items()}
+
+
+def _varied(given: argparse.Namespace) -> str:
+    """What the arguments change in the tasks and the teacher, in words."""
+    parts = {
+        'the scene changes every {} turns': given.change_interval,
+        'synchrony {}': given.synchrony,
+        'share of wrong answers {}': given.wrong_rate or None,
+    }
+    return ', '.join(text.format(value) for text, value in parts.items() if value is not None)
 
 
 def _run(stores: Sequence[Store], given: argparse.Namespace, console: Console) -> list[Played]:
+    total = sum(len(store.plan.cells()) for store in stores)
     with bars.Progress(
         bars.TextColumn('{task.completed:.0f} of {task.total:.0f} episodes'),
         bars.BarColumn(),
         bars.TextColumn('{task.description}'),
         bars.TimeElapsedColumn(),
-        bars.TextColumn('left'),
-        bars.TimeRemainingColumn(),
+        bars.TextColumn('{task.fields[left]}'),
         console=console,
         transient=True,
-        # The speed of the last half minute says little about episodes that take from a tenth of a second to ten.
-        speed_estimate_period=WHOLE_RUN,
     ) as progress:
-        bar = progress.add_task('looking what is there already', total=0)
+        bar = progress.add_task('looking what is there already', total=total, left='')
+        forecast = Forecast(())
 
-        def watch(done: int, total: int, played: Played | None) -> None:
-            if played is None:
-                progress.reset(bar, total=total, completed=done, description='playing')
-            else:
-                progress.update(bar, completed=done, description=f'{played.cell.task} {played.cell.strategy}')
+        def begin(cells: Sequence[Cell]) -> None:
+            nonlocal forecast
+            forecast = Forecast(cells)
+            progress.update(bar, completed=total - len(cells), description='playing')
 
-        return run(stores, given.jobs, given.scheduler, watch)
+        def watch(played: Played) -> None:
+            forecast.played(played.cell, played.seconds)
+            seconds = forecast.seconds_left()
+            left = '' if seconds is None else f'about {timedelta(seconds=round(seconds))} left'
+            progress.update(bar, advance=1, description=f'{played.cell.task} {played.cell.strategy}', left=left)
+
+        return run(stores, given.jobs, given.scheduler, begin, watch)
 
 
 def _write_page(page: Page, path: Path) -> list[Path]:

@@ -14,7 +14,7 @@ from matplotlib.ticker import MaxNLocator
 
 from al_questioner.domain import QueryKind
 from al_questioner.experiments.ceilings import CEILINGS
-from al_questioner.experiments.plan import CONTROLS, PAPER_CONDITIONS, PAPER_STRATEGIES, Cell, Condition
+from al_questioner.experiments.plan import CONTROLS, PAPER_CONDITIONS, PAPER_STRATEGIES, Cell, Condition, task_label
 from al_questioner.experiments.results import Results
 from al_questioner.experiments.statistics import mean_and_error
 from al_questioner.files import make_folder
@@ -54,10 +54,11 @@ def draw_figures(results: Results, change_intervals: Mapping[str, int], folder: 
     paths = []
     with plt.rc_context(STYLE):
         for task in results.tasks:
-            paths.append(_learning_curves(results, task, folder / f'learning_curves_{task}.png'))
-            paths.append(_behaviour(results, task, change_intervals[task], folder / f'behaviour_{task}.png'))
-            paths.append(_kinds(results, task, folder / f'queries_{task}.png'))
-            paths.append(_budget(results, task, folder / f'budget_{task}.png'))
+            name = task_label(task)
+            paths.append(_learning_curves(results, task, folder / f'learning_curves_{name}.png'))
+            paths.append(_behaviour(results, task, change_intervals[task], folder / f'behaviour_{name}.png'))
+            paths.append(_kinds(results, task, folder / f'queries_{name}.png'))
+            paths.append(_budget(results, task, folder / f'budget_{name}.png'))
     return paths
 
 
@@ -130,9 +131,8 @@ def _behaviour(results: Results, task: str, change_interval: int, path: Path) ->
     figure, axes = plt.subplots(len(conditions), 1, figsize=(10, height * len(conditions) + 0.4), squeeze=False)
     for panel, condition in zip(axes.flat, conditions, strict=True):
         for row, strategy in enumerate(strategies):
-            group = results.group(task, condition, strategy)
-            if group:
-                _draw_queries(panel, results, group[0].cell, -row)
+            cell = Cell(task, condition.budget, condition.turns, strategy, results.samples[0])
+            _draw_queries(panel, results, cell, -row)
         mark_changes(panel, list(range(1 + change_interval, condition.turns + 1, change_interval)))
         panel.set_yticks([-row for row in range(len(strategies))], strategies, fontsize=9)
         panel.set(xlim=(0, condition.turns + 1), xlabel='turn')

@@ -4,16 +4,18 @@ from __future__ import annotations
 
 import dataclasses
 import itertools
+import json
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 from functools import partial
+from pathlib import Path
 from typing import Any
 
 from al_questioner.concepts import Selector, rank_p_values, select_features
 from al_questioner.configuration import config_dir
 from al_questioner.domain import SettingsError
 from al_questioner.experiments.ceilings import CEILINGS
-from al_questioner.questioning import Strategy, UncertaintySampling, read_weights, strategy_factory
+from al_questioner.questioning import STRATEGIES, Strategy, UncertaintySampling, Weights, make_strategy, read_weights
 from al_questioner.world import Task, load_task
 
 
@@ -88,10 +90,15 @@ class Variation:
         return dataclasses.replace(task, scenes=dataclasses.replace(task.scenes, **changes)) if changes else task
 
 
-def shipped_weights() -> Mapping[str, Mapping[str, float]]:
+def shipped_weights() -> Mapping[str, Weights]:
     """The weights in `config/weights` of the paper's strategies that have some."""
     paths = {name: config_dir() / 'weights' / f'{name}.yaml' for name in PAPER_STRATEGIES}
-    return {name: read_weights(path).values for name, path in paths.items() if path.is_file()}
+    return {name: read_weights(path) for name, path in paths.items() if path.is_file()}
+
+
+def task_label(name: str) -> str:
+    """What a task is called in tables' headings and files' names: of a path, the name of the file."""
+    return Path(name).stem if name.endswith('.yaml') else name
 
 
 @dataclass(frozen=True, order=True)
@@ -148,8 +155,10 @@ class Plan:
             if len(set(values)) < len(values):
                 raise SettingsError(f'the experiment names a {name} twice')
         for strategy in self.strategies:
-            if strategy not in CEILINGS:
-                strategy_factory(strategy)
+            if strategy not in CEILINGS and strategy not in STRATEGIES:
+                make_strategy(strategy, {})
+        if len({task_label(name) for name in self.tasks}) < len(self.tasks):
+            raise SettingsError('two tasks of the experiment have the same name')
         for name in self.tasks:
             self.variation.task(name)
 
@@ -167,6 +176,17 @@ class Plan:
     def cells(self) -> Sequence[Cell]:
         """All cells."""
         return [cell for group in self.groups() for cell in group]
+
+    def task_document(self, name: str) -> dict[str, Any]:
+        """What determines the world of a task, for the manifest: its members, down to numbers and names."""
+
+        def members(value: Any) -> Any:
+            if dataclasses.is_dataclass(value):
+                return {field.name: getattr(value, field.name) for field in dataclasses.fields(value)}
+            return dict(value) if isinstance(value, Mapping) else str(value)
+
+        document: dict[str, Any] = json.loads(json.dumps(self.variation.task(name), default=members))
+        return document
 
     def document(self) -> dict[str, Any]:
         """What determines the results, for the manifest."""

@@ -4,7 +4,8 @@ from __future__ import annotations
 
 import dataclasses
 import statistics
-from collections.abc import Sequence
+import time
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from functools import lru_cache
 from pathlib import Path
@@ -57,15 +58,17 @@ class Played:
         episode: a row by `EPISODE_COLUMNS`; empty if it failed.
         turns: rows by `TURN_COLUMNS`.
         error: why it failed; empty if it did not.
+        seconds: that it took, the opening of its world included if it was the first one there.
     """
 
     cell: Cell
     episode: Row
     turns: tuple[Row, ...]
     error: str = ''
+    seconds: float = 0.0
 
 
-def play_cells(cells: Sequence[Cell], variation: Variation, dataset: str = '') -> list[Played]:
+def play_cells(cells: Sequence[Cell], variation: Variation, dataset: str = '') -> Iterator[Played]:
     """Play episodes in one world, one after the other; one that fails does not keep the others from being played.
 
     Args:
@@ -73,7 +76,10 @@ def play_cells(cells: Sequence[Cell], variation: Variation, dataset: str = '') -
         variation: of all of them.
         dataset: root of a directory of crops, for tasks that read one.
     """
-    return [_play(cell, variation, dataset) for cell in cells]
+    for cell in cells:
+        began = time.monotonic()
+        played = _play(cell, variation, dataset)
+        yield dataclasses.replace(played, seconds=time.monotonic() - began)
 
 
 def _play(cell: Cell, variation: Variation, dataset: str) -> Played:

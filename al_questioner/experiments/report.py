@@ -9,42 +9,41 @@ from pathlib import Path
 import numpy as np
 
 from al_questioner.experiments.ceilings import CEILINGS
-from al_questioner.experiments.claims import OURS, verdicts
+from al_questioner.experiments.claims import BASELINES, OURS, Verdict, verdicts
 from al_questioner.experiments.figures import condition_name
 from al_questioner.experiments.plan import CONTROLS, Condition
 from al_questioner.experiments.results import Results
-from al_questioner.experiments.statistics import compare, holm, p_text
+from al_questioner.experiments.statistics import compare, control_test, p_text
 from al_questioner.experiments.studies import Study
+from al_questioner.questioning import Weights
 
 PAPER_SAMPLES = 5
 
 ABOUT_CLAIMS = """\
-A claim about significance counts as reproduced if Holm-corrected one-tailed Mann-Whitney U tests of the accuracies at
-the end of the time (the test of the paper, which corrects nothing) are below .05 for all that it names. Superiority is
-the probability that a sample of dt_task_env is above one of the other. Where the paper gives no number, the bound in
-brackets is ours."""
-
-ABOUT_WEIGHTS = """\
-The paper set the weights of dt_iros and dt_task by hand and does not tell them. Ours were chosen so that they ask about
-as much as the paper's in C4 (9 and 22 queries), on samples that are not on this page (1000 to 1009); the number of
-queries alone decided. The weights of dt_task_env were learnt from an expert's three recorded episodes with a budget of
-15, 30 turns and a change every 10, before anything on this page was played."""
+A claim about significance counts as reproduced if one-tailed Mann-Whitney U tests of the accuracies at the end of the
+time (the test of the paper), Holm-corrected for the comparisons with the paper's strategies in that condition (the
+paper corrects nothing), are below .05 for all that it names. Superiority is the probability that a sample of
+dt_task_env is above one of the other. Where the paper gives no number, the bound in brackets is ours."""
 
 ABOUT_ACCURACIES = """\
-Mean and standard deviation over the samples; in brackets the mean number of queries. `all_labels` and `greedy_oracle`
-are ceilings that know the truth: one is told every label as it comes into sight, and the relevant features, for
-nothing; the other spreads its budget over the scenes and takes each time the label that leads to the highest accuracy
-at once, on a second draw of held-out views."""
+Mean and standard deviation over the samples; in brackets the mean number of queries."""
+
+ABOUT_CEILINGS = """\
+`all_labels` and `greedy_oracle` know the truth: one is told every label as it comes into sight, and the relevant
+features, for nothing; the other spreads its budget over the scenes and takes each time the label that leads to the
+highest accuracy at once, on a second draw of held-out views. Neither is an upper bound: fewer labels, well chosen or
+lucky, can be more accurate than all, and who looks ahead than who is greedy."""
 
 ABOUT_TESTS = """\
-One-tailed tests that it is more accurate: Mann-Whitney U, Holm-corrected within each condition over all strategies
-shown, and, since all strategies share samples, scenes and seeds, the paired Wilcoxon signed-rank test. Superiority is
-the probability that a sample of it is above one of the other, with a 95 % bootstrap interval."""
+One-tailed tests that it is more accurate: Mann-Whitney U, Holm-corrected within each condition over all strategies of
+this table, and, since all strategies share samples, scenes and seeds, the paired Wilcoxon signed-rank test,
+uncorrected. Superiority is the probability that a sample of it is above one of the other, with a 95 % bootstrap
+interval."""
 
-ABOUT_CALIBRATION = """\
-All settings of the simulated world that were tried before any strategy was compared in it, with what each gave, are
-listed in [world.md](world.md#how-hard-they-are); the paces that were tried for the scripted expert, the settings of the
-training, and where it fails, in [method.md](method.md#imitation)."""
+ABOUT_STUDIES = """\
+One thing at a time, as it was and otherwise. What was tried to make the simulated tables neither too easy nor hopeless
+is told in [world.md](world.md#how-hard-they-are), the paces of the scripted expert, the settings of the training and
+where it fails in [method.md](method.md#imitation)."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -58,14 +57,16 @@ class Page:
         figures: pictures to show.
         weights: of the decision-theoretic strategies.
         studies: with the results of their variants, by label.
+        varied: what is not as the tasks and the strategies have it, in words; empty for nothing.
     """
 
     command: str
     results: Results
     change_intervals: Mapping[str, int]
     figures: Sequence[Path]
-    weights: Mapping[str, Mapping[str, float]]
+    weights: Mapping[str, Weights]
     studies: Sequence[tuple[Study, Mapping[str, Results]]] = field(default=())
+    varied: str = ''
 
 
 def report(page: Page, folder: Path) -> str:
@@ -78,25 +79,26 @@ def report(page: Page, folder: Path) -> str:
     results = page.results
     parts = [
         '# Reproduction',
-        f'Written by `{page.command}`; every number on this page is from its tables.',
+        f'Written by `{page.command}`; every result on this page is computed from its tables.',
+        f'**Varied throughout: {page.varied}.**' if page.varied else '',
         _first_paragraph(results),
         _second_paragraph(results, page.change_intervals),
         '## What the paper claims',
         *_claims(results, page.change_intervals),
-        '## The weights',
-        ABOUT_WEIGHTS,
-        _weights(page.weights),
-        '## Accuracy at the end of the time',
-        ABOUT_ACCURACIES,
-        *(_accuracies(results, task) for task in results.tasks),
-        f'## {OURS} against each other strategy',
-        ABOUT_TESTS,
-        *(_comparisons(results, task) for task in results.tasks),
-        '## Figures',
-        *(f'![{path.stem.replace("_", " ")}]({_relative(path, folder)})' for path in page.figures),
     ]
+    if page.weights:
+        parts += ['## The weights', _weights(page.weights)]
+        parts += [f'`{name}`: {weights.provenance}' for name, weights in page.weights.items() if weights.provenance]
+    parts += ['## Accuracy at the end of the time', ABOUT_ACCURACIES]
+    parts += [ABOUT_CEILINGS if any(name in CEILINGS for name in results.strategies) else '']
+    parts += [_accuracies(results, task) for task in results.tasks]
+    if OURS in results.strategies:
+        parts += [f'## {OURS} against each other strategy', ABOUT_TESTS]
+        parts += [_comparisons(results, task) for task in results.tasks]
+    parts += ['## Figures']
+    parts += [f'![{path.stem.replace("_", " ")}]({_relative(path, folder)})' for path in page.figures]
     if page.studies:
-        parts += ['## What the paper does not tell', ABOUT_CALIBRATION]
+        parts += ['## What the paper does not tell', ABOUT_STUDIES]
         for study, found in page.studies:
             parts += [f'### {study.title}', study.about, *_study(study, results, found)]
     return '\n\n'.join(part for part in parts if part) + '\n'
@@ -110,43 +112,52 @@ def _relative(path: Path, folder: Path) -> str:
 
 
 def _first_paragraph(results: Results) -> str:
-    """What a reader must not miss: where a simple rule is better than the paper's method."""
-    beaten, cells = [], 0
+    """What a reader must not miss: where a simple rule, or another of its strategies, is better than its method."""
+    beaten, others, cells = [], [], 0
     for task in results.tasks:
         for condition in results.conditions(task):
             accuracies = results.final_accuracies(task, condition)
             controls = {name: float(accuracies[name].mean()) for name in CONTROLS if name in accuracies}
-            if OURS not in accuracies or not controls:
+            if OURS not in accuracies or not controls or not len(accuracies[OURS]):
                 continue
             cells += 1
+            others += [
+                f'{task}, {condition_name(condition)}: {name} {accuracies[name].mean():.3f}'
+                for name in BASELINES
+                if name in accuracies and accuracies[name].mean() > accuracies[OURS].mean()
+            ]
             best = max(controls, key=lambda name: controls[name])
             ours = float(accuracies[OURS].mean())
             if controls[best] > ours:
-                tests = [compare(accuracies[name], {OURS: accuracies[OURS]})[0].p for name in controls]
-                p = dict(zip(controls, holm(tests), strict=True))[best]
+                rivals = [accuracies[name] for name in controls if name != best]
+                p = control_test(accuracies[best], rivals, accuracies[OURS])
                 where = f'{task}, {condition_name(condition)}'
                 beaten.append(f'{where}: {best} {controls[best]:.3f}, {OURS} {ours:.3f} ({p_text(p)})')
     if not cells:
         return 'No control was played beside the strategies of the paper.'
     if not beaten:
         return f'In none of the {cells} cells is a control more accurate, in the mean, than {OURS}.'
-    listed = '\n'.join(f'- {line}' for line in beaten)
-    return (
-        f'**A simple control is more accurate, in the mean, than {OURS} in {len(beaten)} of {cells} cells**'
-        ' (the best control of each; one-tailed Mann-Whitney U tests, Holm-corrected for the number of controls):'
-        f'\n\n{listed}'
-    )
+    how_often = f'**A simple control is more accurate, in the mean, than {OURS} in {len(beaten)} of {cells} cells**'
+    how = 'the best control of each; one-tailed Mann-Whitney U tests, Holm-corrected for the number of controls'
+    parts = [f'{how_often} ({how}):', '\n'.join(f'- {line}' for line in beaten)]
+    if others:
+        parts.append(f'Another strategy of the paper is more accurate than it in these: {"; ".join(others)}.')
+    return '\n\n'.join(parts)
 
 
 def _second_paragraph(results: Results, change_intervals: Mapping[str, int]) -> str:
     """How many of the paper's claims hold."""
     counts = []
     for samples in dict.fromkeys((results.samples[:PAPER_SAMPLES], results.samples)):
-        found = [verdict.reproduced for verdict in verdicts(results.of_samples(samples), change_intervals)]
+        found = list(verdicts(results.of_samples(samples), change_intervals))
         if not found:
             return ''
-        counts.append(f'{sum(found)} of {len(found)} on {_count(samples).lower()}')
-    return f"Of the paper's claims below, {' and '.join(counts)} are reproduced."
+        held = [verdict for verdict in found if verdict.reproduced]
+        sure = sum(verdict.by_construction for verdict in held)
+        counts.append(
+            f'{len(held)} of {len(found)} are reproduced on {_count(samples).lower()} ({sure} of them by construction)'
+        )
+    return f"Of the paper's claims below, {', '.join(counts)}."
 
 
 def _claims(results: Results, change_intervals: Mapping[str, int]) -> list[str]:
@@ -154,25 +165,29 @@ def _claims(results: Results, change_intervals: Mapping[str, int]) -> list[str]:
     first = results.samples[:PAPER_SAMPLES]
     parts = [ABOUT_CLAIMS]
     for samples in dict.fromkeys((first, results.samples)):
-        rows = [
-            (v.claim, v.found, v.tests, 'reproduced' if v.reproduced else '**not reproduced**')
-            for v in verdicts(results.of_samples(samples), change_intervals)
-        ]
+        rows = [(v.claim, v.found, v.tests, _word(v)) for v in verdicts(results.of_samples(samples), change_intervals)]
         if not rows:
             return ['The strategies of the paper were not all played in one of its conditions: no claim is tested.']
         parts += [f'### {_count(samples)}', _table(('claim', 'found', 'tests', 'verdict'), rows)]
     return parts
 
 
+def _word(verdict: Verdict) -> str:
+    if verdict.reproduced is None:
+        return 'cannot be tested on so few samples'
+    word = 'reproduced' if verdict.reproduced else '**not reproduced**'
+    return f'{word} (by construction)' if verdict.by_construction else word
+
+
 def _count(samples: Sequence[int]) -> str:
     return 'One sample' if len(samples) == 1 else f'{len(samples)} samples'
 
 
-def _weights(weights: Mapping[str, Mapping[str, float]]) -> str:
-    names = list(dict.fromkeys(feature for values in weights.values() for feature in values))
+def _weights(weights: Mapping[str, Weights]) -> str:
+    names = list(dict.fromkeys(feature for found in weights.values() for feature in found.values))
     rows = [
-        (f'`{strategy}`', *(f'{values[name]:.3f}' if name in values else '' for name in names))
-        for strategy, values in weights.items()
+        (f'`{strategy}`', *(f'{found.values[name]:.3f}' if name in found.values else '' for name in names))
+        for strategy, found in weights.items()
     ]
     return _table(('', *(name.replace('_', ' ') for name in names)), rows)
 
@@ -201,7 +216,7 @@ def _comparisons(results: Results, task: str) -> str:
     rows = []
     for condition in results.conditions(task):
         accuracies = results.final_accuracies(task, condition)
-        if OURS not in accuracies:
+        if not len(accuracies.get(OURS, ())):
             continue
         others = {name: values for name, values in accuracies.items() if name != OURS and name not in CEILINGS}
         for c in compare(accuracies[OURS], others):
@@ -211,27 +226,35 @@ def _comparisons(results: Results, task: str) -> str:
                     condition_name(condition),
                     f'`{c.other}`',
                     f'{c.mean - c.other_mean:+.3f}',
-                    f'{c.p:.4f}',
-                    f'{c.p_holm:.4f}',
+                    _short(c.p),
+                    _short(c.p_holm),
                     f'{c.superiority:.2f} [{low:.2f}, {high:.2f}]',
-                    f'{c.p_paired:.4f}',
+                    _short(c.p_paired),
                 )
             )
     return _table((task, 'against', 'difference', 'p', 'Holm', 'superiority', 'paired p'), rows)
 
 
+def _short(p: float) -> str:
+    return '< .0001' if p < 0.0001 else f'{p:.4f}'
+
+
 def _study(study: Study, comparison: Results, found: Mapping[str, Results]) -> list[str]:
     """A table of each cell with a column for each variant, or, of a single strategy, one with a row for each."""
     plan = next(iter(study.plans.values()))
-    columns = {study.own: comparison.of_samples(plan.samples), **found}
+    own = comparison.of_samples(plan.samples)
     cells = [(task, condition) for task in plan.tasks for condition in plan.conditions]
-    about = f'{_count(plan.samples)}; "{study.own}" is the comparison above.'
+    about, columns = _count(plan.samples), dict(found)
+    if any(own.group(*cell, strategy) for cell in cells for strategy in plan.strategies):
+        about, columns = f'{about}; "{study.own}" is the comparison above.', {study.own: own, **found}
     if len(plan.strategies) == 1:
         (strategy,) = plan.strategies
         rows = [
-            (label, *(_mean_and_deviation(results, task, condition, strategy) for task, condition in cells))
+            (label, *(_mean_and_deviation(results, *cell, strategy) for cell in cells))
             for label, results in columns.items()
         ]
+        if strategy != OURS and any(own.group(*cell, OURS) for cell in cells):
+            rows.append((f'beside it: `{OURS}`', *(_mean_and_deviation(own, *cell, OURS) for cell in cells)))
         head = (f'`{strategy}`', *(f'{task}, {condition_name(condition)}' for task, condition in cells))
         return [about, _table(head, rows)]
     tables = []

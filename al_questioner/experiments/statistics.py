@@ -71,6 +71,18 @@ def p_text(p: float) -> str:
     return 'p < 0.001' if p < 0.001 else f'p = {p:.3f}'
 
 
+def control_test(control: Array, others: Sequence[Array], first: Array) -> float:
+    """Of the one-tailed Mann-Whitney U test that a control is above a strategy, p Holm-corrected among the controls.
+
+    Args:
+        control: (n,) accuracies.
+        others: of the other controls.
+        first: of the strategy.
+    """
+    tests = [mannwhitneyu(values, first, alternative='greater').pvalue for values in (control, *others)]
+    return holm([float(p) for p in tests])[0]
+
+
 def holm(p_values: Sequence[float]) -> list[float]:
     """Holm's step-down correction: the i-th smallest of k times k - i + 1, made monotone, at most 1."""
     count = len(p_values)

@@ -27,7 +27,7 @@ TASK = PAPER_TASKS[0]
 
 CHANGE_INTERVALS = (5, 10, 20, 40)
 SYNCHRONIES = (0.0, 0.5, 1.0)
-WRONG_RATE = 0.1
+WRONG_RATES = (0.0, 0.1)
 IROS_UNIFORMITY = (0.0, 0.05, 0.1, 0.11, 0.12, 0.15, 0.26, 0.5, 1.0)
 TASK_WEIGHTS = ((0, 0.05), (0.05, 0.05), (0.06, 0.05), (0.08, 0.05), (0.1, 0.05), (0.17, 0.05), (0.07, 0), (0.07, 0.2))
 """Class uniformity and prediction margin; the rest is shared by discriminability and instance variation."""
@@ -181,7 +181,11 @@ def _wrong_answers(base: Variation, samples: tuple[int, ...]) -> Study:
         'A teacher who errs',
         'The share of answers that are wrong, of label, demonstration and feature subset queries alike.',
         f'{base.wrong_rate:.0%}',
-        {f'{WRONG_RATE:.0%}': _plan(dataclasses.replace(base, wrong_rate=WRONG_RATE), samples, COMPARED)},
+        {
+            f'{rate:.0%}': _plan(dataclasses.replace(base, wrong_rate=rate), samples, COMPARED)
+            for rate in WRONG_RATES
+            if rate != base.wrong_rate
+        },
     )
 
 

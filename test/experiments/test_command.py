@@ -45,6 +45,10 @@ def test_the_command_writes_tables_figures_and_page(tmp_path: Path, capsys: pyte
     assert '| `greedy_oracle` | +' not in page
     assert '| `greedy_oracle` | -' not in page
     assert '21 episodes, 0 failed' in capsys.readouterr().out
+    elsewhere = tmp_path / 'docs' / 'page.md'
+    assert main(['experiment', *arguments, '--out', str(tmp_path), '--page', str(elsewhere)]) == 0
+    assert elsewhere.read_text().splitlines()[3:] == page.replace('figures/report/', 'figures/page/').splitlines()[3:]
+    assert len(list((tmp_path / 'docs' / 'figures' / 'page').glob('*.png'))) == 4
 
 
 def tiny_study(base: Variation, samples: tuple[int, ...]) -> Study:

@@ -5,16 +5,22 @@ from __future__ import annotations
 import csv
 import dataclasses
 import json
+from concurrent.futures import BrokenExecutor
 from pathlib import Path
 
 import pytest
 
-from al_questioner.domain import InputError, SettingsError
-from al_questioner.experiments import playing, running
+from al_questioner.configuration import config_dir
+from al_questioner.domain import EpisodeError, InputError, SettingsError
+from al_questioner.experiments import forecast, playing, running, storing
 from al_questioner.experiments.plan import Cell, Condition, Plan, Variation
 from al_questioner.experiments.playing import play_cells, play_episode
 from al_questioner.experiments.results import read_results
-from al_questioner.experiments.running import Store, run
+from al_questioner.experiments.running import run
+from al_questioner.experiments.storing import Store
+from al_questioner.simulation import WorldChoice, episode_settings, run_episode
+from al_questioner.teaching import ScriptedTeacher
+from al_questioner.world import load_task
 
 PLAN = Plan(('prepare_lunch',), (Condition(3, 4), Condition(2, 6)), ('random_fsq', 'dt_task_env'), (0, 1))
 
@@ -41,13 +47,34 @@ def test_the_numbers_do_not_depend_on_the_processes(reference, tmp_path: Path) -
     assert played(tmp_path, jobs=2) == reference[1]
 
 
-def test_a_cell_is_the_episode_that_demo_plays(reference) -> None:
+def test_a_cell_is_the_episode_that_anybody_plays(reference) -> None:
     """The experiment would be about other episodes than those that users see."""
+    task = load_task('prepare_lunch')
     for row in read_results(reference[0]).episodes:
-        result = play_episode(row.cell, Variation())
+        cell, sample = row.cell, row.cell.sample
+        teacher = ScriptedTeacher(task.symbols, task.relevant_groups, sample)
+        settings = episode_settings(task, cell.strategy, cell.budget, cell.turns)
+        result = run_episode(WorldChoice(task, sample, sample), settings, teacher)
         assert row.final_accuracy == result.final_accuracy
         assert row.queries == len(result.queries)
         assert row.spent == result.spent
+
+
+def test_strategies_share_sample_scenes_and_teacher(monkeypatch: pytest.MonkeyPatch) -> None:
+    """The design is paired: what differs between strategies must not be chance."""
+    seen = []
+
+    def watched(choice, settings, teacher, **others):
+        seen.append((choice, teacher))
+        return run_episode(choice, settings, teacher, **others)
+
+    monkeypatch.setattr(playing, 'run_episode', watched)
+    for strategy in ('random_fsq', 'dt_task_env'):
+        cell = Cell('prepare_lunch', 3, 3, strategy, 1)
+        assert cell.seed == 1
+        play_episode(cell, Variation(wrong_rate=0.2))
+    assert seen[0] == seen[1]
+    assert (seen[0][0].seed, seen[0][0].sample, seen[0][1].seed) == (1, 1, 1)
 
 
 def test_the_tables_have_a_row_per_episode_and_per_turn(reference) -> None:
@@ -113,6 +140,75 @@ def test_another_experiment_is_not_mixed_in(reference) -> None:
     other = dataclasses.replace(PLAN, variation=Variation(wrong_rate=0.1))
     with pytest.raises(SettingsError, match='choose another folder'):
         Store(reference[0], other)
+
+
+def test_other_code_or_another_world_is_not_mixed_in(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Half of the table would be from before a change that decides what an episode is."""
+    Store(tmp_path, PLAN)
+    Store(tmp_path, dataclasses.replace(PLAN, tasks=('pack_lunchbox',)))
+    monkeypatch.setattr(storing, 'code_digest', lambda: 'other')
+    with pytest.raises(SettingsError, match='with code'):
+        Store(tmp_path, PLAN)
+    monkeypatch.undo()
+    monkeypatch.setattr(Plan, 'task_document', lambda plan, name: {'objects': 4})
+    with pytest.raises(SettingsError, match='with prepare_lunch'):
+        Store(tmp_path, PLAN)
+
+
+def test_every_run_is_told(reference, tmp_path: Path) -> None:
+    """Nobody could say on which machine the first half was played."""
+    Store(tmp_path, PLAN)
+    Store(tmp_path, PLAN)
+    manifest = json.loads((tmp_path / 'manifest.json').read_text())
+    assert len(manifest['runs']) == 2
+    assert {'python', 'numpy', 'scipy', 'begun'} <= set(manifest['runs'][0])
+
+
+def test_a_task_file_is_stored_inside_the_folder(tmp_path: Path) -> None:
+    """Cells of a task of one's own would be written all over the disk."""
+    copy = tmp_path / 'mine.yaml'
+    copy.write_text((config_dir() / 'tasks' / 'prepare_lunch.yaml').read_text())
+    plan = dataclasses.replace(PLAN, tasks=(str(copy),), samples=(0,), conditions=(Condition(2, 2),))
+    played(tmp_path / 'out', plan)
+    assert {path.parts[len((tmp_path / 'out').parts) + 1] for path in (tmp_path / 'out').glob('cells/**/*.json')} == {
+        'mine'
+    }
+    with pytest.raises(SettingsError, match='same name'):
+        dataclasses.replace(PLAN, tasks=(str(copy), str(tmp_path / 'other' / 'mine.yaml')))
+
+
+def test_a_dead_worker_is_told_in_a_line(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """A machine short of memory would answer with a traceback of the pool."""
+
+    def broken(*_: object, **__: object):
+        def parallel(tasks):
+            yield 0, []
+            raise BrokenExecutor
+
+        return parallel
+
+    monkeypatch.setattr(running, 'Parallel', broken)
+    with pytest.raises(EpisodeError, match='start it again'):
+        run([Store(tmp_path, PLAN)])
+
+
+def test_the_forecast_is_that_of_episodes_like_those_that_are_left(monkeypatch: pytest.MonkeyPatch) -> None:
+    """An hour would be announced as a minute because the cheap episodes came first."""
+    now = [0.0]
+    monkeypatch.setattr(forecast.time, 'monotonic', lambda: now[0])
+    cheap = [Cell('prepare_lunch', 3, 4, 'random_fsq', sample) for sample in range(10)]
+    dear = [Cell('prepare_lunch', 3, 4, 'dt_task_env', sample) for sample in range(10)]
+    found = forecast.Forecast([*cheap, *dear])
+    assert found.seconds_left() is None
+    found.played(dear[0], 100.0)
+    found.played(cheap[0], 1.0)
+    # Two at once: 101 seconds of work in half of the time.
+    now[0] = 50.5
+    assert found.seconds_left() == pytest.approx((9 * 100 + 9 * 1) / 2)
+    for cell in cheap[1:]:
+        found.played(cell, 1.0)
+    now[0] += 4.5
+    assert found.seconds_left() == pytest.approx(900 / 2)
 
 
 def test_variations_change_what_is_played(tmp_path: Path) -> None:

@@ -11,7 +11,7 @@ from al_questioner.experiments.plan import SELECTORS, Cell, Variation, shipped_w
 from al_questioner.experiments.playing import play_episode
 from al_questioner.experiments.studies import MOST_SAMPLES, STUDIES, make_studies
 
-BASE = Variation(weights=shipped_weights())
+BASE = Variation(weights={name: found.values for name, found in shipped_weights().items()})
 VARIED = {
     'weights_iros': 'weights',
     'weights_task': 'weights',

@@ -1,0 +1,176 @@
+"""The folder of an experiment: what was played, with what, and the tables made from it."""
+
+from __future__ import annotations
+
+import csv
+import hashlib
+import json
+import os
+import platform
+import time
+from collections.abc import Iterator, Mapping, Sequence
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import scipy
+
+import al_questioner
+from al_questioner import __version__
+from al_questioner.domain import InputError, SettingsError
+from al_questioner.experiments.plan import Cell, Plan, task_label
+from al_questioner.experiments.playing import EPISODE_COLUMNS, TURN_COLUMNS, Played, Row
+from al_questioner.files import make_folder, write_text
+
+DECIDING = (
+    'domain.py',
+    'concepts',
+    'perception',
+    'questioning',
+    'teaching',
+    'world',
+    'simulation.py',
+    'experiments/ceilings.py',
+    'experiments/plan.py',
+    'experiments/playing.py',
+)
+"""The parts of the package that decide what an episode is."""
+
+
+class Store:
+    """The folder of an experiment: a manifest, a file for each finished cell, and the tables made from them.
+
+    Args:
+        folder: made if it is not there.
+        plan: what is stored in it.
+        dataset: root of a directory of crops.
+
+    Raises:
+        InputError: the folder cannot be written to, or holds an experiment that cannot be gone on with: of another
+            version or code, or with other variations or worlds.
+    """
+
+    def __init__(self, folder: Path, plan: Plan, dataset: str = '') -> None:
+        self.folder, self.plan, self.dataset = folder, plan, dataset
+        self._cells = folder / 'cells'
+        make_folder(self._cells)
+        manifest = folder / 'manifest.json'
+        variation = plan.document()['variation']
+        determining = {'version': __version__, 'code': code_digest(), 'variation': variation, 'dataset': dataset}
+        before = _read_manifest(manifest) if manifest.is_file() else {}
+        if before:
+            _check_same(folder, before, determining)
+        worlds = {name: json.loads(json.dumps(plan.task_document(name))) for name in plan.tasks}
+        _check_same(
+            folder, before.get('worlds', {}), {k: v for k, v in worlds.items() if k in before.get('worlds', {})}
+        )
+        document = {
+            **determining,
+            **plan.document(),
+            'seeds': list(plan.samples),
+            'worlds': {**before.get('worlds', {}), **worlds},
+            'runs': [*before.get('runs', []), _machine()],
+        }
+        write_text(manifest, json.dumps(document, indent=1) + '\n')
+
+    def load(self, cell: Cell) -> Played | None:
+        """What was stored of a cell; None if nothing usable was."""
+        try:
+            document = json.loads(self._path(cell).read_text(encoding='utf-8'))
+            return Played(cell, document['episode'], tuple(document['turns']))
+        except (OSError, ValueError, KeyError, TypeError):
+            return None
+
+    def is_empty(self) -> bool:
+        """Whether nothing is stored of the plan."""
+        return all(self.load(cell) is None for cell in self.plan.cells())
+
+    def missing(self) -> list[tuple[Cell, ...]]:
+        """The cells that nothing is stored of, together those that share a world."""
+        groups = (tuple(cell for cell in group if self.load(cell) is None) for group in self.plan.groups())
+        return [group for group in groups if group]
+
+    def save(self, played: Played) -> None:
+        """Store a cell; a crash meanwhile leaves no half of it."""
+        path = self._path(played.cell)
+        make_folder(path.parent)
+        draft = path.with_suffix('.tmp')
+        write_text(draft, json.dumps({'episode': played.episode, 'turns': played.turns}))
+        draft.replace(path)
+
+    def write_tables(self) -> list[Path]:
+        """Write `episodes.csv` and `turns.csv` from what is stored of the plan, sorted."""
+        stored = [played for cell in sorted(self.plan.cells()) if (played := self.load(cell)) is not None]
+        episodes, turns = self.folder / 'episodes.csv', self.folder / 'turns.csv'
+        _write_csv(episodes, EPISODE_COLUMNS, (played.episode for played in stored))
+        _write_csv(turns, TURN_COLUMNS, (row for played in stored for row in played.turns))
+        return [episodes, turns]
+
+    def _path(self, cell: Cell) -> Path:
+        return (
+            self._cells
+            / task_label(cell.task)
+            / f'{cell.condition}'.replace('/', '-')
+            / cell.strategy
+            / f'{cell.sample}.json'
+        )
+
+
+def code_digest() -> str:
+    """A hash of the source that decides what an episode is: with other code the finished ones are no longer right."""
+    package = Path(al_questioner.__file__).parent
+    digest = hashlib.sha256()
+    for part in DECIDING:
+        paths = sorted((package / part).rglob('*.py')) if (package / part).is_dir() else [package / part]
+        for path in paths:
+            digest.update(path.relative_to(package).as_posix().encode() + b'\0' + path.read_bytes())
+    return digest.hexdigest()[:16]
+
+
+def _read_manifest(path: Path) -> dict[str, Any]:
+    try:
+        found = json.loads(path.read_text(encoding='utf-8'))
+    except (OSError, ValueError) as error:
+        raise InputError(f'{path} cannot be read ({error})') from error
+    if not isinstance(found, dict):
+        raise InputError(f'{path} is no manifest of an experiment')
+    return found
+
+
+def _check_same(folder: Path, before: Mapping[str, Any], now: Mapping[str, Any]) -> None:
+    for name, value in now.items():
+        was = json.dumps(before.get(name), sort_keys=True)
+        if was != (now_is := json.dumps(value, sort_keys=True)):
+            raise SettingsError(
+                f'{folder} holds an experiment with {name} {_shorten(was)}, this one has {_shorten(now_is)}:'
+                ' choose another folder'
+            )
+
+
+def _shorten(text: str, length: int = 200) -> str:
+    return text if len(text) <= length else f'{text[: length - 1]}…'
+
+
+def _machine() -> dict[str, Any]:
+    """Where and when it was run, for people."""
+    return {
+        'python': platform.python_version(),
+        'numpy': np.__version__,
+        'scipy': scipy.__version__,
+        'platform': platform.platform(),
+        'processor': platform.machine(),
+        'cores': os.cpu_count(),
+        'begun': time.strftime('%Y-%m-%dT%H:%M:%S%z'),
+    }
+
+
+def _write_csv(path: Path, columns: Sequence[str], rows: Iterator[Row]) -> None:
+    draft = path.with_suffix('.tmp')
+    try:
+        with draft.open('w', newline='', encoding='utf-8') as file:
+            writer = csv.DictWriter(file, columns)
+            writer.writeheader()
+            writer.writerows(rows)
+        draft.replace(path)
+    except OSError as error:
+        raise InputError(f'{path} cannot be written ({error.strerror})') from error

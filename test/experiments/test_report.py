@@ -1,0 +1,97 @@
+"""The page: that it says what the tables do, on results made up so that the answer is known."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from pathlib import Path
+
+import numpy as np
+import pytest
+from scipy.stats import mannwhitneyu
+
+from al_questioner.experiments.plan import Cell, Plan, Variation
+from al_questioner.experiments.report import Page, report
+from al_questioner.experiments.results import EpisodeRow, Results, TurnRow
+from al_questioner.experiments.studies import Study
+from al_questioner.questioning import Weights
+
+OURS = [0.70, 0.71, 0.72, 0.73, 0.74, 0.75]
+BETTER = [0.80, 0.81, 0.82, 0.83, 0.84, 0.85]
+WORSE = [0.50, 0.51, 0.52, 0.53, 0.54, 0.55]
+
+
+def made(finals: Mapping[str, Sequence[float]], task: str = 'kitchen_table') -> Results:
+    """Results of one condition, two turns long."""
+    episodes, turns = [], []
+    for strategy, values in finals.items():
+        for sample, value in enumerate(values):
+            cell = Cell(task, 25.0, 40, strategy, sample)
+            episodes.append(EpisodeRow(cell, value, value, 3, 4.0))
+            turns += [TurnRow(cell, turn, value, 'label', '1', 'snack', 'answered', turn) for turn in (1, 2)]
+    return Results(episodes, turns)
+
+
+def page_of(results: Results, **members: object) -> str:
+    intervals = {'kitchen_table': 5, 'prepare_lunch': 10, 'pack_lunchbox': 10}
+    return report(Page('the command', results, intervals, (), {}, **members), Path())
+
+
+def test_the_first_paragraph_says_where_a_control_is_better() -> None:
+    """The one thing that a reader must not miss would be missing, or be about the wrong strategy."""
+    controls = {'random_fsq': WORSE, 'farthest_fsq': BETTER, 'u_sampling_fsq': [value + 0.01 for value in OURS]}
+    page = page_of(made({'dt_task_env': OURS, 'dt_iros': BETTER, 'dt_task': WORSE, **controls}))
+    p = mannwhitneyu(BETTER, OURS, alternative='greater').pvalue
+    assert 'in 1 of 1 cells' in page
+    assert f'farthest_fsq 0.825, dt_task_env 0.725 (p = {3 * p:.3f})' in page
+    assert 'Another strategy of the paper is more accurate than it in these: kitchen_table' in page
+    assert 'dt_iros 0.825.' in page
+
+
+def test_the_first_paragraph_says_where_none_is() -> None:
+    """The paper's method would be said to lose where it wins."""
+    page = page_of(made({'dt_task_env': OURS, 'random_fsq': WORSE}))
+    assert 'In none of the 1 cells is a control more accurate' in page
+    assert 'Another strategy' not in page
+    assert 'No control was played' in page_of(made({'dt_task_env': OURS}))
+
+
+def test_means_deviations_and_tests_are_those_of_the_tables() -> None:
+    """The numbers that people quote would be wrong."""
+    page = page_of(made({'dt_task_env': OURS, 'random_fsq': WORSE}))
+    assert f'| `random_fsq` | {np.mean(WORSE):.3f} ± {np.std(WORSE, ddof=1):.3f} (3) |' in page
+    p = mannwhitneyu(OURS, WORSE, alternative='greater').pvalue
+    assert f'| `random_fsq` | +0.200 | {p:.4f} | {p:.4f} | 1.00 [1.00, 1.00] |' in page
+
+
+def test_what_was_not_played_has_no_section() -> None:
+    """Empty tables would look like results."""
+    page = page_of(made({'random_fsq': WORSE}))
+    assert 'against each other strategy' not in page
+    assert 'no claim is tested' in page
+    assert '## The weights' not in page
+    assert 'greedy_oracle' not in page
+
+
+def test_variations_and_weights_are_told() -> None:
+    """A page about erring teachers would pass for one about the paper."""
+    weights = {'dt_iros': Weights({'discriminability': 0.9}, 'Set by somebody.')}
+    results = made({'dt_task_env': OURS})
+    page = report(Page('c', results, {'kitchen_table': 5}, (), weights, varied='share of wrong answers 0.1'), Path())
+    assert '**Varied throughout: share of wrong answers 0.1.**' in page
+    assert '| `dt_iros` | 0.900 |' in page
+    assert '`dt_iros`: Set by somebody.' in page
+
+
+@pytest.mark.parametrize('own', [True, False])
+def test_a_study_shows_the_comparison_only_if_it_has_it(own: bool) -> None:
+    """An empty row would stand for what was never played."""
+    plan = Plan(
+        ('kitchen_table',), (Cell('kitchen_table', 25.0, 40, 'x', 0).condition,), ('u_sampling',), (0, 1), Variation()
+    )
+    study = Study('s', 'A study', 'About it.', 'as it is', {'otherwise': plan})
+    found = {'otherwise': made({'u_sampling': WORSE[:2]})}
+    comparison = made({'dt_task_env': OURS, **({'u_sampling': BETTER} if own else {})})
+    page = page_of(comparison, studies=[(study, found)])
+    assert '| otherwise | 0.505 ± 0.007 (3) |' in page
+    assert ('| as it is | 0.805 ± 0.007 (3) |' in page) == own
+    assert '| beside it: `dt_task_env` | 0.705 ± 0.007 (3) |' in page
