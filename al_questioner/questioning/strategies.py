@@ -25,8 +25,8 @@ TASK_FEATURES = DECISION_FEATURES[:4]
 class UncertaintySampling:
     """U-sampling: label the object of largest prediction entropy, every turn until the budget is gone.
 
-    As in the paper it has no feature subset query, so features are selected computationally. How, and whether it may ask
-    again, the paper leaves open.
+    As in the paper it has no feature subset query, so features are selected computationally. How, and whether it may
+    ask again, the paper leaves open.
 
     Args:
         selector: of the features; None for none.
