@@ -148,6 +148,8 @@ class Plan:
             if len(set(values)) < len(values):
                 raise SettingsError(f'the experiment names a {name} twice')
         for strategy in self.strategies:
+            if strategy == 'human':
+                raise SettingsError('nobody can play an experiment by hand: strategy human is for demo and learner')
             if strategy not in CEILINGS:
                 strategy_factory(strategy)
         for name in self.tasks:
