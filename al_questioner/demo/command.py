@@ -71,6 +71,8 @@ def main(arguments: Sequence[str]) -> int:
             raise InputError(f'--{option} is of no use --offline: there is no ROS graph')
     if given.record and given.one_process:
         raise InputError('--record needs a process for each node: leave --one-process out')
+    if given.strategy == 'human' and not (given.offline or given.one_process):
+        raise InputError('strategy human reads this terminal: use --offline or --one-process with it')
     choice = WorldChoice(
         load_task(given.task), given.seed, given.seed if given.sample is None else given.sample, given.dataset
     )

@@ -155,6 +155,8 @@ class Plan:
             if len(set(values)) < len(values):
                 raise SettingsError(f'the experiment names a {name} twice')
         for strategy in self.strategies:
+            if strategy == 'human':
+                raise SettingsError('nobody can play an experiment by hand: strategy human is for demo and learner')
             if strategy not in CEILINGS and strategy not in STRATEGIES:
                 make_strategy(strategy, {})
         if len({task_label(name) for name in self.tasks}) < len(self.tasks):

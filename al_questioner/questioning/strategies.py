@@ -16,6 +16,7 @@ from al_questioner.questioning.controls import Farthest, RandomLabel, RarestDemo
 from al_questioner.questioning.decision_features import prediction_entropy
 from al_questioner.questioning.expected_utility import expected_features
 from al_questioner.questioning.expert import ScriptedExpert
+from al_questioner.questioning.human import Human
 from al_questioner.questioning.situation import Situation
 
 IROS_FEATURES = DECISION_FEATURES[:2]
@@ -92,6 +93,7 @@ STRATEGIES: Mapping[str, StrategyFactory] = {
     'farthest_fsq': _unweighted(Farthest),
     'rarest_demo': _unweighted(RarestDemonstration),
     'expert': _unweighted(ScriptedExpert),
+    'human': _unweighted(Human),
 }
 """What makes each strategy that ships, by name."""
 

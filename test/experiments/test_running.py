@@ -230,6 +230,7 @@ def test_plans_that_make_no_sense_are_refused() -> None:
     """A typing error would be found out after the run."""
     for changes, reason in (
         ({'strategies': ('clever',)}, 'unknown strategy'),
+        ({'strategies': ('human',)}, 'by hand'),
         ({'tasks': ('lunch',)}, 'unknown task'),
         ({'samples': ()}, 'no sample'),
         ({'strategies': ('dt_task', 'dt_task')}, 'twice'),

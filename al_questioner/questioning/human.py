@@ -1,0 +1,186 @@
+"""A person as the questioner: someone who shows how to ask, so that it can be imitated."""
+
+from __future__ import annotations
+
+import os
+import sys
+from collections.abc import Callable, Sequence
+from typing import Protocol, TextIO
+
+import numpy as np
+
+from al_questioner.domain import Action, EpisodeError, InputError, QueryKind
+from al_questioner.questioning.choice import Choice, settled_actions
+from al_questioner.questioning.decision_features import symbol_given_object
+from al_questioner.questioning.expected_utility import expected_features
+from al_questioner.questioning.situation import Situation
+
+HELP = 'a number asks what that object is, a symbol to be shown one, f which properties matter; Enter asks nothing'
+MOST_BELIEFS = 2
+"""Symbols that the menu tells of an object: the most probable ones."""
+
+Picker = Callable[[Situation], int]
+"""Chooses a candidate: its index."""
+
+
+class Human:
+    """Whoever sits at the terminal chooses, among the same candidates as any strategy.
+
+    The choice carries the expected decision features of all candidates: it is a demonstration to learn from. The
+    utility is 1 for what was chosen and 0 for all else.
+
+    Args:
+        pick: asks the person; that at the terminal of this process if not given.
+    """
+
+    selector = None
+
+    def __init__(self, pick: Picker | None = None) -> None:
+        lines = Lines(0)
+        self._pick = pick or (lambda situation: pick_from_menu(situation, lines, sys.stdout))
+
+    def choose(self, situation: Situation, rng: np.random.Generator) -> Choice:
+        """What the person picks.
+
+        Raises:
+            EpisodeError: nobody is there to choose.
+        """
+        # Before the question, so that the person's answer is not waited upon twice.
+        features = expected_features(situation)
+        index = self._pick(situation)
+        utilities = np.zeros(len(situation.candidates))
+        utilities[index] = 1.0
+        return Choice(index, utilities, features)
+
+
+class LineSource(Protocol):
+    """Where lines come from, as a file."""
+
+    def readline(self) -> str:
+        """The next line; empty at the end."""
+        ...
+
+
+class Lines:
+    """The lines of a file descriptor, read without the lock of `sys.stdin`.
+
+    A thread that waits for a person holds that lock, and a process that ends meanwhile would be aborted for it.
+
+    Args:
+        descriptor: 0 for the standard input.
+    """
+
+    def __init__(self, descriptor: int) -> None:
+        self._descriptor = descriptor
+        self._read = b''
+
+    def readline(self) -> str:
+        """The next line; empty at the end."""
+        while b'\n' not in self._read:
+            try:
+                more = os.read(self._descriptor, 4096)
+            except OSError:
+                more = b''
+            if not more:
+                break
+            self._read += more
+        line, end, self._read = self._read.partition(b'\n')
+        return (line + end).decode('utf-8', errors='replace')
+
+
+def pick_from_menu(situation: Situation, source: LineSource, screen: TextIO) -> int:
+    """Show the candidates and read lines until one names a candidate.
+
+    Raises:
+        EpisodeError: the input has ended.
+    """
+    print(menu(situation), file=screen)
+    while True:
+        print('ask> ', end='', file=screen, flush=True)
+        line = source.readline()
+        if not line:
+            raise EpisodeError('strategy human: the input has ended, so nobody chooses; start it in a terminal')
+        try:
+            return chosen_candidate(line, situation)
+        except InputError as error:
+            print(f'  {error}', file=screen)
+
+
+def chosen_candidate(line: str, situation: Situation) -> int:
+    """Index of the candidate that a line names: an object's number, a symbol or its beginning, `f`, or nothing.
+
+    Raises:
+        InputError: it names none, or several; the text says what would be one.
+    """
+    word = line.strip().lower()
+    if word in ('', 'n', 'none', 'nothing'):
+        return _index(Action(QueryKind.NO_QUERY), situation, 'asking nothing')
+    if word in ('f', 'feature', 'features'):
+        return _index(Action(QueryKind.FEATURE_SUBSET), situation, 'that question')
+    number = word.removeprefix('#')
+    if number.isdecimal():
+        return _index(Action(QueryKind.LABEL, object_id=int(number)), situation, f'a question about object {number}')
+    exact = [symbol for symbol in situation.symbols if symbol.lower() == word]
+    meant = exact or [symbol for symbol in situation.symbols if symbol.lower().startswith(word)]
+    if len(meant) > 1:
+        raise InputError(f'{word!r} could be {" or ".join(meant)}: type more of it')
+    if not meant:
+        raise InputError(f'{word!r} is no question: {HELP}')
+    return _index(Action(QueryKind.DEMONSTRATION, symbol=meant[0]), situation, f'being shown a {meant[0]}')
+
+
+def menu(situation: Situation) -> str:
+    """The candidates by kind with their costs, what is believed and known of the objects, and what is left; 80 wide."""
+    costs, settled = situation.costs, settled_actions(situation)
+    left = f'budget left: {situation.budget_left:g} of {situation.budget:g}'
+    lines = [f'Turn {situation.turn} of {situation.turns}; {left}; scene since turn {situation.scene_turn}']
+    kinds = {action.kind for action in situation.candidates}
+    if QueryKind.LABEL in kinds:
+        lines.append(f'What is it? (cost {costs.label:g}; * named already)')
+        lines += _columns([_object(situation, row, settled) for row in range(len(situation.scene))])
+    if QueryKind.DEMONSTRATION in kinds:
+        lines.append(f'Show me one (cost {costs.demonstration:g}); examples so far:')
+        lines += _columns(
+            [
+                f'{symbol}: {count}' + _remark(Action(QueryKind.DEMONSTRATION, symbol=symbol), settled)
+                for symbol, count in situation.knowledge.positives.items()
+            ]
+        )
+    if QueryKind.FEATURE_SUBSET in kinds and Action(QueryKind.FEATURE_SUBSET) not in settled:
+        lines.append(f'Which properties matter? (cost {costs.feature_subset:g}): f')
+    lines.append('Nothing: Enter')
+    return '\n'.join(lines)
+
+
+def _object(situation: Situation, row: int, settled: set[Action]) -> str:
+    object_id = situation.scene.object_ids[row]
+    p = symbol_given_object(situation.probabilities)[row]
+    best = np.argsort(-p, kind='stable')[:MOST_BELIEFS]
+    beliefs = ', '.join(f'{situation.symbols[i]} {p[i]:.0%}' for i in best) if np.ptp(p) else 'anything'
+    known = '*' if situation.labelled[row] else ' '
+    return f'{object_id:>3}{known} {beliefs}' + _remark(Action(QueryKind.LABEL, object_id=object_id), settled)
+
+
+def _remark(action: Action, settled: set[Action]) -> str:
+    return ' (in vain)' if action in settled else ''
+
+
+def _columns(entries: Sequence[str], width: int = 80) -> list[str]:
+    """The entries in as many columns as fit."""
+    column = max(len(entry) for entry in entries) + 2
+    per_line = max(1, (width - 2) // column)
+    return [
+        ('  ' + ''.join(entry.ljust(column) for entry in entries[first : first + per_line])).rstrip()
+        for first in range(0, len(entries), per_line)
+    ]
+
+
+def _index(action: Action, situation: Situation, what: str) -> int:
+    if action in settled_actions(situation):
+        raise InputError(f'{what} is not possible: it was asked before and would tell nothing new')
+    try:
+        return situation.candidates.index(action)
+    except ValueError:
+        known = action.kind is not QueryKind.LABEL or action.object_id in situation.scene.object_ids
+        reason = 'the budget does not pay for it' if known else 'there is no such object'
+        raise InputError(f'{what} is not possible: {reason}') from None
