@@ -14,6 +14,7 @@ from al_questioner.messages import documents
 from al_questioner.messages.clouds import scene_of_cloud
 from al_questioner.messages.documents import Document
 from al_questioner.messages.pictures import picture_of_image
+from al_questioner.messages.stamps import nanoseconds
 from al_questioner.ros import qos
 from al_questioner.ros.delivery import Delivery
 from al_questioner.ros.node import QuestionerNode
@@ -60,8 +61,8 @@ class TerminalTeacher:
         node.on_document('episode', self._begin)
         node.on_document('learner_state', self._follow)
         node.on_document('query', self._ask)
-        node.on_message(PointCloud2, 'objects', lambda cloud: self.session.look(scene_of_cloud(cloud)), qos.LATCHED)
-        node.on_message(Image, 'scene_image', lambda image: self.session.see(picture_of_image(image)), qos.LATCHED)
+        node.on_message(PointCloud2, 'objects', self._look, qos.LATCHED)
+        node.on_message(Image, 'scene_image', self._see, qos.LATCHED)
         node.does('waiting for a query')
         self._thread = threading.Thread(target=self._run, name='terminal', daemon=True)
         self._thread.start()
@@ -110,6 +111,12 @@ class TerminalTeacher:
         self._enter(document)
         self.session.ask(query)
         self._node.does(f'{query.query_id}: {query.text}')
+
+    def _look(self, cloud: PointCloud2) -> None:
+        self.session.look(scene_of_cloud(cloud), nanoseconds(cloud.header.stamp))
+
+    def _see(self, image: Image) -> None:
+        self.session.see(picture_of_image(image), nanoseconds(image.header.stamp))
 
     def _say(self, episode_id: str, answer: Answer) -> None:
         def send() -> None:

@@ -7,15 +7,25 @@ import threading
 import uuid
 from collections.abc import Callable
 
+import numpy as np
+
 from al_questioner.domain import Answer, AnswerError, Query, Scene
 from al_questioner.teaching.plain_words import read_plain_answer
 from al_questioner.teaching.terminal.board import Board, Moment, Phase, Picture, Progress, Said
 from al_questioner.teaching.terminal.sentences import said_in_words
 
+MOVED_M = 0.02
+"""By which an object may move and still be where its picture shows it, in metres."""
+
 
 def random_id() -> str:
     """Part of an answer's id that no other answer has."""
     return uuid.uuid4().hex[:12]
+
+
+def _alike(one: Scene, other: Scene) -> bool:
+    """Whether a picture of one scene shows the other as well: the same objects where they were."""
+    return one.object_ids == other.object_ids and np.allclose(one.positions, other.positions, rtol=0.0, atol=MOVED_M)
 
 
 class Session:
@@ -40,7 +50,9 @@ class Session:
         self._changed = threading.Condition(threading.RLock())
         self._episode_id = ''
         self._scene: Scene | None = None
+        self._since = 0
         self._picture: Picture | None = None
+        self._pictured = 0
         self._forget()
 
     def _forget(self) -> None:
@@ -78,16 +90,18 @@ class Session:
             if self._progress is None:
                 self.follow(Progress(0, turns, budget, 0.0, done=False))
 
-    def look(self, scene: Scene) -> None:
-        """See the objects."""
+    def look(self, scene: Scene, stamp: int) -> None:
+        """See the objects, as they were at a time in nanoseconds."""
         with self._changed:
+            if self._scene is not None and not _alike(self._scene, scene):
+                self._since = stamp
             self._scene = scene
             self._tell()
 
-    def see(self, picture: Picture) -> None:
-        """See the picture of the whole scene."""
+    def see(self, picture: Picture, stamp: int) -> None:
+        """See the picture of the whole scene, as it was at a time in nanoseconds."""
         with self._changed:
-            self._picture = picture
+            self._picture, self._pictured = picture, stamp
             self._tell()
 
     def say(self, text: str) -> None:
@@ -200,4 +214,7 @@ class Session:
         if self._corrected is not None:
             return self._corrected.moment
         query = self._open()
-        return None if query is None else Moment(query, self._scene, self._picture)
+        if query is None:
+            return None
+        # The picture is drawn when the scene has changed, and comes later: one of what lay there before would mislead.
+        return Moment(query, self._scene, self._picture if self._pictured >= self._since else None)

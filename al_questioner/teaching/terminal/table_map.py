@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 from functools import lru_cache
 
 import numpy as np
@@ -11,7 +10,7 @@ from rich.text import Text
 
 from al_questioner.domain import Scene
 
-FOCUS_STYLE = 'bold reverse'
+FOCUS_STYLE = 'not dim bold reverse'
 
 
 def table_map(scene: Scene, columns: int, rows: int, focus: int | None) -> list[Text]:
@@ -92,11 +91,12 @@ def _nearest_gap(taken: NDArray[np.bool_], row: int, column: int, width: int) ->
     """The (row, column) next to the wished one where so many cells are free in a row."""
     if taken.shape[1] < width:
         return None
+    if not taken[row, column : column + width].any():
+        return row, column
     windows = np.lib.stride_tricks.sliding_window_view(taken, width, axis=1)
     free = np.argwhere(~windows.any(axis=2))
     if len(free) == 0:
         return None
     # A character is about twice as high as it is wide.
-    distances = [math.hypot(2 * (r - row), c - column) for r, c in free]
-    best = free[int(np.argmin(distances))]
+    best = free[np.hypot(2 * (free[:, 0] - row), free[:, 1] - column).argmin()]
     return int(best[0]), int(best[1])
