@@ -11,6 +11,7 @@ import threading
 from collections.abc import Iterator
 
 from prompt_toolkit.application import Application
+from prompt_toolkit.data_structures import Size
 from prompt_toolkit.formatted_text import ANSI
 from prompt_toolkit.key_binding import KeyBindings, KeyPressEvent
 from prompt_toolkit.keys import Keys
@@ -45,7 +46,7 @@ DEPTHS = {
     None: ColorDepth.DEPTH_1_BIT,
 }
 LOOK_PERIOD = 0.1
-"""Seconds between two looks at whether to end."""
+"""Seconds between two looks at whether to end, and at the size of the terminal."""
 MOST_HELD_BACK = 20_000
 """Bytes of the messages that are shown after the screen has gone."""
 
@@ -64,6 +65,7 @@ class ByKey:
         self._look = look_of(Console())
         self._pad = Pad()
         self._in_help = False
+        self._size = Size(rows=0, columns=0)
 
     def run(self) -> None:
         """Show and heed until the episode is over, the person quits, or it is stopped; the terminal is as it was."""
@@ -74,12 +76,15 @@ class ByKey:
             full_screen=True,
             color_depth=ColorDepth.DEPTH_1_BIT if self._look.monochrome else DEPTHS[self._look.colors],
             min_redraw_interval=0.02,
-            terminal_size_polling_interval=0.2,
+            # Its own way misses a change right after the start.
+            terminal_size_polling_interval=None,
         )
 
         async def end_in_time() -> None:
             while not self._stopped.is_set() and self._session.board().phase is not Phase.OVER:
                 await asyncio.sleep(LOOK_PERIOD)
+                if application.output.get_size() != self._size:
+                    application.invalidate()
             if not application.is_done:
                 application.exit()
 
@@ -95,7 +100,7 @@ class ByKey:
             self._session.on_change = lambda: None
 
     def _drawn(self) -> str:
-        size = self._application.output.get_size()
+        size = self._size = self._application.output.get_size()
         look = Look(size.columns, size.rows, self._look.colors, self._look.monochrome, self._look.unicode)
         board = self._session.board()
         pad = self._pad if self._pad.about == about(board) else Pad()

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import curses
 import io
 from dataclasses import dataclass
 
@@ -64,6 +65,15 @@ def look_of(console: Console) -> Look:
         width=console.width,
         height=console.height,
         colors=console.color_system,
-        monochrome=console.no_color,
+        monochrome=console.no_color or not _has_colors(),
         unicode=console.encoding.startswith('utf'),
     )
+
+
+def _has_colors() -> bool:
+    """What terminfo says of the terminal; rich takes all for coloured that it does not know."""
+    try:
+        curses.setupterm()
+    except (curses.error, OSError, ValueError):
+        return True
+    return curses.tigetnum('colors') > 1
