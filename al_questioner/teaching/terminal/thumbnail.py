@@ -13,7 +13,7 @@ from al_questioner.teaching.terminal.board import Picture
 from al_questioner.teaching.terminal.look import Look
 from al_questioner.world.table_image import Projection
 
-SHOWN_M = 0.10
+SHOWN_M = 0.08
 """What is shown of the table to every side of an object, in metres."""
 RAMP = ' .:-=+*#%@'
 """From dark to bright."""
