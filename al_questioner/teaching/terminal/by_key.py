@@ -24,6 +24,7 @@ from al_questioner.teaching.terminal.board import Phase
 from al_questioner.teaching.terminal.commands import Command, Explain, Say, Wish
 from al_questioner.teaching.terminal.keypad import Pad, about, press
 from al_questioner.teaching.terminal.look import Look, look_of
+from al_questioner.teaching.terminal.safe_text import printable
 from al_questioner.teaching.terminal.screen import screen
 from al_questioner.teaching.terminal.session import Session
 
@@ -75,7 +76,7 @@ class ByKey:
             key_bindings=self._bindings(),
             full_screen=True,
             color_depth=ColorDepth.DEPTH_1_BIT if self._look.monochrome else DEPTHS[self._look.colors],
-            min_redraw_interval=0.02,
+            min_redraw_interval=0.05,
             # Its own way misses a change right after the start.
             terminal_size_polling_interval=None,
         )
@@ -104,7 +105,10 @@ class ByKey:
         look = Look(size.columns, size.rows, self._look.colors, self._look.monochrome, self._look.unicode)
         board = self._session.board()
         pad = self._pad if self._pad.about == about(board) else Pad()
-        return look.written(screen(board, pad, look, self._in_help))
+        try:
+            return look.written(screen(board, pad, look, self._in_help))
+        except Exception as error:  # noqa: BLE001 - whatever a message may hold, the person can go on
+            return printable(f'This cannot be shown ({type(error).__name__}: {error}); q quits.')
 
     def _bindings(self) -> KeyBindings:
         bindings = KeyBindings()

@@ -34,7 +34,6 @@ WISHES = {
     'undo': Wish.UNDO,
     'help': Wish.HELP,
     'quit': Wish.QUIT,
-    'exit': Wish.QUIT,
 }
 """By the word; none of them can be told to the robot on a line of its own."""
 

@@ -9,7 +9,7 @@ from al_questioner.domain import Query, QueryKind
 from al_questioner.teaching.terminal.board import Board, Moment, Phase, Progress
 from al_questioner.teaching.terminal.keypad import Pad, letters
 from al_questioner.teaching.terminal.look import Look
-from al_questioner.teaching.terminal.safe_text import printable
+from al_questioner.teaching.terminal.safe_text import counted, printable
 from al_questioner.teaching.terminal.sentences import HELP, recorded_in_words, said_in_words
 from al_questioner.teaching.terminal.table_map import position_in_words, table_map
 from al_questioner.teaching.terminal.thumbnail import cut_out, thumbnail
@@ -18,6 +18,8 @@ KEYS = 'n none · u unknown · s skip · z undo · : word · h help · q quit'
 GAP = 2
 SMALLEST_SCENE = 4
 """Rows below which neither map nor picture is worth showing."""
+MOST_CHOICES = 200
+"""That are shown; no screen has room for more."""
 HISTORY = 4
 """Earlier answers that are shown if there is room for map and picture as well."""
 
@@ -55,10 +57,11 @@ def _progress(board: Board) -> str:
     progress = board.progress
     if query is not None:
         budget = f'{query.budget_left:g}' + ('' if progress is None else f' of {progress.budget:g}')
-        return f'turn {query.turn} of {query.turn + query.turns_left} · budget {budget} left · costs {query.cost:g}'
+        turns = counted(query.turn + query.turns_left)
+        return f'turn {query.turn} of {turns} · budget {budget} left · costs {query.cost:g}'
     if progress is None:
         return ''
-    return f'turn {progress.turn} of {progress.turns} · budget {_left(progress):g} of {progress.budget:g} left'
+    return f'turn {counted(progress.turn)} of {progress.turns} · budget {_left(progress):g} of {progress.budget:g} left'
 
 
 def _left(progress: Progress) -> float:
@@ -85,7 +88,7 @@ def _meanwhile(board: Board) -> str:
         return 'Waiting for a robot that asks; no learner has been heard yet.'
     if board.progress is None:
         return 'The robot looks at the table and thinks.'
-    left = board.progress.turns - board.progress.turn
+    left = max(0, board.progress.turns - board.progress.turn)
     return f'The robot looks at the table and thinks. {left} turn{"" if left == 1 else "s"} left.'
 
 
@@ -139,13 +142,14 @@ def _answers(board: Board, pad: Pad, look: Look) -> list[Text]:
     query = board.moment.query
     if pad.in_words:
         return _wrapped(Text(f'Your answer in words, then Enter: {printable(pad.typed)}_'), look)
+    choices = query.choices[:MOST_CHOICES]
     if query.action.kind is QueryKind.LABEL:
-        keys = letters(query.choices)
-        named = [_key(keys.get(symbol, ':'), printable(symbol, look.width - 6)) for symbol in query.choices]
+        keys = letters(choices)
+        named = [_key(keys.get(symbol, ':'), printable(symbol, look.width - 6)) for symbol in choices]
         return _flowed([*named, _key('n', 'none of these')], look)
     if query.action.kind is QueryKind.DEMONSTRATION:
         return _wrapped(Text(f"An object's number, then Enter; n if none is here: {pad.typed}_"), look)
-    boxes = [_box(position, group, pad, look) for position, group in enumerate(query.choices)]
+    boxes = [_box(position, group, pad, look) for position, group in enumerate(choices)]
     return [*_flowed(boxes, look), *_wrapped(Text('Number or space: tick · arrows: move · Enter: that is all'), look)]
 
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from al_questioner.domain import NO_SYMBOL, Action, Answer, Outcome, Query, QueryKind, QueryRecord
 from al_questioner.teaching.terminal.board import Board, Phase
-from al_questioner.teaching.terminal.safe_text import printable
+from al_questioner.teaching.terminal.safe_text import counted, printable
 
 HELP = (
     'You teach a robot what things are. It asks; every question costs it budget, whatever you answer.',
@@ -47,7 +47,7 @@ def question_line(query: Query, corrects: bool) -> str:
     choices = ','.join(query.choices) if not nothing else ' '.join(query.choices)
     words = ' '.join([choices, *nothing, '?', 'skip'])
     again = 'correction: ' if corrects else ''
-    left = f'budget left {query.budget_left:g}, turns left {query.turns_left}'
+    left = f'budget left {query.budget_left:g}, turns left {counted(query.turns_left)}'
     # A scene of a thousand objects is still one line that can be read.
     return f'{printable(query.query_id, 40)}: {again}{printable(query.text)} [{printable(words, 2000)}] ({left})'
 

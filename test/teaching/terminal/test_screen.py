@@ -3,10 +3,11 @@
 from __future__ import annotations
 
 import re
+from dataclasses import replace
 from typing import Any
 
 import pytest
-from hypothesis import given
+from hypothesis import given, settings
 from hypothesis import strategies as st
 from rich.cells import cell_len
 
@@ -91,6 +92,7 @@ def test_colours_are_those_that_the_terminal_has(person: Any, made: Any) -> None
     assert '▀' not in monochrome
 
 
+@settings(deadline=None)
 @given(st.text(max_size=60), st.lists(st.text(min_size=1, max_size=30), min_size=2, max_size=6, unique=True))
 def test_texts_from_the_robot_reach_the_terminal_as_text(made: Any, text: str, symbols: list[str]) -> None:
     """Whoever publishes a question could clear the screen, move the cursor, or make the terminal type."""
@@ -150,3 +152,12 @@ def test_a_correction_says_what_it_corrects(person: Any, made: Any) -> None:
     person.taken()
     person.session.undo()
     assert 'Correction of: object 7 is fruit' in shown(person.session.board(), Look())
+
+
+def test_numbers_beyond_all_measure_are_shown(person: Any, made: Any) -> None:
+    """One strange message would end a person's session."""
+    query = made.label(1, symbols=('x' * 9000,) * 3000)
+    query = replace(query, turns_left=10**4299, cost=float('inf'), budget_left=1e300)
+    board = person.asked(query)
+    assert 'very many' in shown(board, Look())
+    assert len(question_line(query, False)) < 3000

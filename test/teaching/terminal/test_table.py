@@ -6,7 +6,7 @@ from typing import Any
 
 import numpy as np
 import pytest
-from hypothesis import given
+from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from al_questioner.teaching.terminal.look import Look
@@ -25,6 +25,7 @@ def test_numbers_lie_where_the_objects_lie(made: Any) -> None:
     assert lines[7].endswith('22│')
 
 
+@settings(deadline=None)
 @given(st.integers(1, 400), st.integers(12, 90), st.integers(3, 30))
 def test_every_number_is_readable_or_counted_as_left_out(made: Any, count: int, columns: int, rows: int) -> None:
     """A number would run into its neighbour and name a third object, or that of the question would be missing."""
@@ -75,6 +76,7 @@ def test_nothing_is_cut_out_where_the_place_is_not_known(made: Any, size: Any, p
     assert cut_out(made.picture_of(*size), made.scene_of({1: place}), 2) is None
 
 
+@settings(deadline=None)
 @given(st.integers(1, 50), st.integers(1, 50), st.integers(1, 60), st.integers(1, 30), st.booleans())
 def test_a_picture_of_any_shape_fits(made: Any, height: int, width: int, columns: int, rows: int, color: bool) -> None:
     """An object at the rim of the picture, or a small terminal, would break the screen."""
