@@ -100,6 +100,18 @@ def test_however_it_ends_the_terminal_is_as_it_was(open_robot: Callable[..., Any
     assert terminal.status() == 0
 
 
+def test_what_nodes_log_meanwhile_is_shown_when_the_screen_has_gone(open_robot: Callable[..., Any]) -> None:
+    """Warnings would be written across the question, or be lost."""
+    terminal = open_robot()
+    terminal.press('f')
+    terminal.wait_for('Noted: object 7 is fruit.')
+    assert b'disk' not in terminal.raw
+    terminal.press('q')
+    terminal.wait_for('[WARN] the disk is nearly full')
+    assert '[INFO]' not in terminal.text
+    assert terminal.status() == 0
+
+
 def test_an_answer_that_was_not_confirmed_is_said_to_be_so(open_robot: Callable[..., Any]) -> None:
     """A person would go home in the belief that the robot has heard them."""
     terminal = open_robot('--deaf')
@@ -157,7 +169,7 @@ def test_a_script_answers_a_line_for_each_question(tmp_path: Path) -> None:
         'q3: Which properties matter? ',
         'q3: Which properties matter? ',
     ]
-    errors = done.stderr.splitlines()
+    errors = [line for line in done.stderr.splitlines() if not line.startswith('[')]
     assert errors[0].startswith("'pudding' does not answer")
     assert errors[1:4] == [
         'Noted: object 7 is fruit.',
