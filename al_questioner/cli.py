@@ -12,7 +12,10 @@ from al_questioner.domain import EpisodeError, InputError
 EXECUTABLES = {
     'perception': ('al_questioner.ros.perception', 'node: looks at the (simulated) table and publishes what it sees'),
     'learner': ('al_questioner.ros.learner', 'node: decides what to ask, asks, and learns from the answers'),
-    'teacher': ('al_questioner.ros.teacher', 'node: answers the questions from a script'),
+    'teacher': (
+        'al_questioner.ros.teacher',
+        'node: answers the questions from a script; mode:=terminal lets you answer',
+    ),
     'record': ('al_questioner.ros.record', 'node: records an episode into a bag; --repair makes a killed one whole'),
     'replay': (
         'al_questioner.ros.replay',

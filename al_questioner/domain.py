@@ -213,7 +213,8 @@ class Answer:
     """What a teacher said.
 
     `content` is a symbol or `NO_SYMBOL` for a label query; an object id or `NO_SYMBOL` for a demonstration query;
-    feature groups for a feature subset query; None unless the outcome is `ANSWERED`.
+    feature groups for a feature subset query; None unless the outcome is `ANSWERED`. `replaces` is the `answer_id` of
+    the earlier answer to the same query that this one corrects.
     """
 
     query_id: str
@@ -221,6 +222,7 @@ class Answer:
     teacher_id: str
     outcome: Outcome
     content: Content = None
+    replaces: str | None = None
 
 
 @dataclass(frozen=True)

@@ -128,13 +128,14 @@ def query_of(document: Document) -> Query:
 def answer_members(answer: Answer) -> Document:
     """Members of an `answer` document."""
     content = list(answer.content) if isinstance(answer.content, tuple) else answer.content
-    return {
+    members = {
         'query_id': answer.query_id,
         'answer_id': answer.answer_id,
         'teacher_id': answer.teacher_id,
         'outcome': answer.outcome.value,
         'content': content,
     }
+    return members if answer.replaces is None else {**members, 'replaces': answer.replaces}
 
 
 def answer_of(document: Document) -> Answer:

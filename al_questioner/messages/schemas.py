@@ -97,7 +97,7 @@ SCHEMAS: dict[str, JsonSchema] = {
     ),
     'answer': _record(
         {'query_id': _TEXT, 'answer_id': _TEXT, 'teacher_id': _TEXT, 'outcome': {'enum': _OUTCOMES}},
-        {'content': {'type': ['string', 'integer', 'array', 'null'], 'items': _TEXT}},
+        {'content': {'type': ['string', 'integer', 'array', 'null'], 'items': _TEXT}, 'replaces': _OPTIONAL_TEXT},
     ),
     'answer_ack': _record(
         {

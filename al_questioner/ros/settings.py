@@ -23,9 +23,10 @@ WAIT_FOR_RECORDER = Setting('wait_for_recorder', False, 'do nothing before a nod
 
 PERCEPTION_SETTINGS = (Setting('frame_id', 'table', 'frame of the objects and of the picture'), WAIT_FOR_RECORDER)
 
+TEACHER_MODES = ('scripted', 'terminal')
 TEACHER_SETTINGS = (
-    Setting('mode', 'scripted', 'who answers: scripted'),
-    Setting('teacher_id', 'scripted', 'name under which the answers are given'),
+    Setting('mode', 'scripted', "who answers: scripted, or terminal: a person at this process's terminal"),
+    Setting('teacher_id', '', "name under which the answers are given; empty: scripted, or the person's login name"),
     Setting('wrong_rate', 0.0, 'share of wrong answers', lower=0.0, upper=1.0),
     Setting('unknown_rate', 0.0, 'share of queries answered by "I do not know"', lower=0.0, upper=1.0),
     Setting('delay', 0.0, 'time the teacher takes to answer', unit='s', lower=0.0, upper=3600.0),

@@ -16,6 +16,13 @@ from al_questioner.world.drawing.texture import TABLE_TILE_M, table_top
 RGB = tuple[int, int, int]
 Extent = tuple[int, int, int, int]
 
+TABLE_M = (1.4, 0.8)
+WIDTH_PX = 1280
+RIM_M = 0.14
+"""What is seen of the ground left and right of the table."""
+SQUASH = 0.82
+"""Height of a square metre of the table that is one wide: the picture is taken from above and in front."""
+
 
 @dataclass(frozen=True)
 class Mark:
@@ -43,12 +50,40 @@ class TablePicture:
     pixels: Mapping[int, tuple[int, int]] = field(default_factory=dict)
 
 
+@dataclass(frozen=True)
+class Projection:
+    """Where things on the table are in its picture.
+
+    Attributes:
+        table_m: width and depth of the table.
+        width_px: width of the picture.
+    """
+
+    table_m: tuple[float, float] = TABLE_M
+    width_px: int = WIDTH_PX
+
+    @property
+    def scale(self) -> float:
+        """Pixels to a metre, along a row."""
+        return self.width_px / (self.table_m[0] + 2 * RIM_M)
+
+    @property
+    def height_px(self) -> int:
+        """Height of the picture."""
+        return int((self.table_m[1] + 2.2 * RIM_M) * self.scale * SQUASH)
+
+    def pixel(self, x: float, y: float) -> tuple[int, int]:
+        """(column, row) of a point of the table, in metres; it may lie outside the picture."""
+        column = int((x + RIM_M) * self.scale)
+        return column, int(self.height_px - (y + 0.9 * RIM_M) * self.scale * SQUASH)
+
+
 def draw_scene(
     observations: Sequence[Observation],
     marks: Mapping[int, Mark] | None = None,
     *,
-    table_m: tuple[float, float] = (1.4, 0.8),
-    width_px: int = 1280,
+    table_m: tuple[float, float] = TABLE_M,
+    width_px: int = WIDTH_PX,
 ) -> TablePicture:
     """The table seen from above and in front, each thing as its own view shows it, its id beside it.
 
@@ -60,20 +95,11 @@ def draw_scene(
         table_m: width and depth of the table.
         width_px: width of the picture.
     """
-    rim = 0.14
-    scale = width_px / (table_m[0] + 2 * rim)
-    squash = 0.82
-    height_px = int((table_m[1] + 2.2 * rim) * scale * squash)
-    image = _backdrop(height_px, width_px, scale, squash)
+    projection = Projection(table_m, width_px)
+    image = _backdrop(projection.height_px, width_px, projection.scale, SQUASH)
     order = sorted(observations, key=lambda o: -o.position[1])
-    pixels = {
-        o.object_id: (
-            int((o.position[0] + rim) * scale),
-            int(height_px - (o.position[1] + 0.9 * rim) * scale * squash),
-        )
-        for o in order
-    }
-    extents = {o.object_id: _paste(image, o.view, pixels[o.object_id], scale) for o in order}
+    pixels = {o.object_id: projection.pixel(o.position[0], o.position[1]) for o in order}
+    extents = {o.object_id: _paste(image, o.view, pixels[o.object_id], projection.scale) for o in order}
     canvas = np.clip(image, 0, 255).astype(np.uint8)
     zoom = width_px / 1280
     marked = {o.object_id: mark for o in order if (mark := (marks or {}).get(o.object_id)) is not None}

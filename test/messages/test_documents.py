@@ -46,6 +46,14 @@ def test_answer_survives(answer: Answer) -> None:
     assert documents.answer_of(documents.read('answer', text)) == answer
 
 
+def test_only_a_correction_names_what_it_replaces() -> None:
+    """A learner that knows no corrections would refuse every answer, or one that does could not find what to amend."""
+    correction = Answer('q3', 'a2', 'anna', Outcome.ANSWERED, 'fruit', replaces='a1')
+    text = documents.write('answer', 'e', documents.answer_members(correction))
+    assert documents.read('answer', text)['replaces'] == 'a1'
+    assert 'replaces' not in documents.answer_members(ANSWERS[0])
+
+
 def test_record_survives() -> None:
     """The evaluation would replay another episode than was played."""
     record = QueryRecord(3, QueryKind.FEATURE_SUBSET, None, None, 2.0, Outcome.ANSWERED, ('colour',))

@@ -21,6 +21,7 @@ DISTRIBUTIONS = {
     'mcap': ('mcap', 'mcap-ros2-support'),
     'numba': ('numba', 'python3-numba'),
     'numpy': ('numpy', 'python3-numpy'),
+    'prompt_toolkit': ('prompt_toolkit', 'python3-prompt-toolkit'),
     'rich': ('rich', 'python3-rich'),
     'rosbags': ('rosbags', 'python3-rosbags-pip'),
     'scipy': ('scipy', 'python3-scipy'),

@@ -215,7 +215,7 @@ def test_an_acknowledged_answer_is_not_repeated(graph: Any) -> None:
     graph.start_robot(turns=6)
     teacher = graph.start(TeacherNode, **graph.world)
     graph.wait_for(lambda: is_over(states), 'the end of the episode')
-    graph.wait_for(lambda: teacher._unacknowledged is None, 'the last acknowledgement')
+    graph.wait_for(lambda: teacher.unacknowledged is None, 'the last acknowledgement')
     assert all(ack['accepted'] for ack in acks)
 
 

@@ -1,0 +1,77 @@
+"""What there is to show to a person at a terminal, at one moment."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from enum import Enum
+
+import numpy as np
+from numpy.typing import NDArray
+
+from al_questioner.domain import Answer, Query, QueryRecord, Scene
+
+Picture = NDArray[np.uint8]
+"""(h, w, 3) red-green-blue."""
+
+
+class Phase(Enum):
+    """What the person and the robot are at."""
+
+    ALONE = 'no robot has been heard'
+    THINKING = 'the robot looks and thinks'
+    ASKED = 'a question is open'
+    CORRECTING = 'an earlier answer is being taken back'
+    SENDING = 'an answer is on its way'
+    OVER = 'the episode is over'
+
+
+@dataclass(frozen=True)
+class Progress:
+    """How far an episode is, as the learner tells it."""
+
+    turn: int
+    turns: int
+    budget: float
+    spent: float
+    done: bool
+    records: tuple[QueryRecord, ...] = ()
+
+
+@dataclass(frozen=True, eq=False)
+class Moment:
+    """A question, and what was on the table when it was asked."""
+
+    query: Query
+    scene: Scene | None
+    picture: Picture | None
+
+
+@dataclass(frozen=True, eq=False)
+class Said:
+    """An answer, and what it was the answer to."""
+
+    moment: Moment
+    answer: Answer
+
+
+@dataclass(frozen=True, eq=False)
+class Board:
+    """All that there is to show at one moment.
+
+    Attributes:
+        phase: what is going on.
+        moment: the question that is shown, if any.
+        corrected: the earlier answer that is being taken back, if any.
+        progress: as last told by the learner; None before that.
+        can_undo: whether there is an answer to take back.
+        notice: what came of the last answer.
+        teacher_id: who answers.
+    """
+
+    phase: Phase
+    moment: Moment | None = None
+    corrected: Said | None = None
+    progress: Progress | None = None
+    can_undo: bool = False
+    notice: str = ''
+    teacher_id: str = 'human'

@@ -1,0 +1,46 @@
+"""What a line that a person typed asks for."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from enum import Enum
+
+
+class Wish(Enum):
+    """What is asked of this program, rather than said to the robot."""
+
+    UNDO = 'undo'
+    HELP = 'help'
+    QUIT = 'quit'
+
+
+@dataclass(frozen=True)
+class Say:
+    """Something that is said to the robot, in the words of `read_plain_answer`."""
+
+    text: str
+
+
+@dataclass(frozen=True)
+class Explain:
+    """Why what was typed means nothing."""
+
+    text: str
+
+
+Command = Say | Wish | Explain
+
+WISHES = {
+    'undo': Wish.UNDO,
+    'help': Wish.HELP,
+    'quit': Wish.QUIT,
+}
+"""By the word; none of them can be told to the robot on a line of its own."""
+
+
+def read_line(line: str) -> Command:
+    """What a line means; a blank one is explained, as an answer has to be meant."""
+    word = line.strip()
+    if not word:
+        return Explain('an empty line is no answer')
+    return WISHES.get(word.lower(), Say(word))

@@ -1,0 +1,96 @@
+"""A terminal for the programs under test: what they show is read from it, and keys are pressed in it."""
+
+from __future__ import annotations
+
+import os
+import time
+from collections.abc import Callable, Iterator, Mapping
+
+import pytest
+
+DEADLINE = 90.0
+"""Seconds after which a test gives up; far more than anything here takes."""
+
+
+class PseudoTerminal:
+    """A program in a pseudo-terminal, whose screen is kept as a real one would show it."""
+
+    def __init__(self, command: list[str], environment: Mapping[str, str], columns: int = 80, rows: int = 24) -> None:
+        import pexpect
+        import pyte
+
+        self.screen = pyte.Screen(columns, rows)
+        self._stream = pyte.ByteStream(self.screen)
+        self.raw = b''
+        self.child = pexpect.spawn(command[0], command[1:], env=dict(environment), dimensions=(rows, columns))
+        self.child.delaybeforesend = None
+
+    @property
+    def text(self) -> str:
+        """What the screen shows."""
+        return '\n'.join(line.rstrip() for line in self.screen.display)
+
+    def wait_for(self, is_shown: str | Callable[[str], object]) -> str:
+        """Wait until the screen shows a text, or what a function of it finds; returns the screen."""
+        end = time.monotonic() + DEADLINE
+        is_true = is_shown if callable(is_shown) else lambda text: is_shown in text
+        while not is_true(self.text):
+            assert time.monotonic() < end, f'{is_shown!r} never appeared:\n{self.text}'
+            assert self._read(), f'ended before {is_shown!r} appeared:\n{self.text}'
+        return self.text
+
+    def press(self, keys: str) -> None:
+        """Type."""
+        self.child.send(keys)
+
+    def local_modes(self) -> int:
+        """Whether the terminal echoes, edits lines, and so on."""
+        import termios
+
+        return int(termios.tcgetattr(self.child.child_fd)[3])
+
+    def status(self) -> int | None:
+        """The exit status, once the program has ended."""
+        end = time.monotonic() + DEADLINE
+        while self._read():
+            assert time.monotonic() < end, f'it never ended:\n{self.text}'
+        self.child.wait()
+        return self.child.exitstatus
+
+    def close(self) -> None:
+        """End the program if it has not ended."""
+        self.child.close(force=True)
+
+    def _read(self) -> bool:
+        """Take in what was written; false once the program has ended."""
+        import pexpect
+
+        try:
+            content = self.child.read_nonblocking(65536, timeout=0.1)
+        except pexpect.TIMEOUT:
+            return True
+        except pexpect.EOF:
+            return False
+        self.raw += content
+        self._stream.feed(content)
+        return True
+
+
+@pytest.fixture
+def open_terminal() -> Iterator[Callable[..., PseudoTerminal]]:
+    """Runs commands in pseudo-terminals, all of which are gone after the test."""
+    for module in ('pexpect', 'pyte'):
+        pytest.importorskip(module)
+    opened: list[PseudoTerminal] = []
+
+    def open_one(command: list[str], **options: object) -> PseudoTerminal:
+        environment = {**os.environ, 'TERM': 'xterm-256color', 'LANG': 'C.UTF-8', **options.pop('environment', {})}
+        environment = {name: value for name, value in environment.items() if value is not None}
+        opened.append(PseudoTerminal(command, environment, **options))
+        return opened[-1]
+
+    try:
+        yield open_one
+    finally:
+        for terminal in opened:
+            terminal.close()

@@ -1,0 +1,203 @@
+"""The teacher node before a person, and a stub in the learner's place."""
+
+from __future__ import annotations
+
+import threading
+from functools import partial
+from typing import Any
+
+import numpy as np
+import pytest
+from diagnostic_msgs.msg import DiagnosticArray
+from sensor_msgs.msg import Image, PointCloud2
+from std_msgs.msg import String
+
+from al_questioner.domain import Action, InputError, Outcome, Query, QueryKind, QueryRecord, Scene
+from al_questioner.messages import documents
+from al_questioner.messages.clouds import cloud_of_scene
+from al_questioner.messages.pictures import image
+from al_questioner.ros import qos
+from al_questioner.ros.teacher import TeacherNode
+from al_questioner.ros.types import CLOUD_TYPES, header, octets
+from al_questioner.teaching.terminal import Phase, Session
+
+
+class Robot:
+    """What the teacher hears, and what it says."""
+
+    def __init__(self, graph: Any) -> None:
+        self.graph = graph
+        self.answers = graph.listen('answer', profile=qos.EVENTS)
+        self.topics = {
+            name: graph.ears.create_publisher(kind, name, profile)
+            for name, kind, profile in (
+                ('query', String, qos.LATCHED),
+                ('learner_state', String, qos.LATCHED),
+                ('objects', PointCloud2, qos.LATCHED),
+                ('scene_image', Image, qos.LATCHED),
+                ('answer_ack', String, qos.EVENTS),
+            )
+        }
+        self.session: Session | None = None
+        self.node: Any = None
+
+    def start(self, **parameters: Any) -> None:
+        """The teacher."""
+
+        def attend(session: Session, stopped: threading.Event) -> None:
+            self.session = session
+            stopped.wait()
+
+        self.node = self.graph.start(partial(TeacherNode, attend), mode='terminal', **parameters)
+        self.graph.wait_for(lambda: self.session is not None, 'the person')
+
+    def says(self, topic: str, episode_id: str = 'e', **members: Any) -> None:
+        """Publish a document."""
+        self.topics[topic].publish(String(data=documents.write(topic, episode_id, members)))
+
+    def asks(self, number: int, episode_id: str = 'e') -> None:
+        """Ask what object 7 is, and wait until the person is asked."""
+        action = Action(QueryKind.LABEL, 7)
+        query = Query(f'q{number}', number, action, ('snack', 'fruit'), 1, 4, 5, 1, 'What is object 7?')
+        self.says('query', episode_id=episode_id, **documents.query_members(query))
+        self.until(lambda board: board.moment is not None and board.moment.query.query_id == f'q{number}', 'a question')
+
+    def takes(self, answer: dict[str, Any], accepted: bool = True, reason: str = '') -> None:
+        """Acknowledge an answer."""
+        self.graph.wait_for(self.topics['answer_ack'].get_subscription_count, 'a teacher that listens')
+        ids = {'query_id': answer['query_id'], 'answer_id': answer['answer_id']}
+        self.says('answer_ack', **ids, accepted=accepted, reason=reason)
+
+    def hears(self, count: int) -> dict[str, Any]:
+        """The last of at least so many messages."""
+        self.graph.wait_for(lambda: len(self.answers) >= count, f'{count} answers')
+        return self.answers[-1]
+
+    def until(self, is_true: Any, what: str) -> Any:
+        """The board, once something holds of it."""
+
+        def board_if_true() -> Any:
+            board = self.session.board()
+            return board if is_true(board) else None
+
+        return self.graph.wait_for(board_if_true, what)
+
+
+@pytest.fixture
+def robot(graph: Any) -> Robot:
+    return Robot(graph)
+
+
+def test_an_answer_is_repeated_until_it_is_taken(robot: Robot) -> None:
+    """One lost message would lose what a person said."""
+    robot.start(teacher_id='anna')
+    robot.asks(1)
+    robot.session.say('fruit')
+    first = robot.hears(3)
+    assert len({answer['answer_id'] for answer in robot.answers}) == 1
+    assert (first['teacher_id'], first['outcome'], first['content']) == ('anna', 'answered', 'fruit')
+    assert first['episode_id'] == 'e'
+    assert 'replaces' not in first
+    robot.takes(first)
+    robot.until(lambda board: board.notice == 'Noted: object 7 is fruit.', 'the acknowledgement')
+    assert robot.node.unacknowledged is None
+
+
+def test_a_refusal_is_shown_and_the_question_asked_again(robot: Robot) -> None:
+    """The robot would wait for ever."""
+    robot.start()
+    robot.asks(1)
+    robot.session.say('fruit')
+    robot.takes(robot.hears(1), accepted=False, reason='it has gone')
+    board = robot.until(lambda board: board.notice, 'the refusal')
+    assert (board.phase, board.notice) == (Phase.ASKED, 'The robot did not take that: it has gone')
+
+
+def test_a_correction_names_the_answer_that_it_replaces(robot: Robot) -> None:
+    """The learner could not find what to take back."""
+    robot.start()
+    robot.asks(1)
+    robot.session.say('fruit')
+    first = robot.hears(1)
+    robot.takes(first)
+    robot.until(lambda board: board.can_undo, 'the acknowledgement')
+    robot.asks(2)
+    robot.session.undo()
+    robot.session.say('snack')
+    robot.graph.wait_for(lambda: robot.answers[-1].get('replaces'), 'the correction')
+    correction = robot.answers[-1]
+    assert (correction['query_id'], correction['content']) == ('q1', 'snack')
+    assert correction['replaces'] == first['answer_id'] != correction['answer_id']
+    robot.takes(correction)
+    board = robot.until(lambda board: board.phase is Phase.ASKED, 'the open question')
+    assert (board.moment.query.query_id, board.notice) == ('q2', 'Noted: object 7 is snack instead.')
+
+
+def test_who_comes_late_or_back_sees_the_question_the_table_and_what_was_answered(robot: Robot) -> None:
+    """A person who quits could not go on."""
+    stamp = header(5, 'table')
+    scene = Scene((7, 9), np.eye(2, 3, dtype=np.float32), np.ones((2, 1), np.float32), ('colour_hue',))
+    robot.topics['objects'].publish(cloud_of_scene(scene, stamp, CLOUD_TYPES))
+    robot.topics['scene_image'].publish(image(np.ones((4, 6, 3), np.uint8), stamp, Image, octets))
+    record = QueryRecord(1, QueryKind.LABEL, 9, 'snack', 1.0, Outcome.ANSWERED)
+    state = {'turn': 2, 'turns': 8, 'budget': 6, 'spent': 1, 'done': False, 'labels': {}, 'model_version': 1}
+    robot.says('learner_state', **state, queries=[documents.record_members(record)], beliefs={})
+    query = Query('q2', 3, Action(QueryKind.LABEL, 7), ('snack', 'fruit'), 1, 4, 5, 1, 'What is object 7?')
+    robot.says('query', **documents.query_members(query))
+    robot.start()
+
+    def complete(board: Any) -> bool:
+        moment = board.moment
+        return bool(moment and moment.scene and moment.picture is not None and board.progress)
+
+    board = robot.until(complete, 'all that is latched')
+    assert board.moment.scene.object_ids == (7, 9)
+    assert board.moment.picture.shape == (4, 6, 3)
+    assert [one.symbol for one in board.progress.records] == ['snack']
+
+
+def test_an_answer_is_not_carried_into_another_episode(robot: Robot) -> None:
+    """What was said of one thing would be learnt of another."""
+    robot.start()
+    robot.asks(1)
+    robot.session.say('fruit')
+    robot.hears(1)
+    robot.asks(1, episode_id='another')
+    robot.graph.wait_for(lambda: robot.node.unacknowledged is None, 'the answer to be dropped')
+    assert robot.session.board().phase is Phase.ASKED
+    assert {answer['episode_id'] for answer in robot.answers} == {'e'}
+
+
+def test_messages_that_cannot_be_used_are_refused_and_counted(robot: Robot) -> None:
+    """Any node on the network could end a person's session."""
+    diagnostics = robot.graph.listen('diagnostics', DiagnosticArray, qos.DIAGNOSTICS, '/diagnostics')
+    robot.start()
+    robot.asks(1)
+    robot.topics['query'].publish(String(data='{"query_id"'))
+    robot.topics['learner_state'].publish(String(data='[]'))
+    robot.topics['objects'].publish(PointCloud2(width=3, height=1))
+    robot.topics['scene_image'].publish(Image(width=1000, height=1000, step=3000, encoding='rgb8'))
+
+    def counted() -> bool:
+        values = {value.key for array in diagnostics for status in array.status for value in status.values}
+        return {f'refused on {name}' for name in ('query', 'learner_state', 'objects', 'scene_image')} <= values
+
+    robot.graph.wait_for(counted, 'four refusals on /diagnostics')
+    assert robot.session.board().phase is Phase.ASKED
+
+
+@pytest.mark.parametrize(
+    ('parameters', 'reason'),
+    [({'mode': 'telepathy'}, 'unknown mode .*; known: scripted, terminal'), ({'teacher_id': 'x' * 101}, 'at most 100')],
+)
+def test_parameters_of_the_teacher_that_cannot_be_used_are_named(graph: Any, parameters: Any, reason: str) -> None:
+    """A person would wait at a terminal where nobody asks."""
+    with pytest.raises(InputError, match=reason):
+        graph.start(TeacherNode, **parameters)
+
+
+def test_a_person_needs_no_world(robot: Robot) -> None:
+    """Whoever teaches a real robot would need its things drawn, or crops of them."""
+    robot.start(task='uw_lunchbox', dataset='/no/such/place')
+    robot.asks(1)
+    assert robot.session.board().teacher_id

@@ -1,0 +1,218 @@
+"""A person at a real pseudo-terminal, and a script at a pipe, before a robot without ROS."""
+
+from __future__ import annotations
+
+import os
+import signal
+import subprocess
+import sys
+import termios
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+ROOT = Path(__file__).resolve().parents[3]
+DEADLINE = 60
+ENVIRONMENT = {'PYTHONPATH': os.pathsep.join(filter(None, (str(ROOT), os.environ.get('PYTHONPATH')))), 'NO_COLOR': None}
+
+
+def robot(file: Path, *options: str) -> list[str]:
+    return [sys.executable, str(Path(__file__).with_name('robot.py')), str(file), *options]
+
+
+@pytest.fixture
+def open_robot(open_terminal: Callable[..., Any], tmp_path: Path) -> Callable[..., Any]:
+    """A robot in a pseudo-terminal, once it has asked."""
+
+    def open_one(*options: str, **settings: Any) -> Any:
+        environment = {**ENVIRONMENT, **settings.pop('environment', {})}
+        terminal = open_terminal(robot(tmp_path / 'said', *options), environment=environment, **settings)
+        terminal.before = terminal.local_modes()
+        terminal.wait_for('What is object 7?')
+        return terminal
+
+    return open_one
+
+
+def said(tmp_path: Path) -> list[str]:
+    file = tmp_path / 'said'
+    return file.read_text().splitlines() if file.exists() else []
+
+
+@pytest.mark.parametrize('columns', [80, 40])
+@pytest.mark.parametrize('environment', [{}, {'NO_COLOR': '1'}, {'TERM': 'vt100'}, {'COLORTERM': 'truecolor'}], ids=str)
+def test_keys_answer_every_kind_of_question(
+    open_robot: Callable[..., Any], tmp_path: Path, columns: int, environment: dict[str, str]
+) -> None:
+    """A person could not teach at their terminal."""
+    terminal = open_robot(columns=columns, environment=environment)
+    assert ('▀' in terminal.text) == (not {'NO_COLOR', 'TERM'} & environment.keys())
+    terminal.press('x')
+    terminal.wait_for('is the key of no answer')
+    terminal.press('f')
+    terminal.wait_for('Can you show me a snack?')
+    terminal.press('12')
+    terminal.wait_for('Object 12:')
+    terminal.press('\r')
+    terminal.wait_for('Which properties matter?')
+    terminal.press(' \x1b[C ')
+    terminal.wait_for(lambda text: text.count('[x]') == 2)
+    terminal.press('\r')
+    assert terminal.status() == 0
+    assert 'The episode is over: 3 of 5 spent on 3' in ' '.join(terminal.text.split())
+    assert said(tmp_path) == ['q1 answered fruit False', 'q2 answered 12 False', "q3 answered ('colour', 'size') False"]
+
+
+def test_an_answer_is_taken_back_and_help_is_shown(open_robot: Callable[..., Any], tmp_path: Path) -> None:
+    """A slip of the finger could not be mended."""
+    terminal = open_robot()
+    terminal.press('f')
+    terminal.wait_for('Noted: object 7 is fruit.')
+    terminal.press('z')
+    terminal.wait_for('Correction of: object 7 is fruit')
+    terminal.press('h')
+    terminal.wait_for('You teach a robot what things are.')
+    terminal.press('h')
+    terminal.wait_for('[a] snack')
+    terminal.press(':Snack\r')
+    terminal.wait_for('Noted: object 7 is snack instead.')
+    terminal.wait_for('Can you show me a snack?')
+    terminal.press('q')
+    assert terminal.status() == 0
+    assert said(tmp_path) == ['q1 answered fruit False', 'q1 answered snack True']
+
+
+@pytest.mark.parametrize('way', ['q', '\x03', '\x04', 'SIGTERM', 'SIGINT'])
+def test_however_it_ends_the_terminal_is_as_it_was(open_robot: Callable[..., Any], way: str) -> None:
+    """The shell would stay without echo, or on the other screen."""
+    terminal = open_robot()
+    assert not terminal.local_modes() & termios.ECHO
+    if way.startswith('SIG'):
+        terminal.child.kill(getattr(signal, way))
+    else:
+        terminal.press(way)
+    terminal.wait_for('Left open: What is object 7? (q1)')
+    assert terminal.raw.count(b'\x1b[?1049h') == terminal.raw.count(b'\x1b[?1049l') == 1
+    assert terminal.raw.rindex(b'\x1b[?25h') > terminal.raw.rindex(b'\x1b[?25l')
+    assert terminal.local_modes() == terminal.before
+    assert terminal.status() == 0
+
+
+def test_what_nodes_log_meanwhile_is_shown_when_the_screen_has_gone(open_robot: Callable[..., Any]) -> None:
+    """Warnings would be written across the question, or be lost."""
+    terminal = open_robot()
+    terminal.press('f')
+    terminal.wait_for('Noted: object 7 is fruit.')
+    assert b'disk' not in terminal.raw
+    terminal.press('q')
+    terminal.wait_for('[WARN] the disk is nearly full')
+    assert '[INFO]' not in terminal.text
+    assert terminal.status() == 0
+
+
+def test_an_answer_that_was_not_confirmed_is_said_to_be_so(open_robot: Callable[..., Any]) -> None:
+    """A person would go home in the belief that the robot has heard them."""
+    terminal = open_robot('--deaf')
+    terminal.press('f')
+    terminal.wait_for('telling the robot')
+    terminal.press('q')
+    terminal.wait_for('The robot has not confirmed your answer')
+    assert terminal.status() == 0
+
+
+def test_a_terminal_that_changes_its_size_is_filled_anew(open_robot: Callable[..., Any]) -> None:
+    """The keys would be out of sight until the end."""
+    terminal = open_robot()
+    terminal.screen.resize(24, 50)
+    terminal.child.setwinsize(24, 50)
+    terminal.wait_for(lambda text: '─' * 50 in text.splitlines()[2] or '─' * 50 in text.splitlines()[1])
+    terminal.wait_for('q quit')
+
+
+def test_a_terminal_that_can_do_nothing_is_talked_to_in_lines(open_robot: Callable[..., Any], tmp_path: Path) -> None:
+    """A person in an editor's shell would see codes instead of questions."""
+    terminal = open_robot(environment={'TERM': 'dumb'})
+    assert terminal.text.startswith('q1: What is object 7? [snack fruit none ? skip] (budget left 4, turns left 2)')
+    terminal.press('fruit\r')
+    terminal.wait_for('q2: Can you show me a snack?')
+    terminal.press('\x04')
+    assert terminal.status() == 0
+    assert b'\x1b' not in terminal.raw
+
+
+def piped(tmp_path: Path, text: str, *options: str, stdin: Any = None) -> subprocess.CompletedProcess[str]:
+    environment = {**os.environ, 'PYTHONPATH': str(ENVIRONMENT['PYTHONPATH'])}
+    source = {'input': text} if stdin is None else {'stdin': stdin}
+    return subprocess.run(
+        robot(tmp_path / 'said', *options),
+        env=environment,
+        capture_output=True,
+        text=True,
+        timeout=DEADLINE,
+        check=False,
+        **source,
+    )
+
+
+def test_a_script_answers_a_line_for_each_question(tmp_path: Path) -> None:
+    """Whoever tests a robot could not automate the person."""
+    done = piped(tmp_path, 'pudding\nfruit\nundo\nsnack\n#12\n\ncolour, size')
+    assert done.returncode == 0
+    assert [line.split('[')[0] for line in done.stdout.splitlines()] == [
+        'q1: What is object 7? ',
+        'q1: What is object 7? ',
+        'q2: Can you show me a snack? ',
+        'q1: correction: What is object 7? ',
+        'q2: Can you show me a snack? ',
+        'q3: Which properties matter? ',
+        'q3: Which properties matter? ',
+    ]
+    errors = [line for line in done.stderr.splitlines() if not line.startswith('[')]
+    assert errors[0].startswith("'pudding' does not answer")
+    assert errors[1:4] == [
+        'Noted: object 7 is fruit.',
+        'Noted: object 7 is snack instead.',
+        'Noted: snack: object 12.',
+    ]
+    assert errors[4] == 'an empty line is no answer'
+    assert errors[-1] == 'The episode is over: 3 of 5 spent on 3 questions. Thank you.'
+    assert said(tmp_path) == [
+        'q1 answered fruit False',
+        'q1 answered snack True',
+        'q2 answered 12 False',
+        "q3 answered ('colour', 'size') False",
+    ]
+
+
+@pytest.mark.parametrize('text', ['', 'help\n', 'quit\nfruit\n'])
+def test_the_end_of_the_input_or_quit_leaves_the_question_open(tmp_path: Path, text: str) -> None:
+    """A script would not learn that the robot still waits."""
+    done = piped(tmp_path, text)
+    assert done.returncode == 0
+    assert done.stderr.splitlines()[-1].startswith('Left open: What is object 7? (q1)')
+    assert not said(tmp_path)
+
+
+def test_without_any_input_it_ends(tmp_path: Path) -> None:
+    """Under `ros2 launch`, which gives no input, the process would stay for ever."""
+    done = piped(tmp_path, '', stdin=subprocess.DEVNULL)
+    assert done.returncode == 0
+    assert 'Left open' in done.stderr
+
+
+@pytest.mark.parametrize(
+    'content', [b'\xff\xfe\x00\x1b[2J\n', b'a' * 100_000, b'\n' * 50], ids=['bytes', 'long', 'blank']
+)
+def test_rubbish_on_the_input_is_explained(tmp_path: Path, content: bytes) -> None:
+    """A file that is no text would end in a traceback, or reach the terminal as it is."""
+    file = tmp_path / 'rubbish'
+    file.write_bytes(content)
+    with file.open('rb') as stdin:
+        done = piped(tmp_path, '', stdin=stdin)
+    assert done.returncode == 0
+    assert 'Traceback' not in done.stderr
+    assert '\x1b' not in done.stderr
+    assert len(done.stderr.splitlines()) > 1
+    assert not said(tmp_path)
