@@ -19,7 +19,7 @@ LAYERS = (
     {'arguments', 'configuration', 'files', 'plotting'},
     {'concepts', 'messages', 'perception', 'world'},
     {'questioning', 'recording', 'teaching'},
-    {'rerun', 'resuming', 'simulation'},
+    {'rerun', 'resuming', 'simulation', 'telling'},
     {'experiments', 'imitation', 'ros', 'session'},
     {'demo'},
     {'cli'},

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import dataclasses
 import time
 from collections.abc import Mapping, Sequence
 from pathlib import Path
@@ -30,7 +29,6 @@ from al_questioner.domain import (
 )
 from al_questioner.messages import documents
 from al_questioner.messages.clouds import cloud_of_decision, scene_of_cloud
-from al_questioner.messages.documents import Document
 from al_questioner.messages.pictures import markers
 from al_questioner.messages.stamps import nanoseconds, stamp_members
 from al_questioner.questioning import make_strategy
@@ -46,6 +44,7 @@ from al_questioner.ros.types import CLOUD_TYPES, MARKER_TYPES, header
 from al_questioner.ros.worlds import declare_world, new_episode_id, world_members
 from al_questioner.simulation import WorldChoice, episode_settings
 from al_questioner.teaching import read_plain_answer
+from al_questioner.telling import episode_members, state_members
 from al_questioner.world import Task, load_task
 
 SECONDS_FOR_OBJECTS = 10.0
@@ -159,15 +158,7 @@ class LearnerNode(QuestionerNode):
 
     def _announce(self, scene: Scene) -> None:
         """Publish what the episode is about, as soon as the features are known."""
-        self._publish_episode(
-            {
-                **documents.settings_members(self._settings),
-                'feature_names': list(scene.feature_names),
-                'view_tolerance': self._session.begun.view_tolerance,
-                'seed': self._world['seed'],
-                'world': self._world,
-            }
-        )
+        self._publish_episode(episode_members(self._session.begun, scene.feature_names))
 
     def _hear(self, message: String) -> None:
         """Take an answer, or the correction of one, and say whether it was taken: not before it is on the disk."""
@@ -220,7 +211,7 @@ class LearnerNode(QuestionerNode):
         if seen is None:
             return
         beliefs = self._beliefs(seen)
-        self._publish_state(self._state(seen, beliefs))
+        self._publish_state(state_members(self._session.episode, seen.scene, beliefs))
         pause = float(self._given['turn_period']) - (time.monotonic() - self._last_turn_start)
         if pause > 0:
             self.after(pause, self._begin_turn)
@@ -235,32 +226,11 @@ class LearnerNode(QuestionerNode):
         if seen is not None:
             beliefs = self._beliefs(seen)
             self._show(seen, beliefs)
-            self._publish_state(self._state(seen, beliefs))
+            self._publish_state(state_members(self._session.episode, seen.scene, beliefs))
 
     def _beliefs(self, seen: Seen) -> NDArray[np.float64]:
         """(n, |Y|) q_y(x) of a scene."""
         return self._session.episode.knowledge.predict_proba(seen.scene.features)
-
-    def _state(self, seen: Seen, beliefs: NDArray[np.float64]) -> Document:
-        """All that was asked and told up to the last turn that is over: a turn with a pending query is not."""
-        episode = self._session.episode
-        return {
-            'turn': episode.turn - (episode.pending is not None),
-            'turns': episode.settings.turns,
-            'budget': episode.settings.budget,
-            'spent': sum(record.cost for record in episode.records),
-            'done': episode.done,
-            'queries': [documents.record_members(record) for record in episode.records],
-            'labels': dict(episode.positives),
-            'model_version': episode.knowledge.model_version,
-            'kernel': dataclasses.asdict(episode.knowledge.kernel),
-            'beliefs': {
-                str(object_id): {
-                    symbol: round(float(p), 6) for symbol, p in zip(episode.settings.symbols, row, strict=True)
-                }
-                for object_id, row in zip(seen.scene.object_ids, beliefs, strict=True)
-            },
-        }
 
     def _show(self, seen: Seen, beliefs: NDArray[np.float64]) -> None:
         """Publish the scene, the beliefs and the pending query for people who watch."""
