@@ -17,7 +17,7 @@ from typing import Any
 import pytest
 
 from al_questioner.recording import SessionLogError, read_log
-from al_questioner.recording.session_events import Decided, Told, decoded
+from al_questioner.recording.session_events import Begun, Decided, Told, decoded
 from al_questioner.recording.session_log import KILL_VARIABLE
 from al_questioner.ros import qos
 from al_questioner.ros.perception import PerceptionNode
@@ -112,8 +112,8 @@ def check_acknowledged(learners: Learners, session: Path) -> None:
     assert fault is None
     taken = [(event.answer.query_id, event.answer.answer_id) for event in found if isinstance(event, Told)]
     assert len(set(taken)) == len(taken)
-    episode_id = found[0].episode_id
-    acks = [ack for ack in learners.acks if ack['accepted'] and ack['episode_id'] == episode_id]
+    episode_ids = [event.episode_id for event in found if isinstance(event, Begun)]
+    acks = [ack for ack in learners.acks if ack['accepted'] and ack['episode_id'] in episode_ids]
     acknowledged = {(ack['query_id'], ack['answer_id']) for ack in acks}
     assert acknowledged <= set(taken)
 
