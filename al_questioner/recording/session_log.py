@@ -14,6 +14,7 @@ import shutil
 import signal
 import sqlite3
 import tempfile
+import threading
 import time
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
@@ -84,7 +85,7 @@ class SessionLog:
     """A log that is written to, by one process at a time.
 
     What `append` has returned from survives whatever happens to the process or, as far as the disk keeps its word, to
-    the machine. Once an event could not be written the log takes no more. Use it by one thread at a time.
+    the machine. Once an event could not be written the log takes no more.
 
     Args:
         folder: of the log, made if it is not there.
@@ -99,6 +100,8 @@ class SessionLog:
         self.folder = folder
         self._at_write_point = at_write_point or _killer()
         self._failure = ''
+        # A node may close it while its worker is about to write.
+        self._in_use = threading.Lock()
         make_folder(folder)
         with contextlib.ExitStack() as stack:
             stack.enter_context(_unusable(folder))
@@ -116,7 +119,6 @@ class SessionLog:
             stack.callback(os.close, self._head)
             self._write_head()
             os.fsync(self._head)
-            # Made by one thread, used by another.
             self._database = sqlite3.connect(folder / DATABASE, isolation_level=None, check_same_thread=False)
             stack.callback(self._database.close)
             self._database.execute('PRAGMA journal_mode=WAL')
@@ -132,6 +134,10 @@ class SessionLog:
         Raises:
             LogWriteError: they cannot be; neither can any event after them.
         """
+        with self._in_use:
+            self._append(entries)
+
+    def _append(self, entries: Sequence[tuple[str, bytes]]) -> None:
         if self._failure:
             raise LogWriteError(self._failure)
         number, checksum = self._number, self._checksum
@@ -160,8 +166,10 @@ class SessionLog:
             raise LogWriteError(self._failure) from error
 
     def close(self) -> None:
-        """Let another process write."""
-        self._open.close()
+        """Let another process write; nothing can be appended any more."""
+        with self._in_use:
+            self._failure = self._failure or f'{self.folder}: the session log is closed'
+            self._open.close()
 
     def __enter__(self) -> SessionLog:
         return self
@@ -330,7 +338,12 @@ class _InUseError(SessionLogError):
 
 @contextlib.contextmanager
 def _locked(folder: Path, make: bool = True) -> Iterator[None]:
-    """Hold the lock of a log, which ends with the process however that ends; without a file for it nobody writes."""
+    """Hold the lock of a log, which ends with the process however that ends.
+
+    Args:
+        folder: of the log.
+        make: whether it is to write. Readers share the lock and make no file for it: where none is, nobody writes.
+    """
     path = folder / LOCK
     if not make and not path.exists():
         yield
@@ -338,7 +351,7 @@ def _locked(folder: Path, make: bool = True) -> Iterator[None]:
     descriptor = os.open(path, (os.O_RDWR | os.O_CREAT) if make else os.O_RDONLY, 0o644)
     try:
         try:
-            fcntl.flock(descriptor, fcntl.LOCK_EX | fcntl.LOCK_NB)
+            fcntl.flock(descriptor, (fcntl.LOCK_EX if make else fcntl.LOCK_SH) | fcntl.LOCK_NB)
         except BlockingIOError:
             raise _InUseError(f'{folder}: another process is using this session') from None
         yield

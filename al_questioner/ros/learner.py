@@ -92,6 +92,7 @@ class LearnerNode(QuestionerNode):
 
     def _start(self) -> None:
         """Begin the first turn, or go on where the session ended."""
+        self.does('going through what the session holds')
         self._session.start()
         seen, decision = self._session.seen, self._session.decision
         if seen is None or decision is None:
