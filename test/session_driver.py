@@ -26,7 +26,7 @@ from al_questioner.teaching import ScriptedTeacher
 from al_questioner.world import load_task
 
 TASK = load_task('prepare_lunch')
-SETTINGS = episode_settings(TASK, 'u_sampling_fsq', 8.0, 9, change_interval=3, tune_every=3)
+SETTINGS = episode_settings(TASK, 'u_sampling_fsq', 6.0, 5, change_interval=2, tune_every=2)
 BEGUN = Begun('e1', SETTINGS, 4, 1e-3, None, '0')
 TEACHER = ScriptedTeacher(TASK.symbols, TASK.relevant_groups, 4)
 
