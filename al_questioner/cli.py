@@ -21,6 +21,7 @@ EXECUTABLES = {
         'al_questioner.ros.replay',
         'plays a bag on its topics; --check tells whether it leads to the same again',
     ),
+    'session': ('al_questioner.session.command', "shows, checks, repairs and exports the log of a learner's session"),
     'train_weights': ('al_questioner.imitation.command', "learns the decision weights from an expert's bags"),
     'experiment': ('al_questioner.experiments.command', "plays, tests and draws the paper's comparison"),
     'demo': ('al_questioner.demo.command', 'plays one learning episode and shows how it went'),

@@ -35,6 +35,10 @@ class AnswerError(InputError):
     """An answer that does not fit the question that is pending."""
 
 
+class LateAnswerError(AnswerError):
+    """An answer to a query that another answer has settled before."""
+
+
 class EpisodeError(RuntimeError):
     """An episode that did not reach its end, through no fault of the input; its text is one line."""
 
@@ -157,6 +161,15 @@ class Scene:
     def __len__(self) -> int:
         return len(self.object_ids)
 
+    def equals(self, other: Scene) -> bool:
+        """Whether another scene is the same to the last bit."""
+        return (
+            self.object_ids == other.object_ids
+            and self.feature_names == other.feature_names
+            and self.features.tobytes() == other.features.tobytes()
+            and self.positions.tobytes() == other.positions.tobytes()
+        )
+
     def index_of(self, object_id: int) -> int:
         """Row of an object.
 
@@ -213,8 +226,8 @@ class Answer:
     """What a teacher said.
 
     `content` is a symbol or `NO_SYMBOL` for a label query; an object id or `NO_SYMBOL` for a demonstration query;
-    feature groups for a feature subset query; None unless the outcome is `ANSWERED`. `replaces` is the `answer_id` of
-    the earlier answer to the same query that this one corrects.
+    feature groups for a feature subset query; None unless the outcome is `ANSWERED`. `replaces` is None, or the
+    `answer_id` of an answer to the same query that was accepted before and was wrong: this is what is said now.
     """
 
     query_id: str

@@ -23,6 +23,7 @@ LEARNER_ARGUMENTS = {
     'budget': (float, 'query budget, in the cost of a label query, 0 or more'),
     'turns': (int, 'length of the episode in turns, 1 or more'),
     'turn_period': (float, 'least time from turn to turn in seconds; 0: as fast as the nodes can go'),
+    'session': (str, 'folder of the log that the episode is written to and goes on from'),
 }
 
 

@@ -8,12 +8,23 @@ from __future__ import annotations
 
 import json
 from collections.abc import Mapping
+from dataclasses import asdict
 from functools import cache
 from typing import Any, NoReturn
 
 import jsonschema
 
-from al_questioner.domain import Action, Answer, InputError, Outcome, Query, QueryKind, QueryRecord
+from al_questioner.domain import (
+    Action,
+    Answer,
+    Costs,
+    EpisodeSettings,
+    InputError,
+    Outcome,
+    Query,
+    QueryKind,
+    QueryRecord,
+)
 from al_questioner.messages.schemas import SCHEMAS
 
 Document = dict[str, Any]
@@ -93,6 +104,41 @@ def _validator(kind: str) -> jsonschema.protocols.Validator:
     return validator
 
 
+def settings_members(settings: EpisodeSettings) -> Document:
+    """What an `episode` document tells of the settings of its episode."""
+    return {
+        'symbols': list(settings.symbols),
+        'budget': settings.budget,
+        'turns': settings.turns,
+        'change_interval': settings.change_interval,
+        'costs': asdict(settings.costs),
+        'strategy': settings.strategy,
+        'weights': dict(settings.weights),
+        'tune_every': settings.tune_every,
+        'amplitude': settings.amplitude,
+        'length_scale': settings.length_scale,
+    }
+
+
+def settings_of(document: Document) -> EpisodeSettings:
+    """The settings that a checked `episode` document tells of; one without a kernel had the default one.
+
+    Raises:
+        SettingsError: a value outside its range.
+    """
+    return EpisodeSettings(
+        symbols=tuple(document['symbols']),
+        budget=float(document['budget']),
+        turns=document['turns'],
+        strategy=document['strategy'],
+        weights={name: float(weight) for name, weight in document['weights'].items()},
+        change_interval=document['change_interval'],
+        costs=Costs(**{kind: float(document['costs'][kind]) for kind in ('label', 'demonstration', 'feature_subset')}),
+        tune_every=document.get('tune_every', 0),
+        **{name: document[name] for name in ('amplitude', 'length_scale') if name in document},
+    )
+
+
 def query_members(query: Query) -> Document:
     """Members of a `query` document."""
     return {
@@ -147,6 +193,7 @@ def answer_of(document: Document) -> Answer:
         teacher_id=document['teacher_id'],
         outcome=Outcome(document['outcome']),
         content=tuple(content) if isinstance(content, list) else content,
+        replaces=document.get('replaces'),
     )
 
 

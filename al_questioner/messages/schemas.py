@@ -97,7 +97,10 @@ SCHEMAS: dict[str, JsonSchema] = {
     ),
     'answer': _record(
         {'query_id': _TEXT, 'answer_id': _TEXT, 'teacher_id': _TEXT, 'outcome': {'enum': _OUTCOMES}},
-        {'content': {'type': ['string', 'integer', 'array', 'null'], 'items': _TEXT}, 'replaces': _OPTIONAL_TEXT},
+        {
+            'content': {'type': ['string', 'integer', 'array', 'null'], 'items': _TEXT},
+            'replaces': {'anyOf': [_TEXT, {'type': 'null'}]},
+        },
     ),
     'answer_ack': _record(
         {

@@ -15,6 +15,7 @@ from al_questioner.domain import (
     AnswerError,
     Decision,
     EpisodeSettings,
+    LateAnswerError,
     Outcome,
     Query,
     QueryKind,
@@ -54,9 +55,10 @@ def new_knowledge(
 class Episode:
     """One learning episode (section 2.3 of the paper).
 
-    Each turn: `ask(scene)`, if the decision holds a query, `tell(answer)`, and at the turn's end `tune()`. A scene or
-    an answer that is refused leaves the episode as it was, so that the turn can be tried again. The same settings,
-    scenes, answers and generator give the same queries in any process.
+    Each turn: `ask(scene)`, if the decision holds a query, `tell(answer)`, and at the turn's end `tune()`. At any time
+    `amend(answer)` takes another answer for one that was wrong. A scene or an answer that is refused leaves the episode
+    as it was, so that the turn can be tried again. The same settings, scenes, answers and generator give the same
+    queries in any process.
 
     Args:
         settings: what is given to the learner before it asks.
@@ -78,26 +80,27 @@ class Episode:
         self.settings = settings
         self._rng = rng
         self._strategy = make_strategy(settings.strategy, settings.weights) if strategy is None else strategy
+        self._view_tolerance = view_tolerance
         self.knowledge = new_knowledge(settings, view_tolerance, self._strategy)
-        self._turn = 0
         self._spent = 0.0
         self._records: list[QueryRecord] = []
         self._pending: Query | None = None
-        self._n_queries = 0
+        self._queries: dict[str, Query] = {}
+        self._answers: dict[str, dict[str, Answer]] = {}
         self._non_query_turns = 0
-        self._scene: Scene | None = None
+        self._scenes: list[Scene] = []
         self._scene_turn = 1
-        self._tuned_turn = 0
+        self._tuned_turns: set[int] = set()
 
     @property
     def turn(self) -> int:
         """The present turn, 1-based; 0 before the first."""
-        return self._turn
+        return len(self._scenes)
 
     @property
     def turns_left(self) -> int:
         """Turns after the present one."""
-        return self.settings.turns - self._turn
+        return self.settings.turns - self.turn
 
     @property
     def spent(self) -> float:
@@ -144,8 +147,9 @@ class Episode:
         if self.turns_left == 0:
             raise RuntimeError(f'the episode is over: all {self.settings.turns} turns have passed')
         self.knowledge.observe(scene)
-        turn = self._turn + 1
-        unchanged = self._scene is not None and self.knowledge.is_unchanged(self._scene, scene)
+        turn = self.turn + 1
+        last = self._scenes[-1] if self._scenes else None
+        unchanged = last is not None and self.knowledge.is_unchanged(last, scene)
         scene_turn = self._scene_turn if unchanged else turn
         situation = Situation(
             turn=turn,
@@ -161,7 +165,9 @@ class Episode:
             history=self.records,
         )
         choice = self._strategy.choose(situation, self._rng)
-        self._turn, self._scene, self._scene_turn = turn, scene, scene_turn
+        # A scene that stays is kept once: an episode of a camera would fill the memory.
+        self._scenes.append(last if last is not None and last.equals(scene) else scene)
+        self._scene_turn = scene_turn
         self._pending = self._query(situation.candidates[choice.index], scene)
         self._non_query_turns = 0 if self._pending else self._non_query_turns + 1
         shape = (len(situation.candidates), len(DECISION_FEATURES))
@@ -180,8 +186,42 @@ class Episode:
         Raises:
             AnswerError: nothing is pending, another query is, or the answer does not fit the question.
         """
-        query, scene = self._pending, self._scene
-        if query is None or scene is None:
+        if answer.replaces is not None:
+            raise AnswerError(f'the answer replaces {answer.replaces!r}: it corrects, and does not answer')
+        record = self.check(answer)
+        self.knowledge.learn(record, self._scenes[-1])
+        self._records.append(record)
+        self._pending = None
+        self._answers[answer.query_id] = {answer.answer_id: answer}
+        return record
+
+    def amend(self, answer: Answer) -> QueryRecord:
+        """Take another answer for one that was accepted before and was wrong.
+
+        What is recorded and known is then what it would be had the answer been this one at once: of that turn, at that
+        cost. What was asked since stays asked, and what is pending stays pending. An answer is replaced once; what
+        replaced it can be replaced in turn.
+
+        Raises:
+            AnswerError: the answer names none that it replaces, or one that was not accepted or was replaced already,
+                its id is taken, or it does not fit the question.
+        """
+        if answer.replaces is None:
+            raise AnswerError(f'the answer to query {answer.query_id!r} does not say what it replaces')
+        record = self.check(answer)
+        self._records = [record if old.turn == record.turn else old for old in self._records]
+        self._answers[answer.query_id][answer.answer_id] = answer
+        self._learn_anew()
+        return record
+
+    def check(self, answer: Answer) -> QueryRecord:
+        """What `tell`, or `amend` if the answer replaces another, would record; nothing changes.
+
+        Raises:
+            AnswerError: the answer would be refused.
+        """
+        query = self._pending if answer.replaces is None else self._corrected(answer)
+        if query is None:
             raise AnswerError(f'no query is pending; the answer was to {answer.query_id!r}')
         if answer.query_id != query.query_id:
             raise AnswerError(f'the answer is to query {answer.query_id!r}, the pending one is {query.query_id!r}')
@@ -194,14 +234,31 @@ class Episode:
         elif action.kind is QueryKind.LABEL:
             symbol = self._named_symbol(answer)
         elif action.kind is QueryKind.DEMONSTRATION:
-            object_id = self._shown_object(answer, scene)
+            object_id = self._shown_object(answer, self._scenes[query.turn - 1])
         else:
             groups = self._named_groups(answer)
-        record = QueryRecord(query.turn, action.kind, object_id, symbol, query.cost, answer.outcome, groups)
-        self.knowledge.learn(record, scene)
-        self._records.append(record)
-        self._pending = None
-        return record
+        return QueryRecord(query.turn, action.kind, object_id, symbol, query.cost, answer.outcome, groups)
+
+    def has_taken(self, answer: Answer) -> bool:
+        """Whether this very answer was accepted before.
+
+        Raises:
+            AnswerError: another answer of the same ids was.
+            LateAnswerError: its query was settled by an answer of another id, which it does not replace.
+        """
+        accepted = self._answers.get(answer.query_id, {})
+        same_id = accepted.get(answer.answer_id)
+        if same_id is not None and same_id != answer:
+            raise AnswerError(f'another answer {answer.answer_id!r} to query {answer.query_id!r} was taken already')
+        if accepted and same_id is None and answer.replaces is None:
+            first = next(iter(accepted))
+            raise LateAnswerError(f'query {answer.query_id!r} was answered already, by {first!r}')
+        return same_id is not None
+
+    @property
+    def tune_is_due(self) -> bool:
+        """Whether `tune` would do something at the end of this turn, or has yet to."""
+        return self.turn not in self._tuned_turns and self.settings.tunes_after(self.turn)
 
     def tune(self) -> bool:
         """Re-optimise the kernel if this turn is one for it; call it at the end of a turn, when nobody waits.
@@ -214,10 +271,36 @@ class Episode:
         """
         if self._pending is not None:
             raise RuntimeError(f'query {self._pending.query_id} has not been answered yet')
-        if self._tuned_turn == self._turn or not self.settings.tunes_after(self._turn):
+        if not self.tune_is_due:
             return False
-        self._tuned_turn = self._turn
+        self._tuned_turns.add(self.turn)
         return self.knowledge.tune()
+
+    def _corrected(self, answer: Answer) -> Query:
+        """The query of the answer that another one replaces."""
+        accepted = self._answers.get(answer.query_id, {})
+        if answer.replaces not in accepted:
+            raise AnswerError(f'no answer {answer.replaces!r} to query {answer.query_id!r} was taken')
+        if answer.answer_id in accepted:
+            raise AnswerError(f'another answer {answer.answer_id!r} to query {answer.query_id!r} was taken already')
+        last = next(reversed(accepted))
+        if answer.replaces != last:
+            raise AnswerError(
+                f'answer {answer.replaces!r} to query {answer.query_id!r} was replaced, in the end by {last!r}'
+            )
+        return self._queries[answer.query_id]
+
+    def _learn_anew(self) -> None:
+        """Rebuild the knowledge from the scenes and the records, event by event as it came about."""
+        knowledge = new_knowledge(self.settings, self._view_tolerance, self._strategy)
+        by_turn = {record.turn: record for record in self._records}
+        for turn, scene in enumerate(self._scenes, start=1):
+            knowledge.observe(scene)
+            if turn in by_turn:
+                knowledge.learn(by_turn[turn], scene)
+            if turn in self._tuned_turns:
+                knowledge.tune()
+        self.knowledge = knowledge
 
     def _query(self, action: Action, scene: Scene) -> Query | None:
         """Put the action to the teacher and charge for it; None if it asks nothing."""
@@ -225,10 +308,9 @@ class Episode:
             return None
         cost = self.settings.costs.of(action.kind)
         self._spent += cost
-        self._n_queries += 1
-        return Query(
-            query_id=f'q{self._n_queries}',
-            turn=self._turn,
+        query = Query(
+            query_id=f'q{len(self._queries) + 1}',
+            turn=self.turn,
             action=action,
             choices=choices(action, scene, self.settings.symbols, self.knowledge.groups),
             cost=cost,
@@ -237,6 +319,8 @@ class Episode:
             model_version=self.knowledge.model_version,
             text=question_text(action, self.settings.symbols),
         )
+        self._queries[query.query_id] = query
+        return query
 
     def _named_symbol(self, answer: Answer) -> str:
         known = (*self.settings.symbols, NO_SYMBOL)

@@ -8,7 +8,7 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
 
-from al_questioner.domain import Costs, Decision, EpisodeSettings, InputError, QueryRecord, Scene
+from al_questioner.domain import Decision, EpisodeSettings, InputError, QueryRecord, Scene
 from al_questioner.messages import documents
 from al_questioner.messages.clouds import decision_of_cloud, scene_of_cloud
 from al_questioner.messages.documents import Document
@@ -162,17 +162,7 @@ def _sessions(bag: Bag, recorded: _Recorded) -> list[Session]:
 
 def _session(path: Path, recorded: _Recorded, document: Document, state: Document | None) -> Session:
     episode_id, names = document['episode_id'], tuple(document['feature_names'])
-    settings = EpisodeSettings(
-        symbols=tuple(document['symbols']),
-        budget=float(document['budget']),
-        turns=document['turns'],
-        strategy=document['strategy'],
-        weights={name: float(weight) for name, weight in document['weights'].items()},
-        change_interval=document['change_interval'],
-        costs=Costs(**{kind: float(document['costs'][kind]) for kind in ('label', 'demonstration', 'feature_subset')}),
-        tune_every=document.get('tune_every', 0),
-        **{name: document[name] for name in ('amplitude', 'length_scale') if name in document},
-    )
+    settings = documents.settings_of(document)
     last = 0 if state is None else state['turn']
     records = {} if state is None else {q['turn']: documents.record_of(q) for q in state['queries']}
     turns = tuple(_turn(path, recorded, episode_id, turn, settings, records.get(turn)) for turn in range(1, last + 1))

@@ -2,35 +2,39 @@
 
 from __future__ import annotations
 
-import dataclasses
 import time
 from collections.abc import Mapping, Sequence
+from pathlib import Path
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 from sensor_msgs.msg import PointCloud2
-from std_msgs.msg import Header, String
+from std_msgs.msg import String
 from visualization_msgs.msg import MarkerArray
 
+from al_questioner import __version__
 from al_questioner.concepts import compile_models
 from al_questioner.domain import (
     Answer,
     AnswerError,
     Content,
     Costs,
+    Decision,
     EpisodeSettings,
     InputError,
+    LateAnswerError,
     Scene,
     SceneError,
-    generator,
 )
 from al_questioner.messages import documents
 from al_questioner.messages.clouds import cloud_of_decision, scene_of_cloud
-from al_questioner.messages.documents import Document
 from al_questioner.messages.pictures import markers
 from al_questioner.messages.stamps import nanoseconds, stamp_members
-from al_questioner.questioning import Episode
+from al_questioner.questioning import make_strategy
+from al_questioner.recording import SessionLog
+from al_questioner.recording.session_events import Begun, Seen
+from al_questioner.resuming import DurableEpisode
 from al_questioner.ros import qos
 from al_questioner.ros.node import QuestionerNode
 from al_questioner.ros.parameters import declare, help_text, refuse_unknown
@@ -38,8 +42,9 @@ from al_questioner.ros.running import run_nodes
 from al_questioner.ros.settings import DEFAULT_TASK, WORLD_SETTINGS, all_names, learner_settings
 from al_questioner.ros.types import CLOUD_TYPES, MARKER_TYPES, header
 from al_questioner.ros.worlds import declare_world, new_episode_id, world_members
-from al_questioner.simulation import episode_settings
+from al_questioner.simulation import WorldChoice, episode_settings
 from al_questioner.teaching import read_plain_answer
+from al_questioner.telling import episode_members, state_members
 from al_questioner.world import Task, load_task
 
 SECONDS_FOR_OBJECTS = 10.0
@@ -59,16 +64,15 @@ class LearnerNode(QuestionerNode):
         world = declare_world(self)
         self._given = declare(self, learner_settings(world.task))
         self._settings = _episode_settings(world.task, self._given)
-        self._episode = Episode(self._settings, generator(world.seed, 'learner'), float(self._given['view_tolerance']))
-        self.episode_id = str(self._given['episode_id']) or new_episode_id(world)
+        # What cannot be used is to be said before anything is published, and before a log is begun.
+        make_strategy(self._settings.strategy, self._settings.weights)
         refuse_unknown(self, all_names())
         self._world = world_members(world)
+        self._session = _session(self._settings, world, self._given)
+        self.episode_id = self._session.begun.episode_id
         self._last_stamp = 0
         self._stale_clouds = 0
         self._awaits_scene = False
-        self._header = Header()
-        self._scene: Scene | None = None
-        self._last_answer: Answer | None = None
         self._last_turn_start = 0.0
 
         self._publish_episode = self.document_publisher('episode')
@@ -84,7 +88,28 @@ class LearnerNode(QuestionerNode):
         self.submit(compile_models)
         if self._given['wait_for_recorder']:
             self.await_recorder('episode', 'turn', 'query', 'answer_ack', 'decision', 'learner_state')
-        self.submit(self._begin_turn)
+        self.submit(self._start)
+
+    def _start(self) -> None:
+        """Begin the first turn, or go on where the session ended."""
+        self.does('going through what the session holds')
+        self._session.start()
+        seen, decision = self._session.seen, self._session.decision
+        if seen is None or decision is None:
+            self._begin_turn()
+            return
+        self.get_logger().info(
+            f'going on with {self.episode_id}, after {seen.turn} turns, from {self._given["session"]}'
+        )
+        self._last_stamp = seen.stamp
+        self._announce(seen.scene)
+        if self._session.episode.pending is None:
+            self._end_turn()
+            return
+        # Word for word as before: perception, if it is new too, shows what the question is about.
+        self._publish_turn({'turn': seen.turn, 'stamp': stamp_members(seen.stamp), 'world': self._world})
+        self._put(seen, decision)
+        self._show(seen, self._beliefs(seen))
 
     def _begin_turn(self) -> None:
         """Ask perception for the scene of the next turn."""
@@ -92,7 +117,7 @@ class LearnerNode(QuestionerNode):
         self._last_turn_start = time.monotonic()
         self._awaits_scene = True
         self._stale_clouds = 0
-        turn = self._episode.turn + 1
+        turn = self._session.episode.turn + 1
         self.does(f'turn {turn}: waiting for objects', expected_within=SECONDS_FOR_OBJECTS)
         self._publish_turn({'turn': turn, 'stamp': stamp_members(self._last_stamp), 'world': self._world})
 
@@ -104,20 +129,25 @@ class LearnerNode(QuestionerNode):
             self._ignore_stale()
             return
         scene = scene_of_cloud(cloud)
-        decision = self._episode.ask(scene)
+        seen = Seen(self._session.episode.turn + 1, self._last_stamp, cloud.header.frame_id, scene)
+        decision = self._session.ask(seen)
         self._awaits_scene = False
-        if self._scene is None:
+        if decision.turn == 1:
             self._announce(scene)
-        self._scene, self._header = scene, header(self._last_stamp, cloud.header.frame_id)
+        self._put(seen, decision)
+        if decision.query is None:
+            self._end_turn()
+        else:
+            self._show(seen, self._beliefs(seen))
+
+    def _put(self, seen: Seen, decision: Decision) -> None:
+        """Publish a decision, and the question if there is one."""
         if decision.query is not None:
             self.does(f'turn {decision.turn}: waiting for the answer to {decision.query.query_id}')
             self._publish_query({**documents.query_members(decision.query), 'world': self._world})
             self.get_logger().info(f'turn {decision.turn}: {decision.query.text}')
-        self._decision.publish(cloud_of_decision(decision, self._settings.symbols, self._header, CLOUD_TYPES))
-        if decision.query is None:
-            self._end_turn()
-        else:
-            self._show(scene, self._beliefs(scene))
+        head = header(seen.stamp, seen.frame_id)
+        self._decision.publish(cloud_of_decision(decision, self._settings.symbols, head, CLOUD_TYPES))
 
     def _ignore_stale(self) -> None:
         """Pass over a scene from before the turn; say so if there is no other, since a clock may be behind."""
@@ -129,43 +159,31 @@ class LearnerNode(QuestionerNode):
 
     def _announce(self, scene: Scene) -> None:
         """Publish what the episode is about, as soon as the features are known."""
-        settings = self._settings
-        self._publish_episode(
-            {
-                'symbols': list(settings.symbols),
-                'feature_names': list(scene.feature_names),
-                'budget': settings.budget,
-                'turns': settings.turns,
-                'change_interval': settings.change_interval,
-                'costs': dataclasses.asdict(settings.costs),
-                'strategy': settings.strategy,
-                'weights': dict(settings.weights),
-                'tune_every': settings.tune_every,
-                'amplitude': settings.amplitude,
-                'length_scale': settings.length_scale,
-                'view_tolerance': float(self._given['view_tolerance']),
-                'seed': self._world['seed'],
-                'world': self._world,
-            }
-        )
+        self._publish_episode(episode_members(self._session.begun, scene.feature_names))
 
     def _hear(self, message: String) -> None:
-        """Take an answer, and say whether it was taken."""
+        """Take an answer, or the correction of one, and say whether it was taken: not before it is on the disk."""
+        if not self._session.is_ready:
+            return
         answer = None
         try:
             answer = self._read_answer(message.data)
-            is_new = answer != self._last_answer
-            if is_new:
-                self._episode.tell(answer)
+            is_new = self._session.take(answer)
         except InputError as error:
+            if not isinstance(error, LateAnswerError):
+                self._session.note_refused(message.data, str(error))
             self._acknowledge(answer, accepted=False, reason=str(error))
             raise
         self._acknowledge(answer, accepted=True, reason='' if is_new else 'already taken')
-        if is_new and answer is not None:
-            self._last_answer = answer
-            told = answer.outcome.value if answer.content is None else answer.content
-            self.get_logger().info(f'turn {self._episode.turn}: {answer.teacher_id} says {_spoken(told)}')
+        if not is_new:
+            return
+        told = _spoken(answer.outcome.value if answer.content is None else answer.content)
+        if answer.replaces is None:
+            self.get_logger().info(f'turn {self._session.episode.turn}: {answer.teacher_id} says {told}')
             self._end_turn()
+        else:
+            self.get_logger().info(f'{answer.query_id}: {answer.teacher_id} now says {told}')
+            self._tell_state()
 
     def _acknowledge(self, answer: Answer | None, accepted: bool, reason: str) -> None:
         ids = (None, None) if answer is None else (answer.query_id, answer.answer_id)
@@ -177,61 +195,55 @@ class LearnerNode(QuestionerNode):
             if document['episode_id'] != self.episode_id:
                 raise AnswerError(f'the answer belongs to episode {document["episode_id"]}, this is {self.episode_id}')
             return documents.answer_of(document)
-        if self._episode.pending is None:
+        if self._session.episode.pending is None:
             raise AnswerError('no query is pending')
-        return read_plain_answer(content, self._episode.pending)
+        return read_plain_answer(content, self._session.episode.pending)
 
     def _end_turn(self) -> None:
         """Tune the models if it is time, tell what is known now, and begin the next turn unless this was the last."""
-        scene = self._scene
-        if scene is None:
-            return
-        self._episode.tune()
-        beliefs = self._beliefs(scene)
-        if self._episode.done:
-            self._show(scene, beliefs)
-            self._publish_state(self._state(scene, beliefs))
+        self._session.tune()
+        episode = self._session.episode
+        if episode.done:
+            self._tell_state()
             self.does('the episode is over')
-            self.get_logger().info(f'the episode is over: {self._episode.spent:g} of {self._settings.budget:g} spent')
+            self.get_logger().info(f'the episode is over: {episode.spent:g} of {self._settings.budget:g} spent')
             return
-        self._publish_state(self._state(scene, beliefs))
+        seen = self._session.seen
+        if seen is None:
+            return
+        beliefs = self._beliefs(seen)
+        self._publish_state(state_members(self._session.episode, seen.scene, beliefs))
         pause = float(self._given['turn_period']) - (time.monotonic() - self._last_turn_start)
         if pause > 0:
             self.after(pause, self._begin_turn)
         else:
             self._begin_turn()
         # Only now, while perception looks: markers take longer to write than all documents together.
-        self._show(scene, beliefs)
+        self._show(seen, beliefs)
 
-    def _beliefs(self, scene: Scene) -> NDArray[np.float64]:
+    def _tell_state(self) -> None:
+        """Publish what is known now, outside of the course of the turns."""
+        seen = self._session.seen
+        if seen is not None:
+            beliefs = self._beliefs(seen)
+            self._show(seen, beliefs)
+            self._publish_state(state_members(self._session.episode, seen.scene, beliefs))
+
+    def _beliefs(self, seen: Seen) -> NDArray[np.float64]:
         """(n, |Y|) q_y(x) of a scene."""
-        return self._episode.knowledge.predict_proba(scene.features)
+        return self._session.episode.knowledge.predict_proba(seen.scene.features)
 
-    def _state(self, scene: Scene, beliefs: NDArray[np.float64]) -> Document:
-        episode = self._episode
-        return {
-            'turn': episode.turn,
-            'turns': episode.settings.turns,
-            'budget': episode.settings.budget,
-            'spent': episode.spent,
-            'done': episode.done,
-            'queries': [documents.record_members(record) for record in episode.records],
-            'labels': dict(episode.positives),
-            'model_version': episode.knowledge.model_version,
-            'kernel': dataclasses.asdict(episode.knowledge.kernel),
-            'beliefs': {
-                str(object_id): {
-                    symbol: round(float(p), 6) for symbol, p in zip(episode.settings.symbols, row, strict=True)
-                }
-                for object_id, row in zip(scene.object_ids, beliefs, strict=True)
-            },
-        }
-
-    def _show(self, scene: Scene, beliefs: NDArray[np.float64]) -> None:
+    def _show(self, seen: Seen, beliefs: NDArray[np.float64]) -> None:
         """Publish the scene, the beliefs and the pending query for people who watch."""
-        pending = self._episode.pending
+        pending = self._session.episode.pending
         asked = pending.action.object_id if pending else None
-        self._markers.publish(markers(scene, beliefs, self._settings.symbols, asked, self._header, MARKER_TYPES))
+        head = header(seen.stamp, seen.frame_id)
+        self._markers.publish(markers(seen.scene, beliefs, self._settings.symbols, asked, head, MARKER_TYPES))
+
+    def destroy_node(self) -> None:
+        """Close the log, once the worker has stopped."""
+        super().destroy_node()
+        self._session.close()
 
 
 def _spoken(content: Content) -> str:
@@ -252,6 +264,31 @@ def _episode_settings(task: Task, given: Mapping[str, Any]) -> EpisodeSettings:
         length_scale=given['length_scale'] or None,
         tune_every=given['tune_every'],
     )
+
+
+def _session(settings: EpisodeSettings, world: WorldChoice, given: Mapping[str, Any]) -> DurableEpisode:
+    """The episode of these parameters, new or as far as its log goes, not yet started.
+
+    Raises:
+        InputError: the log cannot be used, or is that of an episode with other settings.
+    """
+    folder = Path(str(given['session'])).expanduser() if given['session'] else None
+    log = None if folder is None else SessionLog(folder)
+    is_new = log is None or not log.events
+    wanted = Begun(
+        episode_id=str(given['episode_id']) or (new_episode_id(world) if is_new else ''),
+        settings=settings,
+        seed=world.seed,
+        view_tolerance=float(given['view_tolerance']),
+        world=world_members(world),
+        version=__version__,
+    )
+    try:
+        return DurableEpisode(wanted, log)
+    except InputError:
+        if log is not None:
+            log.close()
+        raise
 
 
 def main(arguments: Sequence[str]) -> int:

@@ -18,7 +18,7 @@ from rclpy.node import Node
 from rclpy.qos import QoSProfile
 from std_msgs.msg import String
 
-from al_questioner.domain import InputError
+from al_questioner.domain import EpisodeError, InputError
 from al_questioner.messages import documents
 from al_questioner.messages.documents import Document
 from al_questioner.ros import qos
@@ -153,8 +153,12 @@ class QuestionerNode(Node):
     def _failed(self, error: Exception) -> None:
         if not self.context.ok():
             return
-        self._failure = f'{type(error).__name__}: {error}'
-        self.get_logger().error(''.join(traceback.format_exception(error)))
+        is_foreseen = isinstance(error, (InputError, EpisodeError))
+        failure = str(error) if is_foreseen else f'{type(error).__name__}: {error}'
+        # What fails may be tried again with every message.
+        if failure != self._failure:
+            self._failure = failure
+            self.get_logger().error(failure if is_foreseen else ''.join(traceback.format_exception(error)))
 
     def _publish_diagnostics(self) -> None:
         level, message = DiagnosticStatus.OK, self._activity

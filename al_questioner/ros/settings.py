@@ -79,6 +79,7 @@ def learner_settings(task: Task) -> tuple[Setting, ...]:
             upper=3600.0,
         ),
         Setting('episode_id', '', 'of the episode in all documents; empty: one that is not used again'),
+        Setting('session', '', 'folder of the log that the episode is written to and goes on from; empty: none'),
         WAIT_FOR_RECORDER,
     )
 

@@ -11,7 +11,7 @@ from typing import Any
 import pytest
 
 CHECKOUT = Path(__file__).resolve().parents[2]
-OPTIONAL = ('dataset', 'seed', 'strategy', 'budget', 'turns', 'turn_period')
+OPTIONAL = ('dataset', 'seed', 'strategy', 'budget', 'turns', 'turn_period', 'session')
 
 
 class Recorded(SimpleNamespace):

@@ -1,0 +1,283 @@
+"""An episode whose log is the truth: written before anybody hears of it, and replayed to go on after a crash."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping
+from typing import Any
+
+from al_questioner.domain import Answer, Decision, InputError, LateAnswerError, generator
+from al_questioner.questioning import Episode
+from al_questioner.recording.session_events import (
+    Begun,
+    Decided,
+    Encoder,
+    KeptLate,
+    Refused,
+    Seen,
+    SessionEvent,
+    Told,
+    Tuned,
+    decoded,
+)
+from al_questioner.recording.session_log import LogContents, SessionLog, SessionLogError
+
+NOT_SETTINGS = frozenset({'version'})
+"""What a log tells of its episode that a learner that goes on with it need not share."""
+
+
+class ReplayError(InputError):
+    """A log that does not lead to the decisions that are recorded in it; the text says where."""
+
+
+class Replay:
+    """Plays the events of a session to an Episode, in the order in which they came about.
+
+    Args:
+        begun: the episode.
+
+    Attributes:
+        episode: as it is after the events played so far.
+        seen: the scene of the present turn; None before the first.
+        decision: of the present turn; None before the first.
+        late: the answers that came too late.
+
+    Raises:
+        InputError: the strategy, or its weights, do not exist.
+    """
+
+    def __init__(self, begun: Begun) -> None:
+        self.episode = Episode(begun.settings, generator(begun.seed, 'learner'), begun.view_tolerance)
+        self.seen: Seen | None = None
+        self.decision: Decision | None = None
+        self.late: set[Answer] = set()
+        self._next_seen: Seen | None = None
+
+    def play(self, event: SessionEvent) -> None:
+        """Play the next event.
+
+        Raises:
+            ReplayError: it does not follow from those before.
+        """
+        try:
+            self._play(event)
+        except ReplayError:
+            raise
+        except (InputError, RuntimeError) as error:
+            raise ReplayError(f'turn {self.episode.turn}: {type(event).__name__.lower()}: {error}') from error
+
+    def asked(self, seen: Seen, decision: Decision) -> None:
+        """Take note of what the episode was asked."""
+        self.seen, self.decision = seen, decision
+
+    def _play(self, event: SessionEvent) -> None:
+        if isinstance(event, Begun):
+            raise ReplayError('another episode begins within the log')
+        if isinstance(event, Seen):
+            self._next_seen = event
+        elif isinstance(event, Decided):
+            self._decide(event)
+        elif isinstance(event, Told):
+            learn(self.episode, event.answer)
+        elif isinstance(event, KeptLate):
+            self.late.add(event.answer)
+        elif isinstance(event, Tuned):
+            self._tune(event)
+
+    def _decide(self, recorded: Decided) -> None:
+        seen, self._next_seen = self._next_seen, None
+        if seen is None or seen.turn != self.episode.turn + 1 or recorded.turn != seen.turn:
+            raise ReplayError(f'turn {recorded.turn}: the decision is not about the scene of the next turn')
+        decision = self.episode.ask(seen.scene)
+        action = decision.candidates[decision.chosen]
+        if action != recorded.action:
+            raise ReplayError(f'turn {recorded.turn}: {action} is chosen, {recorded.action} was recorded')
+        if decision.query != recorded.query:
+            raise ReplayError(f'turn {recorded.turn}: {decision.query} is asked, {recorded.query} was recorded')
+        self.asked(seen, decision)
+
+    def _tune(self, recorded: Tuned) -> None:
+        self.episode.tune()
+        version = self.episode.knowledge.model_version
+        if (self.episode.turn, version) != (recorded.turn, recorded.model_version):
+            raise ReplayError(
+                f'turn {self.episode.turn}: the models have version {version} after tuning,'
+                f' recorded were version {recorded.model_version} and turn {recorded.turn}'
+            )
+
+
+class DurableEpisode:
+    """An Episode each event of which is on the disk before its effect is known to anybody.
+
+    Without a log it is the Episode alone, which also knows an answer that it has had.
+
+    Args:
+        wanted: the episode; an empty `episode_id` stands for whichever the log has.
+        log: where it is written; None for nowhere.
+
+    Attributes:
+        begun: the episode, as the log has it if there is one already.
+
+    Raises:
+        SessionLogError: the log is of an episode with other settings, which the text names, or it cannot be understood.
+    """
+
+    def __init__(self, wanted: Begun, log: SessionLog | None = None) -> None:
+        self._log = log
+        self._encoder = Encoder()
+        self._events: list[SessionEvent] = []
+        self._replay: Replay | None = None
+        self._last_refused: Refused | None = None
+        self.begun = wanted
+        if log is not None and log.events:
+            self._events, damage = decoded(LogContents(log.events, None))
+            if damage is not None:
+                raise SessionLogError(f'{log.folder}: {damage}')
+            self.begun = _same_episode(log, self._events[0], wanted)
+
+    @property
+    def is_ready(self) -> bool:
+        """Whether `start` has come to its end."""
+        return self._replay is not None
+
+    @property
+    def episode(self) -> Episode:
+        """The episode itself, to look at."""
+        return self._started.episode
+
+    @property
+    def seen(self) -> Seen | None:
+        """The scene of the present turn; None before the first."""
+        return self._started.seen
+
+    @property
+    def decision(self) -> Decision | None:
+        """The decision of the present turn; None before the first."""
+        return self._started.decision
+
+    def start(self) -> None:
+        """Begin, or come to where the log ends by playing all of it.
+
+        Raises:
+            ReplayError: the log does not lead to the decisions in it.
+            LogWriteError: the log of a new episode cannot be written.
+        """
+        replay = Replay(self.begun)
+        if not self._events:
+            self._write(self.begun)
+        for event in self._events[1:]:
+            replay.play(event)
+            self._encoder.follow(event)
+        self._events = []
+        self._replay = replay
+
+    def ask(self, seen: Seen) -> Decision:
+        """See `Episode.ask`.
+
+        Raises:
+            SceneError: the scene is refused.
+            LogWriteError: scene and decision cannot be written; the episode cannot go on.
+        """
+        decision = self.episode.ask(seen.scene)
+        self._write(seen, Decided(decision.turn, decision.candidates[decision.chosen], decision.query))
+        self._started.asked(seen, decision)
+        return decision
+
+    def take(self, answer: Answer) -> bool:
+        """Take an answer, or the correction of one; each counts once, however often it is sent.
+
+        Returns:
+            Whether it is new.
+
+        Raises:
+            LateAnswerError: its query was settled by another answer; it is kept and not learnt from.
+            AnswerError: it is refused.
+            LogWriteError: it cannot be written, and is not taken.
+        """
+        try:
+            if self.episode.has_taken(answer):
+                return False
+        except LateAnswerError as error:
+            if answer not in self._started.late:
+                self._write(KeptLate(answer, str(error)))
+                self._started.late.add(answer)
+            raise
+        self.episode.check(answer)
+        self._write(Told(answer))
+        learn(self.episode, answer)
+        return True
+
+    def note_refused(self, text: str, reason: str) -> None:
+        """Keep a text that was not taken for an answer, once if it is repeated.
+
+        Raises:
+            LogWriteError: it cannot be written.
+        """
+        refused = Refused(text, reason)
+        if refused != self._last_refused:
+            self._write(refused)
+            self._last_refused = refused
+
+    def tune(self) -> bool:
+        """See `Episode.tune`.
+
+        Raises:
+            LogWriteError: that the kernel is another one cannot be written.
+        """
+        if not self.episode.tune_is_due:
+            return False
+        changed = self.episode.tune()
+        self._write(Tuned(self.episode.turn, self.episode.knowledge.model_version))
+        return changed
+
+    def close(self) -> None:
+        """Close the log."""
+        if self._log is not None:
+            self._log.close()
+
+    @property
+    def _started(self) -> Replay:
+        if self._replay is None:
+            raise RuntimeError('the episode has not been started')
+        return self._replay
+
+    def _write(self, *events: SessionEvent) -> None:
+        if self._log is not None:
+            self._log.append(*map(self._encoder.encode, events))
+
+
+def learn(episode: Episode, answer: Answer) -> None:
+    """Tell an episode an answer, or amend it by one that replaces another.
+
+    Raises:
+        AnswerError: it is refused.
+    """
+    if answer.replaces is None:
+        episode.tell(answer)
+    else:
+        episode.amend(answer)
+
+
+def _same_episode(log: SessionLog, first: SessionEvent, wanted: Begun) -> Begun:
+    """The episode that a log begins with, if it is the one that is wanted."""
+    if not isinstance(first, Begun):
+        raise SessionLogError(f'{log.folder}: its first event is not the beginning of an episode')
+    theirs, ours = dict(_flat(first.members())), dict(_flat(wanted.members()))
+    if not wanted.episode_id:
+        del ours['episode_id']
+    differences = [
+        f'{name} {theirs.get(name)!r}, not {ours.get(name)!r}'
+        for name in {**theirs, **ours}
+        if (name in ours or name != 'episode_id') and theirs.get(name) != ours.get(name) and name not in NOT_SETTINGS
+    ]
+    if differences:
+        raise SessionLogError(f'{log.folder}: the session there has {"; ".join(differences)}')
+    return first
+
+
+def _flat(members: Mapping[str, Any], prefix: str = '') -> Iterator[tuple[str, Any]]:
+    """Names and values, those of inner objects as `outer.name`."""
+    for name, value in members.items():
+        if isinstance(value, Mapping):
+            yield from _flat(value, f'{prefix}{name}.')
+        else:
+            yield f'{prefix}{name}', value

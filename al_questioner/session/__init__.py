@@ -1,0 +1,1 @@
+"""The `session` executable: the log of a learner's session, shown, checked, repaired and exported."""

@@ -1,0 +1,110 @@
+"""The `session` executable."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Sequence
+from pathlib import Path
+
+from rich.console import Console
+from rich.table import Table
+from rich.text import Text
+
+from al_questioner.arguments import Parser
+from al_questioner.files import check_writable, write_text
+from al_questioner.recording import read_log, repair_log
+from al_questioner.session.account import Account, Said, account_of
+from al_questioner.session.bag import write_bag
+from al_questioner.session.export import session_document, spoken, write_tables
+
+
+def parser() -> Parser:
+    """The arguments of `session`."""
+    result = Parser(
+        prog='session',
+        description="Show, check and export the log of a learner's session.",
+        epilog='exit status: 0 the log is whole, 1 only what is before some damage can be used, 2 nothing can',
+    )
+    result.add_argument('folder', type=Path, metavar='DIR', help='the parameter `session` of the learner')
+    result.add_argument('--json', type=Path, metavar='FILE', help='write the episode as JSON')
+    result.add_argument('--csv', type=Path, metavar='DIR', help='write answers.csv and turns.csv')
+    result.add_argument('--bag', type=Path, metavar='PATH', help='write the episode into a new bag')
+    repair = 'keep what is before the damage, and the damaged files as broken-*'
+    result.add_argument('--repair', action='store_true', help=repair)
+    return result
+
+
+def main(arguments: Sequence[str]) -> int:
+    """Show a session, and return 0 if its log is whole, 1 if it is damaged."""
+    given = parser().parse_args(arguments)
+    if given.json is not None:
+        check_writable(given.json)
+    account = account_of(given.folder, read_log(given.folder))
+    console = Console()
+    if not console.is_terminal:
+        # Through a pipe rich would take 80 columns for the width.
+        console = Console(width=200)
+    _show(console, account)
+    if given.repair:
+        was_damaged = repair_log(given.folder).damage is not None
+        _say(console, f'{given.folder}: repaired' if was_damaged else f'{given.folder}: nothing to repair')
+    written: list[Path] = []
+    if given.json is not None:
+        write_text(given.json, json.dumps(session_document(account), indent=1) + '\n')
+        written.append(given.json)
+    if given.csv is not None:
+        written += write_tables(account, given.csv)
+    if given.bag is not None:
+        write_bag(account, given.bag)
+        written.append(given.bag)
+    for path in written:
+        _say(console, f'  {path}')
+    return 0 if account.fault is None else 1
+
+
+def _show(console: Console, account: Account) -> None:
+    """Print what was asked and said, and whether the log is whole."""
+    begun, episode = account.begun, account.episode
+    world = '' if begun.world is None else f'{begun.world["task"]} · '
+    _say(console, f'{world}{begun.settings.strategy} · seed {begun.seed} · episode {begun.episode_id}')
+    spent = f'{episode.spent:g} of {begun.settings.budget:g} spent'
+    _say(console, f'turn {episode.turn} of {begun.settings.turns}, {spent}{", over" if episode.done else ""}')
+    table = Table(show_header=True)
+    for column in ('turn', 'query', 'asked', 'said', 'by', 'answer', ''):
+        table.add_column(column)
+    for said in account.said:
+        table.add_row(*map(Text, _row(said)))
+    if episode.pending is not None:
+        query = episode.pending
+        table.add_row(*map(Text, (str(query.turn), query.query_id, query.text, '', '', '', 'pending')))
+    if table.rows:
+        console.print(table)
+    counts = {
+        'taken': sum(said.status != 'late' and said.answer.replaces is None for said in account.said),
+        'corrections': sum(said.status != 'late' and said.answer.replaces is not None for said in account.said),
+        'late': sum(said.status == 'late' for said in account.said),
+        'refused': len(account.refused),
+    }
+    _say(console, 'answers: ' + ', '.join(f'{count} {name}' for name, count in counts.items()))
+    if account.fault is None:
+        _say(console, f'{account.folder}: whole, {len(account.events)} events; playing them gives the same decisions')
+    else:
+        recovered = f'recovered: {len(account.events)} events, {account.turns_over} whole turns'
+        _say(console, f'{account.folder}: DAMAGED: {account.fault}; {recovered}')
+
+
+def _row(said: Said) -> tuple[str, ...]:
+    answer, query = said.answer, said.query
+    return (
+        '' if query is None else str(query.turn),
+        answer.query_id,
+        '' if query is None else query.text,
+        spoken(answer.content) or answer.outcome.value,
+        answer.teacher_id,
+        answer.answer_id,
+        said.status if answer.replaces is None else f'replaces {answer.replaces}; {said.status}',
+    )
+
+
+def _say(console: Console, line: str) -> None:
+    console.print(line, markup=False, highlight=False, soft_wrap=True)

@@ -1,0 +1,172 @@
+"""Learner processes that are killed, and others that go on: no acknowledged answer is lost, and the same is asked."""
+
+from __future__ import annotations
+
+import contextlib
+import json
+import os
+import random
+import signal
+import subprocess
+import sys
+import time
+from collections.abc import Iterator
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+from al_questioner.recording import SessionLogError, read_log
+from al_questioner.recording.session_events import Begun, Decided, Told, decoded
+from al_questioner.recording.session_log import KILL_VARIABLE
+from al_questioner.ros import qos
+from al_questioner.ros.perception import PerceptionNode
+from al_questioner.ros.teacher import TeacherNode
+
+ROOT = Path(__file__).resolve().parents[2]
+DEADLINE = 90.0
+EPISODE = {'task': 'prepare_lunch', 'seed': 4, 'budget': 7.0, 'turns': 6, 'strategy': 'random_fsq', 'tune_every': 2}
+WRITE_POINTS = 4 * (1 + 6 + 6 + 3)
+"""Four for each of: the episode, a scene with its decision, an answer, a tuning; asking in every turn."""
+
+
+class Learners:
+    """Learner processes, one after the other, beside a perception and a teacher that stay."""
+
+    def __init__(self, graph: Any, folder: Path) -> None:
+        self.graph, self.folder = graph, folder
+        self.acks = graph.listen('answer_ack', profile=qos.EVENTS)
+        self._number = 0
+        self._process: subprocess.Popen[bytes] | None = None
+        graph.start(PerceptionNode, **graph.world)
+        graph.start(TeacherNode, **graph.world)
+
+    def start(self, session: Path, kill_at: int = 0) -> None:
+        self._number += 1
+        command = [sys.executable, '-m', 'al_questioner', 'learner', '--ros-args']
+        command += ['-r', f'__ns:=/{self.graph.namespace}']
+        for name, value in {**EPISODE, 'session': str(session)}.items():
+            command += ['-p', f'{name}:={json.dumps(value)}']
+        environment = {
+            **os.environ,
+            'PYTHONPATH': os.pathsep.join(filter(None, (str(ROOT), os.environ.get('PYTHONPATH')))),
+            'ROS_DOMAIN_ID': str(self.graph.context.get_domain_id()),
+            KILL_VARIABLE: str(kill_at),
+        }
+        with self.log_path.open('wb') as log:
+            self._process = subprocess.Popen(
+                command, env=environment, stdin=subprocess.DEVNULL, stdout=log, stderr=log, start_new_session=True
+            )
+
+    @property
+    def log_path(self) -> Path:
+        return self.folder / f'{self._number}.log'
+
+    def wait_for(self, text: str) -> bool:
+        """Wait until the learner prints something; False if it was killed before."""
+        end = time.monotonic() + DEADLINE
+        while text not in self.log_path.read_text():
+            assert self._process is not None
+            status = self._process.poll()
+            if status == -signal.SIGKILL:
+                return text in self.log_path.read_text()
+            assert status is None, self.log_path.read_text()
+            assert time.monotonic() < end, f'never printed {text!r}: {self.log_path.read_text()}'
+            time.sleep(0.02)
+        return True
+
+    def kill(self) -> None:
+        if self._process is not None:
+            with contextlib.suppress(ProcessLookupError):
+                os.killpg(self._process.pid, signal.SIGKILL)
+            self._process.wait()
+
+    def finish(self, session: Path) -> None:
+        """Have a learner go on to the end."""
+        self.start(session)
+        assert self.wait_for('the episode is over')
+        self.kill()
+
+
+@pytest.fixture
+def learners(graph: Any, tmp_path: Path) -> Iterator[Learners]:
+    result = Learners(graph, tmp_path)
+    try:
+        yield result
+    finally:
+        result.kill()
+
+
+def decisions(session: Path) -> list[tuple[Any, ...]]:
+    """What was chosen and asked, in order, and what was answered."""
+    found, fault = decoded(read_log(session))
+    assert fault is None
+    asked = [(event.turn, event.action, event.query) for event in found if isinstance(event, Decided)]
+    said = [(event.answer.query_id, event.answer.content) for event in found if isinstance(event, Told)]
+    return [*asked, *said]
+
+
+def check_acknowledged(learners: Learners, session: Path) -> None:
+    """Every answer that was acknowledged is in the log, once."""
+    found, fault = decoded(read_log(session))
+    assert fault is None
+    taken = [(event.answer.query_id, event.answer.answer_id) for event in found if isinstance(event, Told)]
+    assert len(set(taken)) == len(taken)
+    episode_ids = [event.episode_id for event in found if isinstance(event, Begun)]
+    acks = [ack for ack in learners.acks if ack['accepted'] and ack['episode_id'] in episode_ids]
+    acknowledged = {(ack['query_id'], ack['answer_id']) for ack in acks}
+    assert acknowledged <= set(taken)
+
+
+def kill_and_go_on(learners: Learners, session: Path, point: int) -> bool:
+    """Kill a learner at a write point and have another one go on; False if the first one was over before."""
+    learners.start(session, kill_at=point)
+    was_over = learners.wait_for('the episode is over')
+    learners.kill()
+    with contextlib.suppress(SessionLogError):
+        check_acknowledged(learners, session)
+    learners.finish(session)
+    check_acknowledged(learners, session)
+    return not was_over
+
+
+@pytest.mark.parametrize('point', [6, 10, 12])
+def test_a_killed_learner_is_gone_on_with(learners: Learners, tmp_path: Path, point: int) -> None:
+    """A crash within a turn would lose the answer, or lead to other questions: at a decision, and around an answer."""
+    learners.finish(tmp_path / 'whole')
+    assert kill_and_go_on(learners, tmp_path / 'killed', point)
+    assert decisions(tmp_path / 'killed') == decisions(tmp_path / 'whole')
+
+
+@pytest.mark.slow
+@pytest.mark.timeout(1800)
+def test_a_learner_killed_at_every_write_point_is_gone_on_with(learners: Learners, tmp_path: Path) -> None:
+    """There would be a moment at which a crash costs an answer."""
+    learners.finish(tmp_path / 'whole')
+    points = 0
+    while kill_and_go_on(learners, tmp_path / f'killed-{points}', points + 1):
+        assert decisions(tmp_path / f'killed-{points}') == decisions(tmp_path / 'whole')
+        points += 1
+    assert 0 < points <= WRITE_POINTS
+
+
+@pytest.mark.slow
+@pytest.mark.timeout(3600)
+def test_learners_killed_at_random_moments_are_gone_on_with(learners: Learners, tmp_path: Path) -> None:
+    """What no list of write points foresees would cost an answer."""
+    learners.finish(tmp_path / 'whole')
+    draw, kills, episodes = random.Random(1), 0, 0
+    while kills < 200:
+        session = tmp_path / f'random-{episodes}'
+        over = False
+        while not over:
+            learners.start(session)
+            learners.wait_for('is up')
+            time.sleep(draw.uniform(0, 0.4))
+            learners.kill()
+            kills += 1
+            over = 'the episode is over' in learners.log_path.read_text()
+        learners.finish(session)
+        check_acknowledged(learners, session)
+        assert decisions(session) == decisions(tmp_path / 'whole')
+        episodes += 1

@@ -1,0 +1,183 @@
+"""The executable that shows, checks, repairs and exports a session."""
+
+from __future__ import annotations
+
+import csv
+import dataclasses
+import json
+import sqlite3
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+
+from al_questioner.cli import main
+from al_questioner.domain import Answer, LateAnswerError, Outcome
+from al_questioner.imitation.bags import read_demonstrations
+from al_questioner.recording import SessionLog, read_log, read_sessions
+from al_questioner.recording.session_events import Begun, Encoder, Seen, decoded
+from al_questioner.recording.session_log import DATABASE
+from al_questioner.rerun import first_divergence
+from al_questioner.resuming import DurableEpisode
+from al_questioner.simulation import PerceivedWorld, WorldChoice, episode_settings
+from al_questioner.teaching import ScriptedTeacher
+from al_questioner.world import load_task
+
+TASK = load_task('prepare_lunch')
+TEACHER = ScriptedTeacher(TASK.symbols, TASK.relevant_groups, 4)
+EPISODE = ['--task', 'prepare_lunch', '--strategy', 'dt_iros', '--budget', '6', '--turns', '7', '--seed', '4']
+WORLD = {'task': 'prepare_lunch', 'seed': 4, 'sample': 4, 'dataset': None}
+BEGUN = Begun('e1', episode_settings(TASK, 'dt_iros', 6.0, 7, tune_every=3), 4, 1e-3, WORLD, '1')
+
+
+@pytest.fixture(scope='module')
+def world() -> PerceivedWorld:
+    return PerceivedWorld(WorldChoice(TASK, 4, 4).open())
+
+
+def write_session(folder: Path, world: PerceivedWorld, corrected: bool = False, begun: Begun = BEGUN) -> None:
+    """A whole session, in which the first answer may be corrected, and another teacher be late."""
+    session = DurableEpisode(begun, SessionLog(folder))
+    session.start()
+    while not session.episode.done:
+        turn = session.episode.turn + 1
+        query = session.ask(Seen(turn, turn * 10**9, 'table', world.scene(turn))).query
+        if query is not None:
+            session.take(TEACHER.answer(query, world.truth(turn)))
+        session.tune()
+    if corrected:
+        with pytest.raises(LateAnswerError):
+            session.take(Answer('q1', 'b1', 'bert', Outcome.SKIP))
+        session.take(Answer('q1', 'c1', 'scripted', Outcome.UNKNOWN, replaces='q1/scripted'))
+        session.note_refused('pudding', 'it does not answer')
+    session.close()
+
+
+def test_the_json_of_a_session_is_that_of_the_demo(tmp_path: Path, world: PerceivedWorld) -> None:
+    """What was learnt with people could not be compared with what was played."""
+    write_session(tmp_path / 'log', world)
+    played = tmp_path / 'demo.json'
+    arguments = [*EPISODE, '--tune-every', '3', '--offline', '--out', str(tmp_path), '--json', str(played)]
+    assert main(['demo', *arguments]) == 0
+    exported = tmp_path / 'session.json'
+    assert main(['session', str(tmp_path / 'log'), '--json', str(exported)]) == 0
+    ours, theirs = json.loads(exported.read_text()), json.loads(played.read_text())
+    common = ours.keys() & theirs.keys() - {'version'}
+    assert {'accuracy', 'final_accuracy', 'queries', 'spent', 'task', 'kernel', 'weights'} <= common
+    assert {name: ours[name] for name in common} == {name: theirs[name] for name in common}
+
+
+def test_all_that_was_said_is_shown_and_exported(
+    tmp_path: Path, world: PerceivedWorld, capsys: pytest.CaptureFixture[str]
+) -> None:
+    """What a person said would be kept and yet not be found."""
+    write_session(tmp_path / 'log', world, corrected=True)
+    assert main(['session', str(tmp_path / 'log'), '--csv', str(tmp_path / 'csv')]) == 0
+    shown = capsys.readouterr().out
+    assert '1 corrections, 1 late, 1 refused' in shown
+    assert 'taken, then replaced by c1' in shown
+    assert 'whole, ' in shown
+    with (tmp_path / 'csv' / 'answers.csv').open() as file:
+        rows = list(csv.DictReader(file))
+    assert [row['status'] for row in rows[-3:]] == ['late', 'taken', 'refused: it does not answer']
+    assert (rows[-2]['query_id'], rows[-2]['outcome'], rows[-2]['replaces']) == ('q1', 'unknown', 'q1/scripted')
+    assert (rows[-3]['object_id'], rows[-3]['symbol']) == (rows[0]['object_id'], rows[0]['symbol'])
+    with (tmp_path / 'csv' / 'turns.csv').open() as file:
+        turns = list(csv.DictReader(file))
+    assert len(turns) == 7
+    assert turns[0]['outcome'] == 'unknown'
+
+
+def test_a_session_as_a_bag_leads_to_the_same_decisions(tmp_path: Path, world: PerceivedWorld) -> None:
+    """What people said could not be replayed, looked at in Foxglove, or learnt weights from."""
+    write_session(tmp_path / 'log', world)
+    assert main(['session', str(tmp_path / 'log'), '--bag', str(tmp_path / 'bag')]) == 0
+    (session,) = read_sessions(tmp_path / 'bag')
+    assert (session.episode_id, session.settings, len(session.turns)) == ('e1', BEGUN.settings, 7)
+    assert first_divergence(session) is None
+    (demonstration,) = read_demonstrations([tmp_path / 'bag'])
+    assert len(demonstration.steps) == 7
+    assert main(['session', str(tmp_path / 'log'), '--bag', str(tmp_path / 'bag')]) == 2, 'a bag is never overwritten'
+
+
+def damage(folder: Path, number: int) -> None:
+    with sqlite3.connect(folder / DATABASE) as database:
+        database.execute("UPDATE events SET content = X'00' WHERE number = ?", (number,))
+    database.close()
+
+
+def test_a_damaged_session_is_named_repaired_and_gone_on_with(
+    tmp_path: Path, world: PerceivedWorld, capsys: pytest.CaptureFixture[str]
+) -> None:
+    """Damage would go unseen, or cost what is before it."""
+    folder = tmp_path / 'log'
+    write_session(folder, world)
+    damage(folder, 9)
+    exported = tmp_path / 'session.json'
+    assert main(['session', str(folder), '--json', str(exported)]) == 1
+    assert 'DAMAGED: event 9 is damaged' in capsys.readouterr().out
+    part = json.loads(exported.read_text())
+    assert 0 < len(part['accuracy']) == part['turns_over'] < 7
+    assert 'event 9' in part['damage']
+    assert main(['session', str(folder), '--repair']) == 1
+    assert f'{folder}: repaired' in capsys.readouterr().out
+    assert main(['session', str(folder), '--repair']) == 0
+    assert 'nothing to repair' in capsys.readouterr().out
+    write_again = DurableEpisode(BEGUN, SessionLog(folder))
+    write_again.start()
+    assert write_again.episode.turn >= part['turns_over']
+    write_again.close()
+
+
+def test_a_session_that_leads_elsewhere_is_named(
+    tmp_path: Path, world: PerceivedWorld, capsys: pytest.CaptureFixture[str]
+) -> None:
+    """A log that this version does not reproduce would be shown as if it did."""
+    write_session(tmp_path / 'log', world)
+    found, _ = decoded(read_log(tmp_path / 'log'))
+    others = dataclasses.replace(BEGUN.settings, strategy='rarest_demo', weights={})
+    encoder = Encoder()
+    with SessionLog(tmp_path / 'other') as log:
+        for event in [dataclasses.replace(BEGUN, settings=others), *found[1:]]:
+            log.append(encoder.encode(event))
+    assert main(['session', str(tmp_path / 'other'), '--json', str(tmp_path / 'x.json')]) == 1
+    assert 'does not follow from those before' in capsys.readouterr().out
+    assert json.loads((tmp_path / 'x.json').read_text())['turns_over'] < 7
+
+
+def test_accuracy_is_not_made_up(tmp_path: Path, world: PerceivedWorld) -> None:
+    """A robot with perception of its own would be judged by a world that it never saw."""
+    for name, given, reason in (
+        ('none', None, 'the world was not simulated'),
+        ('other', {**WORLD, 'seed': 5}, 'the scene of turn 1 is not that of the simulated world'),
+        ('gone', {**WORLD, 'task': 'my_table'}, "unknown task 'my_table'"),
+    ):
+        write_session(tmp_path / name, world, begun=dataclasses.replace(BEGUN, world=given))
+        assert main(['session', str(tmp_path / name), '--json', str(tmp_path / 'x.json')]) == 0
+        document = json.loads((tmp_path / 'x.json').read_text())
+        assert (document['accuracy'], document['final_accuracy']) == ([], None)
+        assert reason in document['no_accuracy_because']
+
+
+@pytest.mark.parametrize('options', [[], ['--repair']])
+def test_nothing_usable_ends_with_status_2_and_one_line(tmp_path: Path, options: list[str]) -> None:
+    """A mistyped folder, or a log of which nothing is left, would end in a traceback."""
+    (tmp_path / 'damaged').mkdir()
+    (tmp_path / 'damaged' / DATABASE).write_bytes(b'nonsense' * 1000)
+    SessionLog(tmp_path / 'empty').close()
+    for name, reason in (
+        ('nowhere', 'there is no session log in it'),
+        ('damaged', 'nothing usable is in the session log (event 1 cannot be read'),
+        ('empty', 'nothing usable is in the session log (no episode was begun)'),
+    ):
+        done = subprocess.run(
+            [sys.executable, '-m', 'al_questioner', 'session', str(tmp_path / name), *options],
+            capture_output=True,
+            text=True,
+            timeout=60,
+            check=False,
+        )
+        assert done.returncode == 2, done.stderr
+        assert reason in done.stderr
+        assert done.stderr.count('\n') == 1
