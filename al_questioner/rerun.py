@@ -7,7 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from al_questioner.domain import NO_SYMBOL, Answer, Content, Outcome, QueryKind, QueryRecord, generator
-from al_questioner.questioning import Episode
+from al_questioner.questioning import Episode, Human, Remembered
 from al_questioner.recording import RecordedTurn, Session
 
 
@@ -28,13 +28,16 @@ def first_divergence(session: Session) -> Divergence | None:
     """Play the scenes and answers of a session to a learner with its settings, and compare every decision.
 
     Decisions are the same if they weigh the same candidates, choose the same one and, to the last bit, see the same
-    features and utilities in them.
+    features and utilities in them. What a person chose is taken as given.
 
     Raises:
         InputError: the strategy of the session, or its weights, do not exist.
     """
-    episode = Episode(session.settings, generator(session.seed, 'learner'), session.view_tolerance)
+    choices = Remembered()
+    strategy = Human(choices) if session.settings.strategy == 'human' else None
+    episode = Episode(session.settings, generator(session.seed, 'learner'), session.view_tolerance, strategy)
     for recorded in session.turns:
+        choices.action = recorded.decision.candidates[recorded.decision.chosen]
         decision = episode.ask(recorded.scene)
         theirs = recorded.decision
         if decision.candidates != theirs.candidates:

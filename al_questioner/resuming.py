@@ -6,7 +6,7 @@ from collections.abc import Iterator, Mapping
 from typing import Any
 
 from al_questioner.domain import Answer, Decision, InputError, LateAnswerError, generator
-from al_questioner.questioning import Episode
+from al_questioner.questioning import Episode, Human, Remembered
 from al_questioner.recording.session_events import (
     Begun,
     Decided,
@@ -46,7 +46,10 @@ class Replay:
     """
 
     def __init__(self, begun: Begun) -> None:
-        self.episode = Episode(begun.settings, generator(begun.seed, 'learner'), begun.view_tolerance)
+        self._choices = Remembered()
+        strategy = Human(self._choices) if begun.settings.strategy == 'human' else None
+        rng = generator(begun.seed, 'learner')
+        self.episode = Episode(begun.settings, rng, begun.view_tolerance, strategy)
         self.seen: Seen | None = None
         self.decision: Decision | None = None
         self.late: set[Answer] = set()
@@ -87,7 +90,9 @@ class Replay:
         seen, self._next_seen = self._next_seen, None
         if seen is None or seen.turn != self.episode.turn + 1 or recorded.turn != seen.turn:
             raise ReplayError(f'turn {recorded.turn}: the decision is not about the scene of the next turn')
+        self._choices.action = recorded.action
         decision = self.episode.ask(seen.scene)
+        self._choices.action = None
         action = decision.candidates[decision.chosen]
         if action != recorded.action:
             raise ReplayError(f'turn {recorded.turn}: {action} is chosen, {recorded.action} was recorded')

@@ -5,6 +5,7 @@ from al_questioner.questioning.controls import UnlabelledFirst
 from al_questioner.questioning.decision_features import symbol_given_object
 from al_questioner.questioning.episode import Episode, new_knowledge
 from al_questioner.questioning.expected_utility import expected_features
+from al_questioner.questioning.human import Human, Remembered
 from al_questioner.questioning.situation import Situation
 from al_questioner.questioning.strategies import (
     IROS_FEATURES,
@@ -23,6 +24,8 @@ __all__ = [
     'TASK_FEATURES',
     'Choice',
     'Episode',
+    'Human',
+    'Remembered',
     'Situation',
     'Strategy',
     'UncertaintySampling',

@@ -36,8 +36,7 @@ class Human:
     selector = None
 
     def __init__(self, pick: Picker | None = None) -> None:
-        lines = Lines(0)
-        self._pick = pick or (lambda situation: pick_from_menu(situation, lines, sys.stdout))
+        self._pick = pick or at_terminal()
 
     def choose(self, situation: Situation, rng: np.random.Generator) -> Choice:
         """What the person picks.
@@ -86,6 +85,36 @@ class Lines:
             self._read += more
         line, end, self._read = self._read.partition(b'\n')
         return (line + end).decode('utf-8', errors='replace')
+
+
+def at_terminal() -> Picker:
+    """Asks whoever sits at the terminal of this process."""
+    lines = Lines(0)
+    return lambda situation: pick_from_menu(situation, lines, sys.stdout)
+
+
+class Remembered:
+    """A person's choices played back, so that nobody is asked twice; what is not given is asked of the person.
+
+    Attributes:
+        action: what was chosen in the turn that comes next; None to ask.
+    """
+
+    def __init__(self) -> None:
+        self.action: Action | None = None
+        self._ask = at_terminal()
+
+    def __call__(self, situation: Situation) -> int:
+        """Index of the choice.
+
+        Raises:
+            InputError: what was chosen is no candidate of this turn.
+        """
+        if self.action is None:
+            return self._ask(situation)
+        if self.action not in situation.candidates:
+            raise InputError(f'{self.action} was chosen, which is no candidate here')
+        return situation.candidates.index(self.action)
 
 
 def pick_from_menu(situation: Situation, source: LineSource, screen: TextIO) -> int:
