@@ -112,23 +112,23 @@ class Processes:
         self._folder = folder
         self._running: dict[str, subprocess.Popen[bytes]] = {}
 
-    def start(self, name: str, command: list[str]) -> subprocess.Popen[bytes]:
-        with self.log_path(name).open('wb') as log:
+    def start(self, name: str, command: list[str], typed: Path | None = None) -> subprocess.Popen[bytes]:
+        with self.log_path(name).open('wb') as log, (typed or Path(os.devnull)).open('rb') as source:
             self._running[name] = subprocess.Popen(
                 command,
                 env=environment(),
-                stdin=subprocess.DEVNULL,
+                stdin=source,
                 stdout=log,
                 stderr=subprocess.STDOUT,
                 start_new_session=True,
             )
         return self._running[name]
 
-    def node(self, name: str, **parameters: object) -> subprocess.Popen[bytes]:
+    def node(self, name: str, typed: Path | None = None, **parameters: object) -> subprocess.Popen[bytes]:
         arguments = ['--ros-args', '-r', f'__ns:=/{self.namespace}']
         for key, value in parameters.items():
             arguments += ['-p', f'{key}:={json.dumps(value)}']
-        return self.start(name, al_questioner(name, *arguments))
+        return self.start(name, al_questioner(name, *arguments), typed)
 
     def log_path(self, name: str) -> Path:
         return self._folder / f'{name}.log'
@@ -220,6 +220,29 @@ def test_a_recorded_demo_is_a_demonstration(tmp_path: Path) -> None:
     (demonstration,) = read_demonstrations([bag])
     assert len(demonstration.steps) == 8
     assert [query.turn for query in demonstration.queries] == [query['turn'] for query in episode['queries']]
+
+
+def test_a_person_shows_how_to_ask(processes: Processes, tmp_path: Path) -> None:
+    """A person's way of asking could not be recorded, or not be learnt from."""
+    bag, typed, out = tmp_path / 'bag', tmp_path / 'typed', tmp_path / 'w.yaml'
+    typed.write_text('f\n3\nbeverage\n\nno such question\n5\n')
+    recorder = processes.node('record', bag=str(bag), until_done=True)
+    processes.wait_for_log('record', 'recording to')
+    world = {'task': 'prepare_lunch', 'seed': 4, 'wait_for_recorder': True}
+    processes.node('perception', **world)
+    processes.node('teacher', **world)
+    processes.node('learner', typed, **world, strategy='human', budget=9.0, turns=5)
+    assert recorder.wait(DEADLINE) == 0, processes.log('record')
+    assert 'is no question' in processes.log('learner')
+    (demonstration,) = read_demonstrations([bag])
+    kinds = [query.kind.value for query in demonstration.queries]
+    assert kinds == ['feature_subset', 'label', 'demonstration', 'label']
+    assert [query.turn for query in demonstration.queries] == [1, 2, 3, 5]
+    trained = run('train_weights', str(bag), '--method', 'choice', '--out', str(out))
+    assert trained.returncode == 0, trained.stderr
+    # Nobody is left to choose: the learner says so, and lives.
+    processes.node('learner', task='prepare_lunch', seed=4, strategy='human')
+    processes.wait_for_log('learner', 'the input has ended')
 
 
 @pytest.mark.slow
