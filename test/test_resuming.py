@@ -19,6 +19,7 @@ from al_questioner.domain import (
     Outcome,
     SettingsError,
 )
+from al_questioner.questioning import Situation, human
 from al_questioner.recording import LogWriteError, SessionLog, SessionLogError, read_log
 from al_questioner.recording.session_events import Begun, Encoder, KeptLate, Refused, Seen, Told, Tuned, decoded
 from al_questioner.resuming import DurableEpisode, Replay, ReplayError
@@ -290,3 +291,27 @@ def test_an_unknown_strategy_is_named(tmp_path: Path) -> None:
     unknown = dataclasses.replace(begun().settings, strategy='clever')
     with pytest.raises(SettingsError, match='unknown strategy'):
         Replay(begun(settings=unknown))
+
+
+def test_a_persons_choices_are_not_asked_for_again(
+    tmp_path: Path, world: PerceivedWorld, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Whoever shows how to ask would have to show it all again after a crash."""
+    asked = []
+
+    def person(situation: Situation) -> int:
+        asked.append(situation.turn)
+        return situation.turn % len(situation.candidates)
+
+    monkeypatch.setattr(human, 'at_terminal', lambda: person)
+    settings = dataclasses.replace(begun().settings, strategy='human')
+    session = started(tmp_path, settings=settings)
+    play_turns(session, world, 3)
+    queries = session.episode.records
+    session.close()
+    again = started(tmp_path, settings=settings)
+    assert asked == [1, 2, 3]
+    assert again.episode.records == queries
+    play_turns(again, world, 1)
+    assert asked == [1, 2, 3, 4]
+    again.close()

@@ -240,6 +240,7 @@ def test_a_person_shows_how_to_ask(processes: Processes, tmp_path: Path) -> None
     assert [query.turn for query in demonstration.queries] == [1, 2, 3, 5]
     trained = run('train_weights', str(bag), '--method', 'choice', '--out', str(out))
     assert trained.returncode == 0, trained.stderr
+    assert run('replay', str(bag), '--check').returncode == 0
     # Nobody is left to choose: the learner says so, and lives.
     processes.node('learner', task='prepare_lunch', seed=4, strategy='human')
     processes.wait_for_log('learner', 'the input has ended')
