@@ -34,6 +34,8 @@ RECORDER = 'recorder'
 SECONDS_FOR_RECORDER = 10.0
 """After which the lack of a recorder is worth a warning."""
 
+REFUSALS_PER_SECOND = 10
+"""That are logged; of a flood of garbage the rest is counted."""
 REFUSAL_SHOWN = 60.0
 """Seconds for which a refusal makes the node's status a warning; its count stays."""
 
@@ -50,6 +52,7 @@ class QuestionerNode(Node):
         self._refused: Counter[str] = Counter()
         self._last_refusal = ''
         self._refused_at = -math.inf
+        self._said_at: list[float] = []
         self._failure = ''
         self._activity = 'starting'
         self._overdue = math.inf
@@ -97,8 +100,13 @@ class QuestionerNode(Node):
         """Count and show input that cannot be used."""
         self._refused[topic] += 1
         self._last_refusal = f'{topic}: {reason}'
-        self._refused_at = time.monotonic()
-        self.get_logger().warning(f'refused on {topic}: {reason}')
+        self._refused_at = now = time.monotonic()
+        self._said_at = [at for at in self._said_at if now - at < 1.0]
+        if len(self._said_at) < REFUSALS_PER_SECOND:
+            self._said_at.append(now)
+            last = len(self._said_at) == REFUSALS_PER_SECOND
+            more = ' (more within this second are only counted)' if last else ''
+            self.get_logger().warning(f'refused on {topic}: {reason}{more}')
 
     def does(self, activity: str, expected_within: float = math.inf) -> None:
         """Say in a few words what the node is doing, for /diagnostics; warn there if that lasts longer (seconds)."""

@@ -1,0 +1,196 @@
+"""A flood of garbage on the topics: nothing crashes, nothing is believed, and the node goes on."""
+
+from __future__ import annotations
+
+import json
+import threading
+from collections.abc import Callable, Iterator
+from typing import Any
+
+import numpy as np
+import pytest
+from sensor_msgs.msg import PointCloud2
+from std_msgs.msg import String
+
+from al_questioner.domain import InputError
+from al_questioner.messages.documents import query_of
+from al_questioner.ros import qos
+from al_questioner.ros.learner import LearnerNode
+from al_questioner.ros.perception import PerceptionNode
+from al_questioner.teaching import read_plain_answer
+
+MESSAGES = 50_000
+JUNK = (None, True, -1, 2**70, 1e308, '', 'x' * 5000, [], {}, [[]], {'a': {}}, '\x00\x1b[2J', 'snack')
+
+
+def callback_of(node: Any, topic: str) -> Callable[[Any], None]:
+    """What the middleware calls for a message."""
+    (found,) = [each for each in node.subscriptions if each.topic_name == node.resolve_topic_name(topic)]
+    return found.callback
+
+
+def drained(node: Any) -> None:
+    """Wait until the node has dealt with all that it was given."""
+    done = threading.Event()
+    node.submit(done.set)
+    assert done.wait(250)
+
+
+def mutated(document: dict[str, Any], rng: np.random.Generator) -> dict[str, Any]:
+    """A document with some members replaced, left out, or added."""
+    found = dict(document)
+    for _ in range(int(rng.integers(1, 4))):
+        name = str(rng.choice(list(found) or ['x']))
+        draw = rng.random()
+        if draw < 0.6:
+            found[name] = JUNK[int(rng.integers(len(JUNK)))]
+        elif draw < 0.8:
+            found.pop(name, None)
+        else:
+            found[f'{name}_'] = JUNK[int(rng.integers(len(JUNK)))]
+    return found
+
+
+def texts(document: dict[str, Any], rng: np.random.Generator, n: int) -> Iterator[str]:
+    """Broken documents, cut ones, and texts of any characters."""
+    for _ in range(n):
+        draw = rng.random()
+        text = json.dumps(mutated(document, rng))
+        if draw < 0.5:
+            yield text
+        elif draw < 0.7:
+            yield text[: int(rng.integers(len(text)))]
+        elif draw < 0.8:
+            yield text.replace(':', ':NaN', 1)
+        else:
+            yield bytes(rng.integers(0, 256, size=int(rng.integers(0, 60)), dtype=np.uint8)).decode('latin-1')
+
+
+@pytest.mark.slow
+def test_a_flood_of_garbage_answers_is_refused(graph: Any) -> None:
+    """A broken page, or a mischievous child, would end the robot's day or teach it nonsense."""
+    queries, acks = graph.listen('query'), graph.listen('answer_ack', profile=qos.EVENTS)
+    states = graph.listen('learner_state')
+    graph.start(PerceptionNode, **graph.world)
+    learner = graph.start(LearnerNode, **{**graph.episode, 'strategy': 'farthest_fsq'})
+    graph.wait_for(lambda: queries, 'a question')
+    query, rng = query_of(queries[0]), np.random.default_rng(0)
+    answer = {
+        'schema': 'al_questioner/answer/1', 'episode_id': queries[0]['episode_id'], 'query_id': query.query_id,
+        'answer_id': 'a1', 'teacher_id': 't', 'outcome': 'answered', 'content': ['colour', 'size'],
+    }  # fmt: skip
+    hear, sent = callback_of(learner, 'answer'), 0
+    for text in texts(answer, rng, MESSAGES):
+        if not means_something(text, query, answer):
+            hear(String(data=text))
+            sent += 1
+        if sent % 5000 == 0:
+            drained(learner)
+    drained(learner)
+    assert sent > 0.8 * MESSAGES
+    assert learner.counts()['refused on answer'] == sent
+    assert not states
+    hear(String(data=json.dumps(answer)))
+    graph.wait_for(lambda: states, 'the end of the turn')
+    assert {ack['answer_id'] for ack in acks if ack['accepted']} <= {'a1'}
+    assert [(record['turn'], record['groups']) for record in states[0]['queries']] == [(1, ['colour', 'size'])]
+
+
+def means_something(text: str, query: Any, answer: dict[str, Any]) -> bool:
+    """Whether chance has made an answer that must be taken."""
+    try:
+        document = json.loads(text)
+    except (ValueError, RecursionError):
+        document = None
+    if text.lstrip().startswith('{'):
+        if not isinstance(document, dict):
+            return False
+        decisive = ('schema', 'episode_id', 'query_id')
+        content = document.get('content')
+        return (
+            all(document.get(name) == answer[name] for name in decisive)
+            and isinstance(document.get('answer_id'), str)
+            and isinstance(document.get('teacher_id'), str)
+            and (document.get('outcome') != 'answered' or content == answer['content'])
+        )
+    try:
+        read_plain_answer(text, query)
+    except InputError:
+        return False
+    return True
+
+
+@pytest.mark.slow
+def test_a_flood_of_garbage_clouds_is_refused(graph: Any) -> None:
+    """A driver with another layout would end the episode, or have it learn from noise."""
+    seen = graph.listen('objects', PointCloud2)
+    graph.start_robot()
+    graph.wait_for(lambda: seen, 'a scene')
+    namespace = f'{graph.namespace}_other'
+    queries = graph.listen('other queries', topic=f'/{namespace}/query')
+    learner = graph.start(LearnerNode, namespace=namespace, **graph.episode)
+    drained(learner)
+    look, rng, good, sent = callback_of(learner, 'objects'), np.random.default_rng(1), seen[0], MESSAGES // 2
+    good.header.stamp.sec = 2**31 - 1
+    for i in range(sent):
+        look(damaged(good, rng))
+        if i % 2000 == 0:
+            drained(learner)
+    drained(learner)
+    assert learner.counts()['refused on objects'] == sent
+    assert not queries
+    look(good)
+    graph.wait_for(lambda: queries, 'the question about the one scene that makes sense')
+
+
+def damaged(good: PointCloud2, rng: np.random.Generator) -> PointCloud2:
+    """A cloud that cannot be a scene: of another size, step or layout, cut off, or with a position that is NaN."""
+    cloud = PointCloud2(
+        header=good.header, height=good.height, width=good.width, fields=good.fields,
+        is_bigendian=good.is_bigendian, point_step=good.point_step, row_step=good.row_step, data=good.data,
+    )  # fmt: skip
+    damage = rng.integers(5)
+    if damage == 0:
+        cloud.width = int(rng.integers(good.width + 1, 2**32))
+    elif damage == 1:
+        cloud.point_step = int(rng.integers(0, good.point_step))
+    elif damage == 2:
+        missing = str(rng.choice(['x', 'y', 'z', 'object_id']))
+        cloud.fields = [field for field in good.fields if field.name != missing]
+    elif damage == 3:
+        cloud.data = good.data[: int(rng.integers(len(good.data)))]
+    else:
+        cloud.data = np.float32(np.nan).tobytes() + bytes(good.data)[4:]
+    return cloud
+
+
+@pytest.mark.slow
+def test_a_flood_of_garbage_turns_is_refused(graph: Any) -> None:
+    """Perception would show another turn, or nothing any more."""
+    perception = graph.start(PerceptionNode, **graph.world)
+    seen = graph.listen('objects', PointCloud2)
+    world = {'task': 'prepare_lunch', 'seed': 4, 'sample': 4, 'dataset': None}
+    turn = {
+        'schema': 'al_questioner/turn/1', 'episode_id': 'e', 'turn': 1, 'stamp': {'sec': 1, 'nanosec': 0},
+        'world': world,
+    }  # fmt: skip
+    begin, rng, sent = callback_of(perception, 'turn'), np.random.default_rng(2), 0
+    for text in texts(turn, rng, MESSAGES // 2):
+        try:
+            document = json.loads(text)
+        except (ValueError, RecursionError):
+            document = {}
+        decisive = ('schema', 'turn', 'stamp')
+        sensible = isinstance(document, dict) and all(document.get(name) == turn[name] for name in decisive)
+        # A learner that knows of no simulated world says null.
+        if sensible and document.get('world', 'missing') in (world, None):
+            continue
+        begin(String(data=text))
+        sent += 1
+        if sent % 5000 == 0:
+            drained(perception)
+    drained(perception)
+    assert perception.counts()['refused on turn'] == sent
+    assert not seen
+    begin(String(data=json.dumps(turn)))
+    graph.wait_for(lambda: seen, 'the scene of the one turn that makes sense')
