@@ -102,6 +102,11 @@ class Results:
         """The episodes of a task, a condition and a strategy, by sample."""
         return self._by_group.get((task, condition, strategy), [])
 
+    def mean_accuracy(self, task: str, condition: Condition, strategy: str) -> float | None:
+        """At the end of the time, over the samples; None without any."""
+        values = [row.final_accuracy for row in self.group(task, condition, strategy)]
+        return float(np.mean(values)) if values else None
+
     def final_accuracies(self, task: str, condition: Condition) -> dict[str, Array]:
         """By strategy, (n,) accuracies at the end of the time, of the samples that all strategies have."""
         groups = {name: self.group(task, condition, name) for name in self.strategies}

@@ -43,15 +43,15 @@ def test_the_first_paragraph_says_where_a_control_is_better() -> None:
     p = mannwhitneyu(BETTER, OURS, alternative='greater').pvalue
     assert 'in 1 of 1 cells' in page
     assert f'farthest_fsq 0.825, dt_task_env 0.725 (p = {3 * p:.3f})' in page
-    assert 'Another strategy of the paper is more accurate than it in these: kitchen_table' in page
-    assert 'dt_iros 0.825.' in page
+    assert 'Other strategies of the paper are more accurate' in page
+    assert '- kitchen_table, C1: budget 25, 40 turns: dt_iros 0.825\n' in page
 
 
 def test_the_first_paragraph_says_where_none_is() -> None:
     """The paper's method would be said to lose where it wins."""
     page = page_of(made({'dt_task_env': OURS, 'random_fsq': WORSE}))
     assert 'In none of the 1 cells is a control more accurate' in page
-    assert 'Another strategy' not in page
+    assert 'Other strategies' not in page
     assert 'No control was played' in page_of(made({'dt_task_env': OURS}))
 
 
@@ -95,3 +95,5 @@ def test_a_study_shows_the_comparison_only_if_it_has_it(own: bool) -> None:
     assert '| otherwise | 0.505 ± 0.007 (3) |' in page
     assert ('| as it is | 0.805 ± 0.007 (3) |' in page) == own
     assert '| beside it: `dt_task_env` | 0.705 ± 0.007 (3) |' in page
+    better = 'More accurate than dt_task_env, in the mean:\n\n- kitchen_table, C1: budget 25, 40 turns: as it is'
+    assert (better in page) == own
