@@ -85,7 +85,7 @@ def test_episodes_on_an_open_world_are_those_on_a_new_one() -> None:
         assert shared.accuracy == alone.accuracy
 
 
-@pytest.mark.parametrize('strategy', list(STRATEGIES))
+@pytest.mark.parametrize('strategy', [name for name in STRATEGIES if name != 'human'])
 def test_same_seed_same_episode_within_its_limits(strategy: str) -> None:
     """A result could not be repeated, or would owe itself to queries that nobody granted."""
     settings = episode_settings(TASK, strategy, budget=7, turns=11)

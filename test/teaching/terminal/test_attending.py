@@ -48,7 +48,9 @@ def test_keys_answer_every_kind_of_question(
 ) -> None:
     """A person could not teach at their terminal."""
     terminal = open_robot(columns=columns, environment=environment)
-    assert ('▀' in terminal.text) == (not {'NO_COLOR', 'TERM'} & environment.keys())
+    coloured = not {'NO_COLOR', 'TERM'} & environment.keys()
+    terminal.wait_for('▀' if coloured else 'q quit')
+    assert ('▀' in terminal.text) == coloured
     terminal.press('x')
     terminal.wait_for('is the key of no answer')
     terminal.press('f')
