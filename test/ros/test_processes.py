@@ -231,7 +231,7 @@ def test_a_person_shows_how_to_ask(processes: Processes, tmp_path: Path) -> None
     world = {'task': 'prepare_lunch', 'seed': 4, 'wait_for_recorder': True}
     processes.node('perception', **world)
     processes.node('teacher', **world)
-    processes.node('learner', typed, **world, strategy='human', budget=9.0, turns=5)
+    learner = processes.node('learner', typed, **world, strategy='human', budget=9.0, turns=5)
     assert recorder.wait(DEADLINE) == 0, processes.log('record')
     assert 'is no question' in processes.log('learner')
     (demonstration,) = read_demonstrations([bag])
@@ -241,6 +241,8 @@ def test_a_person_shows_how_to_ask(processes: Processes, tmp_path: Path) -> None
     trained = run('train_weights', str(bag), '--method', 'choice', '--out', str(out))
     assert trained.returncode == 0, trained.stderr
     assert run('replay', str(bag), '--check').returncode == 0
+    os.killpg(learner.pid, signal.SIGKILL)
+    learner.wait()
     # Nobody is left to choose: the learner says so, and lives.
     processes.node('learner', task='prepare_lunch', seed=4, strategy='human')
     processes.wait_for_log('learner', 'the input has ended')
