@@ -85,6 +85,7 @@ def drive(*arguments: object) -> dict[str, object]:
     return json.loads(done.stdout)
 
 
+@pytest.mark.slow
 def test_killed_at_every_write_point(tmp_path: Path) -> None:
     """An answer that was acknowledged would be lost, or counted twice, or what is asked next would be another thing."""
     result = drive('points', tmp_path)

@@ -130,7 +130,7 @@ def kill_and_go_on(learners: Learners, session: Path, point: int) -> bool:
     return not was_over
 
 
-@pytest.mark.parametrize('point', [6, 10, 12])
+@pytest.mark.parametrize('point', [10, *(pytest.param(point, marks=pytest.mark.slow) for point in (6, 12))])
 def test_a_killed_learner_is_gone_on_with(learners: Learners, tmp_path: Path, point: int) -> None:
     """A crash within a turn would lose the answer, or lead to other questions: at a decision, and around an answer."""
     learners.finish(tmp_path / 'whole')

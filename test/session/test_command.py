@@ -6,8 +6,6 @@ import csv
 import dataclasses
 import json
 import sqlite3
-import subprocess
-import sys
 from pathlib import Path
 
 import pytest
@@ -161,7 +159,9 @@ def test_accuracy_is_not_made_up(tmp_path: Path, world: PerceivedWorld) -> None:
 
 
 @pytest.mark.parametrize('options', [[], ['--repair']])
-def test_nothing_usable_ends_with_status_2_and_one_line(tmp_path: Path, options: list[str]) -> None:
+def test_nothing_usable_ends_with_status_2_and_one_line(
+    tmp_path: Path, options: list[str], capsys: pytest.CaptureFixture[str]
+) -> None:
     """A mistyped folder, or a log of which nothing is left, would end in a traceback."""
     (tmp_path / 'damaged').mkdir()
     (tmp_path / 'damaged' / DATABASE).write_bytes(b'nonsense' * 1000)
@@ -171,13 +171,7 @@ def test_nothing_usable_ends_with_status_2_and_one_line(tmp_path: Path, options:
         ('damaged', 'nothing usable is in the session log (event 1 cannot be read'),
         ('empty', 'nothing usable is in the session log (no episode was begun)'),
     ):
-        done = subprocess.run(
-            [sys.executable, '-m', 'al_questioner', 'session', str(tmp_path / name), *options],
-            capture_output=True,
-            text=True,
-            timeout=60,
-            check=False,
-        )
-        assert done.returncode == 2, done.stderr
-        assert reason in done.stderr
-        assert done.stderr.count('\n') == 1
+        assert main(['session', str(tmp_path / name), *options]) == 2
+        error = capsys.readouterr().err
+        assert reason in error
+        assert error.count('\n') == 1
