@@ -6,9 +6,12 @@ import subprocess
 import sys
 from pathlib import Path
 
+import pytest
+
 SCRIPT = Path(__file__).resolve().parents[2] / 'benchmarks' / 'session.py'
 
 
+@pytest.mark.slow
 def test_every_kind_of_log_is_measured(tmp_path: Path) -> None:
     """What durability costs could not be told for another robot's disk."""
     done = subprocess.run(

@@ -166,6 +166,7 @@ def run(*command: str | Path, environment: dict[str, str], cwd: Path) -> None:
     assert done.returncode == 0, f'{command} ended with {done.returncode}\n{done.stdout}{done.stderr}'
 
 
+@pytest.mark.slow
 def test_the_example_plays_a_demo(installed_example: dict[str, str], tmp_path: Path) -> None:
     """The first thing that people copy would not run."""
     executable = (sys.executable, '-m', 'al_questioner', 'demo', '--offline', '--task', 'prepare_lunch')

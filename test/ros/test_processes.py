@@ -159,7 +159,7 @@ def processes(tmp_path: Path) -> Iterator[Processes]:
         result.close()
 
 
-@pytest.mark.parametrize('interrupts', [1, 2])
+@pytest.mark.parametrize('interrupts', [pytest.param(1, marks=pytest.mark.slow), 2])
 @pytest.mark.parametrize('name', ['perception', 'learner', 'teacher'])
 def test_nodes_end_cleanly_when_interrupted(processes: Processes, name: str, interrupts: int) -> None:
     """Ctrl-C, which `ros2 launch` sends twice, would leave a traceback or a process behind."""
@@ -212,6 +212,7 @@ def test_an_unusable_namespace_is_named(tmp_path: Path) -> None:
     assert done.stderr.count('\n') == 1
 
 
+@pytest.mark.slow
 def test_a_recorded_demo_is_a_demonstration(tmp_path: Path) -> None:
     """The bags that people share would not be what the real graph did."""
     bag = tmp_path / 'bag'
@@ -281,7 +282,13 @@ def test_a_demo_overwrites_no_recording(tmp_path: Path) -> None:
 
 
 @pytest.mark.parametrize(
-    'signals', [[signal.SIGINT], [signal.SIGINT, signal.SIGINT], [signal.SIGTERM]], ids=['INT', 'INT-INT', 'TERM']
+    'signals',
+    [
+        pytest.param([signal.SIGINT], marks=pytest.mark.slow),
+        [signal.SIGINT, signal.SIGINT],
+        pytest.param([signal.SIGTERM], marks=pytest.mark.slow),
+    ],
+    ids=['INT', 'INT-INT', 'TERM'],
 )
 def test_a_recording_that_is_ended_is_whole(
     processes: Processes, tmp_path: Path, signals: list[signal.Signals]
@@ -307,7 +314,7 @@ def test_a_recording_that_is_ended_before_its_episode_says_so(processes: Process
     assert processes.log('record').splitlines()[-1].startswith('record: ended before the episode was over')
 
 
-@pytest.mark.parametrize('storage', ['mcap', 'sqlite3'])
+@pytest.mark.parametrize('storage', ['mcap', pytest.param('sqlite3', marks=pytest.mark.slow)])
 def test_a_recording_that_is_killed_is_repaired_without_ros(processes: Processes, tmp_path: Path, storage: str) -> None:
     """A demonstration with a person would be lost with the battery of the robot."""
     bag = tmp_path / 'bag'
