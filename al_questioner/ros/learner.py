@@ -21,6 +21,7 @@ from al_questioner.domain import (
     Content,
     Costs,
     Decision,
+    EpisodeError,
     EpisodeSettings,
     InputError,
     LateAnswerError,
@@ -38,6 +39,7 @@ from al_questioner.resuming import DurableEpisode
 from al_questioner.ros import qos
 from al_questioner.ros.node import QuestionerNode
 from al_questioner.ros.parameters import declare, help_text, refuse_unknown
+from al_questioner.ros.repeating import PATIENT, Repeater
 from al_questioner.ros.running import run_nodes
 from al_questioner.ros.settings import DEFAULT_TASK, WORLD_SETTINGS, all_names, learner_settings
 from al_questioner.ros.types import CLOUD_TYPES, MARKER_TYPES, header
@@ -77,8 +79,10 @@ class LearnerNode(QuestionerNode):
 
         self._publish_episode = self.document_publisher('episode')
         self._publish_turn = self.document_publisher('turn')
-        self._publish_query = self.document_publisher('query')
-        self._publish_state = self.document_publisher('learner_state')
+        # What the course of the episode hangs on is said until it is served, the last state for as long as it is true.
+        self._request = Repeater(self, self._publish_turn, PATIENT)
+        self._question = Repeater(self, self.document_publisher('query'), PATIENT)
+        self._state = Repeater(self, self.document_publisher('learner_state'), PATIENT)
         self._publish_ack = self.document_publisher('answer_ack', qos.EVENTS)
         self._decision = self.create_publisher(PointCloud2, 'decision', qos.EVENTS)
         self._markers = self.create_publisher(MarkerArray, 'scene_markers', qos.LATCHED)
@@ -117,9 +121,10 @@ class LearnerNode(QuestionerNode):
         self._last_turn_start = time.monotonic()
         self._awaits_scene = True
         self._stale_clouds = 0
+        self._state.stop()
         turn = self._session.episode.turn + 1
         self.does(f'turn {turn}: waiting for objects', expected_within=SECONDS_FOR_OBJECTS)
-        self._publish_turn({'turn': turn, 'stamp': stamp_members(self._last_stamp), 'world': self._world})
+        self._request.say({'turn': turn, 'stamp': stamp_members(self._last_stamp), 'world': self._world})
 
     def _perceive(self, cloud: PointCloud2) -> None:
         """Decide, once the scene of this turn is there: a cloud with the turn's stamp, or a later one of a camera."""
@@ -132,6 +137,7 @@ class LearnerNode(QuestionerNode):
         seen = Seen(self._session.episode.turn + 1, self._last_stamp, cloud.header.frame_id, scene)
         decision = self._session.ask(seen)
         self._awaits_scene = False
+        self._request.stop()
         if decision.turn == 1:
             self._announce(scene)
         self._put(seen, decision)
@@ -144,7 +150,7 @@ class LearnerNode(QuestionerNode):
         """Publish a decision, and the question if there is one."""
         if decision.query is not None:
             self.does(f'turn {decision.turn}: waiting for the answer to {decision.query.query_id}')
-            self._publish_query({**documents.query_members(decision.query), 'world': self._world})
+            self._question.say({**documents.query_members(decision.query), 'world': self._world})
             self.get_logger().info(f'turn {decision.turn}: {decision.query.text}')
         head = header(seen.stamp, seen.frame_id)
         self._decision.publish(cloud_of_decision(decision, self._settings.symbols, head, CLOUD_TYPES))
@@ -201,6 +207,7 @@ class LearnerNode(QuestionerNode):
 
     def _end_turn(self) -> None:
         """Tune the models if it is time, tell what is known now, and begin the next turn unless this was the last."""
+        self._question.stop()
         self._session.tune()
         episode = self._session.episode
         if episode.done:
@@ -212,7 +219,7 @@ class LearnerNode(QuestionerNode):
         if seen is None:
             return
         beliefs = self._beliefs(seen)
-        self._publish_state(state_members(self._session.episode, seen.scene, beliefs))
+        self._state.say(state_members(self._session.episode, seen.scene, beliefs))
         pause = float(self._given['turn_period']) - (time.monotonic() - self._last_turn_start)
         if pause > 0:
             self.after(pause, self._begin_turn)
@@ -227,7 +234,7 @@ class LearnerNode(QuestionerNode):
         if seen is not None:
             beliefs = self._beliefs(seen)
             self._show(seen, beliefs)
-            self._publish_state(state_members(self._session.episode, seen.scene, beliefs))
+            self._state.say(state_members(self._session.episode, seen.scene, beliefs))
 
     def _beliefs(self, seen: Seen) -> NDArray[np.float64]:
         """(n, |Y|) q_y(x) of a scene."""
@@ -239,6 +246,13 @@ class LearnerNode(QuestionerNode):
         asked = pending.action.object_id if pending else None
         head = header(seen.stamp, seen.frame_id)
         self._markers.publish(markers(seen.scene, beliefs, self._settings.symbols, asked, head, MARKER_TYPES))
+
+    def _failed(self, error: Exception) -> None:
+        # An episode that cannot go on asks for nothing.
+        if isinstance(error, EpisodeError):
+            self._request.stop()
+            self._question.stop()
+        super()._failed(error)
 
     def destroy_node(self) -> None:
         """Close the log, once the worker has stopped."""

@@ -24,6 +24,7 @@ from al_questioner.messages.documents import Document
 from al_questioner.ros import qos
 from al_questioner.ros.types import text
 from al_questioner.ros.worker import Worker
+from al_questioner.throttle import Throttle
 
 DIAGNOSTICS_PERIOD = 1.0
 """Seconds between two messages on /diagnostics."""
@@ -52,7 +53,7 @@ class QuestionerNode(Node):
         self._refused: Counter[str] = Counter()
         self._last_refusal = ''
         self._refused_at = -math.inf
-        self._said_at: list[float] = []
+        self._said = Throttle(REFUSALS_PER_SECOND, 1.0)
         self._failure = ''
         self._activity = 'starting'
         self._overdue = math.inf
@@ -100,12 +101,9 @@ class QuestionerNode(Node):
         """Count and show input that cannot be used."""
         self._refused[topic] += 1
         self._last_refusal = f'{topic}: {reason}'
-        self._refused_at = now = time.monotonic()
-        self._said_at = [at for at in self._said_at if now - at < 1.0]
-        if len(self._said_at) < REFUSALS_PER_SECOND:
-            self._said_at.append(now)
-            last = len(self._said_at) == REFUSALS_PER_SECOND
-            more = ' (more within this second are only counted)' if last else ''
+        self._refused_at = time.monotonic()
+        if self._said.passes():
+            more = ' (more within this second are only counted)' if self._said.is_used_up else ''
             self.get_logger().warning(f'refused on {topic}: {reason}{more}')
 
     def does(self, activity: str, expected_within: float = math.inf) -> None:
