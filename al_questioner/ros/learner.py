@@ -42,17 +42,21 @@ from al_questioner.ros.parameters import declare, help_text, refuse_unknown
 from al_questioner.ros.repeating import PATIENT, Repeater
 from al_questioner.ros.running import run_nodes
 from al_questioner.ros.settings import DEFAULT_TASK, WORLD_SETTINGS, all_names, learner_settings
+from al_questioner.ros.turn_stamps import TurnStamps
 from al_questioner.ros.types import CLOUD_TYPES, MARKER_TYPES, header
 from al_questioner.ros.worlds import declare_world, new_episode_id, world_members
 from al_questioner.simulation import WorldChoice, episode_settings
 from al_questioner.teaching import read_plain_answer
 from al_questioner.telling import episode_members, state_members
+from al_questioner.throttle import Throttle
 from al_questioner.world import Task, load_task
 
 SECONDS_FOR_OBJECTS = 10.0
 """After which the lack of a scene is worth a warning."""
 STALE_CLOUDS = 3
-"""So many clouds from before a turn are no chance any more."""
+"""So many clouds in a row from before a turn are no chance any more."""
+SECONDS_OF_STALE_CLOUDS = 10.0
+"""From one complaint about them to the next."""
 
 
 class LearnerNode(QuestionerNode):
@@ -72,7 +76,8 @@ class LearnerNode(QuestionerNode):
         self._world = world_members(world)
         self._session = _session(self._settings, world, self._given)
         self.episode_id = self._session.begun.episode_id
-        self._last_stamp = 0
+        self._stamps = TurnStamps()
+        self._complaints = Throttle(1, SECONDS_OF_STALE_CLOUDS)
         self._stale_clouds = 0
         self._awaits_scene = False
         self._last_turn_start = 0.0
@@ -105,7 +110,7 @@ class LearnerNode(QuestionerNode):
         self.get_logger().info(
             f'going on with {self.episode_id}, after {seen.turn} turns, from {self._given["session"]}'
         )
-        self._last_stamp = seen.stamp
+        self._stamps = TurnStamps(seen.stamp)
         self._announce(seen.scene)
         if self._session.episode.pending is None:
             self._end_turn()
@@ -117,24 +122,24 @@ class LearnerNode(QuestionerNode):
 
     def _begin_turn(self) -> None:
         """Ask perception for the scene of the next turn."""
-        self._last_stamp = max(self.get_clock().now().nanoseconds, self._last_stamp + 1)
+        stamp = self._stamps.begin(self._now())
         self._last_turn_start = time.monotonic()
         self._awaits_scene = True
         self._stale_clouds = 0
         self._state.stop()
         turn = self._session.episode.turn + 1
         self.does(f'turn {turn}: waiting for objects', expected_within=SECONDS_FOR_OBJECTS)
-        self._request.say({'turn': turn, 'stamp': stamp_members(self._last_stamp), 'world': self._world})
+        self._request.say({'turn': turn, 'stamp': stamp_members(stamp), 'world': self._world})
 
     def _perceive(self, cloud: PointCloud2) -> None:
-        """Decide, once the scene of this turn is there: a cloud with the turn's stamp, or a later one of a camera."""
+        """Decide, once the scene of this turn is there: see `TurnStamps`."""
         if not self._awaits_scene:
             return
-        if nanoseconds(cloud.header.stamp) < self._last_stamp:
+        if not self._stamps.is_of_turn(nanoseconds(cloud.header.stamp), self._now()):
             self._ignore_stale()
             return
         scene = scene_of_cloud(cloud)
-        seen = Seen(self._session.episode.turn + 1, self._last_stamp, cloud.header.frame_id, scene)
+        seen = Seen(self._session.episode.turn + 1, self._stamps.last, cloud.header.frame_id, scene)
         decision = self._session.ask(seen)
         self._awaits_scene = False
         self._request.stop()
@@ -156,12 +161,16 @@ class LearnerNode(QuestionerNode):
         self._decision.publish(cloud_of_decision(decision, self._settings.symbols, head, CLOUD_TYPES))
 
     def _ignore_stale(self) -> None:
-        """Pass over a scene from before the turn; say so if there is no other, since a clock may be behind."""
+        """Pass over a scene from before the turn; say so if there are no others, since a clock may be wrong."""
         self._stale_clouds += 1
-        if self._stale_clouds == STALE_CLOUDS:
-            raise SceneError(
-                f'the last {STALE_CLOUDS} clouds are older than the turn: is the clock of their sender behind?'
-            )
+        if self._stale_clouds >= STALE_CLOUDS and self._complaints.passes():
+            back = self._stamps.is_ahead(self._now())
+            why = 'our clock has gone back' if back else 'is the clock of their sender behind?'
+            raise SceneError(f'the last {STALE_CLOUDS} clouds are older than the turn: {why}')
+
+    def _now(self) -> int:
+        """What the clock shows, real or simulated, in nanoseconds."""
+        return int(self.get_clock().now().nanoseconds)
 
     def _announce(self, scene: Scene) -> None:
         """Publish what the episode is about, as soon as the features are known."""
