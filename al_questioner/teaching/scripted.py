@@ -76,7 +76,7 @@ class ScriptedTeacher:
     def _groups(self, query: Query, wrong: bool, rng: np.random.Generator) -> Content:
         """The relevant groups that the learner has; a wrong answer misjudges one group, if that leaves any."""
         named = [group for group in query.choices if group in self.relevant_groups]
-        if wrong:
+        if wrong and query.choices:
             mistaken = str(rng.choice(list(query.choices)))
             flipped = [group for group in query.choices if (group in named) != (group == mistaken)]
             named = flipped or named

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import dataclasses
 from collections import Counter
 
 import pytest
@@ -43,6 +44,13 @@ def test_what_is_not_here_cannot_be_shown() -> None:
 def test_feature_groups_are_those_the_learner_has() -> None:
     """The learner would be told of a feature that it does not have."""
     assert teacher().answer(query(QueryKind.FEATURE_SUBSET), TRUTH).content == ('colour', 'size')
+
+
+def test_a_question_without_choices_is_not_understood() -> None:
+    """A strange query on the topic would put a teacher that errs into its error state for good."""
+    asked = dataclasses.replace(query(QueryKind.FEATURE_SUBSET), choices=())
+    for rate in (0.0, 1.0):
+        assert teacher(wrong_rate=rate).answer(asked, TRUTH).outcome is Outcome.UNKNOWN
 
 
 def test_object_that_has_gone_is_unknown() -> None:
