@@ -27,7 +27,7 @@ def episode_members(begun: Begun, feature_names: Sequence[str]) -> Document:
 
 
 def state_members(episode: Episode, scene: Scene, beliefs: NDArray[np.float64]) -> Document:
-    """Members of the `learner_state` document: all up to the last turn that is over; one with a pending query is not.
+    """Members of the `learner_state` document: all up to the last turn that is over.
 
     Args:
         episode: after its first turn began.
@@ -35,7 +35,7 @@ def state_members(episode: Episode, scene: Scene, beliefs: NDArray[np.float64]) 
         beliefs: (n, |Y|) q_y(x) of it.
     """
     return {
-        'turn': episode.turn - (episode.pending is not None),
+        'turn': episode.turns_over,
         'turns': episode.settings.turns,
         'budget': episode.settings.budget,
         'spent': sum(record.cost for record in episode.records),
@@ -43,6 +43,7 @@ def state_members(episode: Episode, scene: Scene, beliefs: NDArray[np.float64]) 
         'queries': [documents.record_members(record) for record in episode.records],
         'labels': dict(episode.positives),
         'model_version': episode.knowledge.model_version,
+        'teachers': {name: dataclasses.asdict(record) for name, record in episode.teachers.items()},
         'kernel': dataclasses.asdict(episode.knowledge.kernel),
         'beliefs': {
             str(object_id): {

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import Any
 
-from al_questioner.domain import DECISION_FEATURES, Outcome, QueryKind
+from al_questioner.domain import DECISION_FEATURES, SAYABLE_OUTCOMES, Outcome, QueryKind
 
 JsonSchema = dict[str, Any]
 
@@ -21,6 +21,8 @@ _OBJECT_ID: JsonSchema = {'type': ['integer', 'null'], 'minimum': 0, 'maximum': 
 _OPTIONAL_TEXT: JsonSchema = {'type': ['string', 'null']}
 _QUERIES = [kind.value for kind in QueryKind if kind is not QueryKind.NO_QUERY]
 _OUTCOMES = [outcome.value for outcome in Outcome]
+_SAYABLE = [outcome.value for outcome in SAYABLE_OUTCOMES]
+_SHARE: JsonSchema = {'type': 'number', 'minimum': 0, 'maximum': 1}
 
 
 def _record(required: JsonSchema, optional: JsonSchema | None = None) -> JsonSchema:
@@ -44,6 +46,17 @@ _QUERY_RECORD = _record(
         'cost': _AMOUNT,
         'outcome': {'enum': _OUTCOMES},
         'groups': _NAMES,
+    },
+    {'answered_in': _TURN},
+)
+_TEACHER = _record(
+    {
+        'answered': _COUNT,
+        'unknown': _COUNT,
+        'skipped': _COUNT,
+        'corrected': _COUNT,
+        'late': _COUNT,
+        'reliability': _SHARE,
     }
 )
 
@@ -55,7 +68,10 @@ SCHEMAS: dict[str, JsonSchema] = {
             'budget': _AMOUNT,
             'turns': _TURN,
             'change_interval': {'type': 'integer', 'minimum': 1},
-            'costs': _record({'label': _AMOUNT, 'demonstration': _AMOUNT, 'feature_subset': _AMOUNT}),
+            'costs': _record(
+                {'label': _AMOUNT, 'demonstration': _AMOUNT, 'feature_subset': _AMOUNT},
+                {'unknown': _SHARE, 'skip': _SHARE, 'unanswered': _SHARE},
+            ),
             'strategy': _TEXT,
             'weights': {
                 'type': 'object',
@@ -96,7 +112,7 @@ SCHEMAS: dict[str, JsonSchema] = {
         {'world': {'oneOf': [_WORLD, {'type': 'null'}]}},
     ),
     'answer': _record(
-        {'query_id': _TEXT, 'answer_id': _TEXT, 'teacher_id': _TEXT, 'outcome': {'enum': _OUTCOMES}},
+        {'query_id': _TEXT, 'answer_id': _TEXT, 'teacher_id': _TEXT, 'outcome': {'enum': _SAYABLE}},
         {
             'content': {'type': ['string', 'integer', 'array', 'null'], 'items': _TEXT},
             'replaces': {'anyOf': [_TEXT, {'type': 'null'}]},
@@ -125,7 +141,10 @@ SCHEMAS: dict[str, JsonSchema] = {
                 'additionalProperties': {'type': 'object', 'additionalProperties': {'type': 'number'}},
             },
         },
-        {'kernel': _record({'amplitude': _POSITIVE, 'length_scale': _POSITIVE})},
+        {
+            'kernel': _record({'amplitude': _POSITIVE, 'length_scale': _POSITIVE}),
+            'teachers': {'type': 'object', 'additionalProperties': _TEACHER},
+        },
     ),
 }
 """Schema of each kind of document, without the `schema` and `episode_id` that every document carries."""

@@ -24,6 +24,7 @@ from al_questioner.domain import (
     EpisodeSettings,
     InputError,
     LateAnswerError,
+    Query,
     Scene,
     SceneError,
 )
@@ -49,6 +50,8 @@ from al_questioner.world import Task, load_task
 
 SECONDS_FOR_OBJECTS = 10.0
 """After which the lack of a scene is worth a warning."""
+LONGEST_BACK_OFF = 8
+"""Times the answer timeout: for so long the learner waits at most before the turn goes on without an answer."""
 STALE_CLOUDS = 3
 """So many clouds from before a turn are no chance any more."""
 
@@ -103,7 +106,7 @@ class LearnerNode(QuestionerNode):
         )
         self._last_stamp = seen.stamp
         self._announce(seen.scene)
-        if self._session.episode.pending is None:
+        if not self._session.episode.awaits_answer:
             self._end_turn()
             return
         # Word for word as before: perception, if it is new too, shows what the question is about.
@@ -135,19 +138,41 @@ class LearnerNode(QuestionerNode):
         if decision.turn == 1:
             self._announce(scene)
         self._put(seen, decision)
-        if decision.query is None:
-            self._end_turn()
-        else:
+        if self._session.episode.awaits_answer:
             self._show(seen, self._beliefs(seen))
+        else:
+            self._end_turn()
 
     def _put(self, seen: Seen, decision: Decision) -> None:
-        """Publish a decision, and the question if there is one."""
-        if decision.query is not None:
-            self.does(f'turn {decision.turn}: waiting for the answer to {decision.query.query_id}')
-            self._publish_query({**documents.query_members(decision.query), 'world': self._world})
-            self.get_logger().info(f'turn {decision.turn}: {decision.query.text}')
+        """Publish a decision, and the question that waits, again if nobody answered it in the turn before."""
+        pending = self._session.episode.pending
+        if pending is not None:
+            self._publish_query({**documents.query_members(pending), 'world': self._world})
+            self.get_logger().info(f'turn {decision.turn}: {pending.text}')
+            self._await_answer(pending, decision.turn)
         head = header(seen.stamp, seen.frame_id)
         self._decision.publish(cloud_of_decision(decision, self._settings.symbols, head, CLOUD_TYPES))
+
+    def _await_answer(self, query: Query, turn: int) -> None:
+        """Wait for the answer, but not for ever if so configured, and the longer the longer nobody has answered."""
+        timeout, missed = float(self._given['answer_timeout']), self._session.episode.unanswered_turns
+        if timeout <= 0:
+            self.does(f'turn {turn}: waiting for the answer to {query.query_id}')
+            return
+        away = f', nobody has answered for {missed} turns' if missed else ''
+        # As soon as a turn has passed without an answer there is something to see to.
+        self.does(
+            f'turn {turn}: waiting for the answer to {query.query_id}{away}', expected_within=0.0 if missed else timeout
+        )
+        self.after(timeout * min(2**missed, LONGEST_BACK_OFF), lambda: self._go_on_without(query, turn))
+
+    def _go_on_without(self, query: Query, turn: int) -> None:
+        """Let the turn pass, unless its answer has come."""
+        episode = self._session.episode
+        if episode.turn == turn and episode.awaits_answer and episode.pending == query:
+            self._session.let_pass()
+            self.get_logger().warning(f'turn {turn}: nobody has answered {query.query_id}; going on without')
+            self._end_turn()
 
     def _ignore_stale(self) -> None:
         """Pass over a scene from before the turn; say so if there is no other, since a clock may be behind."""
@@ -165,7 +190,8 @@ class LearnerNode(QuestionerNode):
         """Take an answer, or the correction of one, and say whether it was taken: not before it is on the disk."""
         if not self._session.is_ready:
             return
-        answer = None
+        answer, episode = None, self._session.episode
+        waited = episode.awaits_answer
         try:
             answer = self._read_answer(message.data)
             is_new = self._session.take(answer)
@@ -178,11 +204,11 @@ class LearnerNode(QuestionerNode):
         if not is_new:
             return
         told = _spoken(answer.outcome.value if answer.content is None else answer.content)
-        if answer.replaces is None:
-            self.get_logger().info(f'turn {self._session.episode.turn}: {answer.teacher_id} says {told}')
+        now = '' if answer.replaces is None else 'now '
+        self.get_logger().info(f'{answer.query_id}: {answer.teacher_id} {now}says {told}')
+        if waited and not episode.awaits_answer:
             self._end_turn()
         else:
-            self.get_logger().info(f'{answer.query_id}: {answer.teacher_id} now says {told}')
             self._tell_state()
 
     def _acknowledge(self, answer: Answer | None, accepted: bool, reason: str) -> None:
@@ -259,7 +285,14 @@ def _episode_settings(task: Task, given: Mapping[str, Any]) -> EpisodeSettings:
         turns=given['turns'],
         change_interval=given['change_interval'],
         weights_file=given['weights_file'] or None,
-        costs=Costs(given['cost_label'], given['cost_demonstration'], given['cost_feature_subset']),
+        costs=Costs(
+            label=given['cost_label'],
+            demonstration=given['cost_demonstration'],
+            feature_subset=given['cost_feature_subset'],
+            unknown=given['charge_unknown'],
+            skip=given['charge_skip'],
+            unanswered=given['charge_unanswered'],
+        ),
         amplitude=given['amplitude'],
         length_scale=given['length_scale'] or None,
         tune_every=given['tune_every'],
