@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import contextlib
 from collections.abc import Iterator, Mapping
 from typing import Any
 
@@ -20,10 +21,17 @@ from al_questioner.recording.session_events import (
     Tuned,
     decoded,
 )
-from al_questioner.recording.session_log import LogContents, SessionLog, SessionLogError
+from al_questioner.recording.session_log import LogContents, LogWriteError, SessionLog, SessionLogError
+from al_questioner.throttle import Throttle
 
 NOT_SETTINGS = frozenset({'version'})
 """What a log tells of its episode that a learner that goes on with it need not share."""
+
+
+REFUSED_KEPT, REFUSED_PERIOD = 10, 60.0
+"""Texts that were no answers and are kept word for word within so many seconds; of a flood the rest is counted."""
+LATE_KEPT = 100
+"""Late answers to one query that are kept."""
 
 
 class ReplayError(InputError):
@@ -139,6 +147,8 @@ class DurableEpisode:
         self._events: list[SessionEvent] = []
         self._replay: Replay | None = None
         self._last_refused: Refused | None = None
+        self._throttle = Throttle(REFUSED_KEPT, REFUSED_PERIOD)
+        self._only_counted = 0
         self.begun = wanted
         if log is not None and log.events:
             self._events, damage = decoded(LogContents(log.events, None))
@@ -209,7 +219,8 @@ class DurableEpisode:
             if self.episode.has_taken(answer):
                 return False
         except LateAnswerError as error:
-            if not self.episode.is_kept_late(answer):
+            late = self.episode.late
+            if answer not in late and sum(one.query_id == answer.query_id for one in late) < LATE_KEPT:
                 self._write(KeptLate(answer, str(error)))
                 self.episode.keep_late(answer)
             raise
@@ -219,15 +230,26 @@ class DurableEpisode:
         return True
 
     def note_refused(self, text: str, reason: str) -> None:
-        """Keep a text that was not taken for an answer, once if it is repeated.
+        """Keep a text that was not taken for an answer, once if it is repeated; of a flood of them, keep the number.
 
         Raises:
             LogWriteError: it cannot be written.
         """
         refused = Refused(text, reason)
-        if refused != self._last_refused:
+        if refused == self._last_refused:
+            return
+        self._last_refused = refused
+        if self._throttle.passes():
+            self._note_counted()
             self._write(refused)
-            self._last_refused = refused
+        else:
+            self._only_counted += 1
+
+    def _note_counted(self) -> None:
+        """Write down how many refused texts were counted only."""
+        count, self._only_counted = self._only_counted, 0
+        if count:
+            self._write(Refused('', f'{count} more, too many to keep', count))
 
     def let_pass(self) -> None:
         """See `Episode.let_pass`.
@@ -256,6 +278,8 @@ class DurableEpisode:
     def close(self) -> None:
         """Close the log."""
         if self._log is not None:
+            with contextlib.suppress(LogWriteError):
+                self._note_counted()
             self._log.close()
 
     @property

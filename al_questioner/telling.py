@@ -43,6 +43,7 @@ def state_members(episode: Episode, scene: Scene, beliefs: NDArray[np.float64]) 
         'queries': [documents.record_members(record) for record in episode.records],
         'labels': dict(episode.positives),
         'model_version': episode.knowledge.model_version,
+        'last_answer': _last_answer(episode),
         'teachers': {name: dataclasses.asdict(record) for name, record in episode.teachers.items()},
         'kernel': dataclasses.asdict(episode.knowledge.kernel),
         'beliefs': {
@@ -52,3 +53,11 @@ def state_members(episode: Episode, scene: Scene, beliefs: NDArray[np.float64]) 
             for object_id, row in zip(scene.object_ids, beliefs, strict=True)
         },
     }
+
+
+def _last_answer(episode: Episode) -> Document | None:
+    """What somebody who comes back may want to take back."""
+    if episode.last_answer is None:
+        return None
+    query, answer = episode.last_answer
+    return {'query': documents.query_members(query), 'answer': documents.answer_members(answer)}

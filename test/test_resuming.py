@@ -7,6 +7,7 @@ import json
 import subprocess
 import sys
 from pathlib import Path
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -182,6 +183,37 @@ def test_refused_texts_are_kept_once(tmp_path: Path, world: PerceivedWorld) -> N
     session.close()
     assert events(tmp_path)[1:] == [Refused('x' * 1000, 'nonsense')]
     started(tmp_path).close()
+
+
+def test_a_flood_of_refused_texts_is_counted(
+    tmp_path: Path, world: PerceivedWorld, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Whoever sends garbage could fill the disk, and nothing would be left for the answers."""
+    now = 0.0
+    monkeypatch.setattr('al_questioner.throttle.time', SimpleNamespace(monotonic=lambda: now))
+    session = started(tmp_path)
+    for number in range(1000):
+        session.note_refused(str(number), 'nonsense')
+    now = 61.0
+    for number in range(1012):
+        session.note_refused(f'{number} again', 'nonsense')
+    session.close()
+    refused = [event for event in events(tmp_path) if isinstance(event, Refused)]
+    assert [event.text for event in refused[:10]] == list(map(str, range(10)))
+    assert refused[10] == Refused('', '990 more, too many to keep', 990)
+    assert len(refused) == 22
+    assert sum(event.count for event in refused) == 2012
+
+
+def test_of_late_answers_to_one_query_so_many_are_kept(tmp_path: Path, world: PerceivedWorld) -> None:
+    """The same with answers that come too late."""
+    session = started(tmp_path)
+    (first,) = play_turns(session, world, 1)
+    for number in range(120):
+        with pytest.raises(LateAnswerError):
+            session.take(dataclasses.replace(first, answer_id=f'late {number}'))
+    assert sum(isinstance(event, KeptLate) for event in events(tmp_path)) == 100
+    session.close()
 
 
 def test_tuning_is_on_the_disk(tmp_path: Path, world: PerceivedWorld) -> None:

@@ -60,6 +60,30 @@ _TEACHER = _record(
     }
 )
 
+_QUERY = _record(
+    {
+        'query_id': _TEXT,
+        'turn': _TURN,
+        'kind': {'enum': _QUERIES},
+        'object_id': _OBJECT_ID,
+        'symbol': _OPTIONAL_TEXT,
+        'choices': _NAMES,
+        'cost': _AMOUNT,
+        'budget_left': _AMOUNT,
+        'turns_left': _COUNT,
+        'model_version': _COUNT,
+        'text': _TEXT,
+    },
+    {'world': {'oneOf': [_WORLD, {'type': 'null'}]}},
+)
+_ANSWER = _record(
+    {'query_id': _TEXT, 'answer_id': _TEXT, 'teacher_id': _TEXT, 'outcome': {'enum': _SAYABLE}},
+    {
+        'content': {'type': ['string', 'integer', 'array', 'null'], 'items': _TEXT},
+        'replaces': {'anyOf': [_TEXT, {'type': 'null'}]},
+    },
+)
+
 SCHEMAS: dict[str, JsonSchema] = {
     'episode': _record(
         {
@@ -95,29 +119,8 @@ SCHEMAS: dict[str, JsonSchema] = {
             'world': {'oneOf': [_WORLD, {'type': 'null'}]},
         }
     ),
-    'query': _record(
-        {
-            'query_id': _TEXT,
-            'turn': _TURN,
-            'kind': {'enum': _QUERIES},
-            'object_id': _OBJECT_ID,
-            'symbol': _OPTIONAL_TEXT,
-            'choices': _NAMES,
-            'cost': _AMOUNT,
-            'budget_left': _AMOUNT,
-            'turns_left': _COUNT,
-            'model_version': _COUNT,
-            'text': _TEXT,
-        },
-        {'world': {'oneOf': [_WORLD, {'type': 'null'}]}},
-    ),
-    'answer': _record(
-        {'query_id': _TEXT, 'answer_id': _TEXT, 'teacher_id': _TEXT, 'outcome': {'enum': _SAYABLE}},
-        {
-            'content': {'type': ['string', 'integer', 'array', 'null'], 'items': _TEXT},
-            'replaces': {'anyOf': [_TEXT, {'type': 'null'}]},
-        },
-    ),
+    'query': _QUERY,
+    'answer': _ANSWER,
     'answer_ack': _record(
         {
             'query_id': _OPTIONAL_TEXT,
@@ -143,6 +146,7 @@ SCHEMAS: dict[str, JsonSchema] = {
         },
         {
             'kernel': _record({'amplitude': _POSITIVE, 'length_scale': _POSITIVE}),
+            'last_answer': {'oneOf': [_record({'query': _QUERY, 'answer': _ANSWER}), {'type': 'null'}]},
             'teachers': {'type': 'object', 'additionalProperties': _TEACHER},
         },
     ),

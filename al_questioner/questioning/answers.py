@@ -15,23 +15,26 @@ from al_questioner.domain import (
 
 
 class AnswerBook:
-    """The answers of an episode, in the order in which they were heard."""
+    """The answers of an episode, in the order in which they were heard.
+
+    Attributes:
+        last: the one that was taken last; None before the first.
+        late: those that came too late.
+    """
 
     def __init__(self) -> None:
         self._taken: dict[str, dict[str, Answer]] = {}
-        self._late: dict[Answer, None] = {}
+        self.last: Answer | None = None
+        self.late: dict[Answer, None] = {}
 
     def take(self, answer: Answer) -> None:
         """Note an answer that counts."""
         self._taken.setdefault(answer.query_id, {})[answer.answer_id] = answer
+        self.last = answer
 
     def keep_late(self, answer: Answer) -> None:
         """Note an answer to a query that another one had settled."""
-        self._late[answer] = None
-
-    def is_kept(self, answer: Answer) -> bool:
-        """Whether this very answer was kept as a late one."""
-        return answer in self._late
+        self.late[answer] = None
 
     def standing(self) -> Iterator[Answer]:
         """The answer to each query that holds now: the last, if some were replaced."""
@@ -42,10 +45,6 @@ class AnswerBook:
         """The answers that were replaced."""
         for answers in self._taken.values():
             yield from list(answers.values())[:-1]
-
-    def late(self) -> Iterator[Answer]:
-        """The answers that came too late."""
-        yield from self._late
 
     def has_taken(self, answer: Answer) -> bool:
         """Whether this very answer was taken before.

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping
+from collections.abc import Collection, Mapping
 
 import numpy as np
 from numpy.typing import NDArray
@@ -278,9 +278,16 @@ class Episode:
         """Note an answer to a query that another one has settled; it says something of its teacher alone."""
         self._book.keep_late(answer)
 
-    def is_kept_late(self, answer: Answer) -> bool:
-        """Whether this very answer was noted by `keep_late`."""
-        return self._book.is_kept(answer)
+    @property
+    def late(self) -> Collection[Answer]:
+        """The answers that were noted by `keep_late`."""
+        return self._book.late
+
+    @property
+    def last_answer(self) -> tuple[Query, Answer] | None:
+        """The answer that was taken last, with its query."""
+        last = self._book.last
+        return None if last is None else (self._queries[last.query_id], last)
 
     @property
     def teachers(self) -> dict[str, TeacherRecord]:

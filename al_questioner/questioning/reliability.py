@@ -125,7 +125,7 @@ def statements_of(
     """
     labels = (*symbols, NO_SYMBOL)
     taken = [(answer, queries[answer.query_id]) for answer in book.standing()]
-    late = [(answer, queries[answer.query_id]) for answer in book.late()]
+    late = [(answer, queries[answer.query_id]) for answer in book.late]
     said = taken + [(answer, query) for answer, query in late if query.action.kind is QueryKind.LABEL]
     named = [
         (query.turn, answer.teacher_id, answer.content if query.action.kind is QueryKind.LABEL else query.action.symbol)
@@ -148,7 +148,7 @@ def teacher_records(
     """
     statements = statements_of(book, queries, symbols, beliefs)
     estimated = reliabilities(statements, beliefs)
-    standing, replaced, late = list(book.standing()), list(book.replaced()), list(book.late())
+    standing, replaced, late = list(book.standing()), list(book.replaced()), list(book.late)
     names = sorted({answer.teacher_id for answer in (*replaced, *standing, *late)})
 
     def count(answers: Sequence[Answer], name: str, outcome: Outcome | None = None) -> int:

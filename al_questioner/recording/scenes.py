@@ -46,6 +46,8 @@ def scenes_of(bag: Bag) -> RecordedScenes:
     episodes = sorted({document['episode_id'] for document in turns})
     if len(episodes) > 1:
         raise BagError(f'{bag.path}: holds the scenes of several episodes: {", ".join(episodes)}')
+    # A turn may have been asked for several times, in the same words.
+    turns = sorted({document['turn']: document for document in turns}.values(), key=lambda document: document['turn'])
     begins = [stamp_of(document['stamp']) for document in turns]
     found = {}
     for document, begin, end in zip(turns, begins, [*begins[1:], math.inf], strict=False):

@@ -92,10 +92,17 @@ class KeptLate:
 
 @dataclass(frozen=True)
 class Refused:
-    """A text that could not be taken for an answer, shortened if it is long."""
+    """A text that could not be taken for an answer, shortened if it is long.
+
+    Attributes:
+        text: what was said.
+        reason: why it is no answer.
+        count: of a flood of them only this is kept, and no text; else 1.
+    """
 
     text: str
     reason: str
+    count: int = 1
 
 
 @dataclass(frozen=True)
@@ -147,7 +154,8 @@ class Encoder:
         if isinstance(event, KeptLate):
             return 'late', {**documents.answer_members(event.answer), 'reason': event.reason}
         if isinstance(event, Refused):
-            return 'refused', {'text': event.text[:LONGEST_REFUSED], 'reason': event.reason}
+            counted = {} if event.count == 1 else {'count': event.count}
+            return 'refused', {'text': event.text[:LONGEST_REFUSED], 'reason': event.reason, **counted}
         if isinstance(event, Passed):
             return 'passed', {'turn': event.turn, 'query_id': event.query_id}
         return 'tune', {'turn': event.turn, 'model_version': event.model_version}
@@ -193,7 +201,7 @@ def _decode(event: Event, members: Document, last: Scene | None) -> SessionEvent
     if event.kind == 'late':
         return KeptLate(documents.answer_of(members), members['reason'])
     if event.kind == 'refused':
-        return Refused(members['text'], members['reason'])
+        return Refused(members['text'], members['reason'], members.get('count', 1))
     if event.kind == 'passed':
         return Passed(members['turn'], members['query_id'])
     if event.kind == 'tune':

@@ -9,9 +9,7 @@ from al_questioner.messages import documents
 from al_questioner.messages.documents import Document
 from al_questioner.ros import qos
 from al_questioner.ros.node import QuestionerNode
-
-RESEND_PERIOD = 1.0
-"""Seconds after which an answer that was not acknowledged is sent again."""
+from al_questioner.ros.repeating import PERSISTENT, Repeater
 
 
 class Delivery:
@@ -20,31 +18,31 @@ class Delivery:
     Args:
         node: that speaks, of its present episode.
         acknowledged: told the answer and the learner's `answer_ack`.
-
-    Attributes:
-        unacknowledged: the answer that is on its way.
     """
 
     def __init__(self, node: QuestionerNode, acknowledged: Callable[[Answer, Document], None]) -> None:
-        self.unacknowledged: Answer | None = None
         self._node = node
         self._tell = acknowledged
-        self._publish = node.document_publisher('answer', qos.EVENTS)
+        publish = node.document_publisher('answer', qos.EVENTS)
+        self._mouth = Repeater[Answer](node, lambda answer: publish(documents.answer_members(answer)), PERSISTENT)
         node.on_document('answer_ack', self._acknowledged, qos.EVENTS)
 
+    @property
+    def unacknowledged(self) -> Answer | None:
+        """The answer that is on its way."""
+        return self._mouth.said
+
     def send(self, answer: Answer, delay: float = 0.0) -> None:
-        """Send an answer after so many seconds, in the place of any that is still on its way."""
-        self.unacknowledged = answer
-        self._node.after(delay, lambda: self._repeat(answer))
+        """Send an answer after so many seconds, in the place of any other that is still on its way.
+
+        Of one that is on its way already nothing changes: a question that is heard twice is answered no later.
+        """
+        if answer != self.unacknowledged:
+            self._mouth.say(answer, delay)
 
     def drop(self) -> None:
         """Send the present answer no more."""
-        self.unacknowledged = None
-
-    def _repeat(self, answer: Answer) -> None:
-        if answer is self.unacknowledged:
-            self._publish(documents.answer_members(answer))
-            self._node.after(RESEND_PERIOD, lambda: self._repeat(answer))
+        self._mouth.stop()
 
     def _acknowledged(self, document: Document) -> None:
         answer = self.unacknowledged
@@ -54,7 +52,7 @@ class Delivery:
             or document['answer_id'] != answer.answer_id
         ):
             return
-        self.unacknowledged = None
+        self.drop()
         self._tell(answer, document)
         if not document['accepted']:
             raise InputError(f'the learner did not take the answer to {answer.query_id}: {document["reason"]}')

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 import time
 from collections.abc import Mapping, Sequence
 from pathlib import Path
@@ -21,6 +22,7 @@ from al_questioner.domain import (
     Content,
     Costs,
     Decision,
+    EpisodeError,
     EpisodeSettings,
     InputError,
     LateAnswerError,
@@ -37,15 +39,19 @@ from al_questioner.recording import SessionLog
 from al_questioner.recording.session_events import Begun, Seen
 from al_questioner.resuming import DurableEpisode
 from al_questioner.ros import qos
+from al_questioner.ros.alarm import Alarm
 from al_questioner.ros.node import QuestionerNode
 from al_questioner.ros.parameters import declare, help_text, refuse_unknown
+from al_questioner.ros.repeating import PATIENT, Repeater
 from al_questioner.ros.running import run_nodes
 from al_questioner.ros.settings import DEFAULT_TASK, WORLD_SETTINGS, all_names, learner_settings
+from al_questioner.ros.turn_stamps import TurnStamps
 from al_questioner.ros.types import CLOUD_TYPES, MARKER_TYPES, header
 from al_questioner.ros.worlds import declare_world, new_episode_id, world_members
 from al_questioner.simulation import WorldChoice, episode_settings
 from al_questioner.teaching import read_plain_answer
 from al_questioner.telling import episode_members, state_members
+from al_questioner.throttle import Throttle
 from al_questioner.world import Task, load_task
 
 SECONDS_FOR_OBJECTS = 10.0
@@ -53,7 +59,9 @@ SECONDS_FOR_OBJECTS = 10.0
 LONGEST_BACK_OFF = 8
 """Times the answer timeout: for so long the learner waits at most before the turn goes on without an answer."""
 STALE_CLOUDS = 3
-"""So many clouds from before a turn are no chance any more."""
+"""So many clouds in a row from before a turn are no chance any more."""
+SECONDS_OF_STALE_CLOUDS = 10.0
+"""From one complaint about them to the next."""
 
 
 class LearnerNode(QuestionerNode):
@@ -73,15 +81,19 @@ class LearnerNode(QuestionerNode):
         self._world = world_members(world)
         self._session = _session(self._settings, world, self._given)
         self.episode_id = self._session.begun.episode_id
-        self._last_stamp = 0
+        self._stamps = TurnStamps()
+        self._patience = Alarm(self, self._go_on_without)
+        self._complaints = Throttle(1, SECONDS_OF_STALE_CLOUDS)
         self._stale_clouds = 0
         self._awaits_scene = False
         self._last_turn_start = 0.0
 
         self._publish_episode = self.document_publisher('episode')
         self._publish_turn = self.document_publisher('turn')
-        self._publish_query = self.document_publisher('query')
-        self._publish_state = self.document_publisher('learner_state')
+        # What the course of the episode hangs on is said until it is served, the last state for as long as it is true.
+        self._request = Repeater(self, self._publish_turn, PATIENT)
+        self._question = Repeater(self, self.document_publisher('query'), PATIENT)
+        self._state = Repeater(self, self.document_publisher('learner_state'), PATIENT)
         self._publish_ack = self.document_publisher('answer_ack', qos.EVENTS)
         self._decision = self.create_publisher(PointCloud2, 'decision', qos.EVENTS)
         self._markers = self.create_publisher(MarkerArray, 'scene_markers', qos.LATCHED)
@@ -104,7 +116,7 @@ class LearnerNode(QuestionerNode):
         self.get_logger().info(
             f'going on with {self.episode_id}, after {seen.turn} turns, from {self._given["session"]}'
         )
-        self._last_stamp = seen.stamp
+        self._stamps = TurnStamps(seen.stamp)
         self._announce(seen.scene)
         if not self._session.episode.awaits_answer:
             self._end_turn()
@@ -116,25 +128,27 @@ class LearnerNode(QuestionerNode):
 
     def _begin_turn(self) -> None:
         """Ask perception for the scene of the next turn."""
-        self._last_stamp = max(self.get_clock().now().nanoseconds, self._last_stamp + 1)
+        stamp = self._stamps.begin(self._now())
         self._last_turn_start = time.monotonic()
         self._awaits_scene = True
         self._stale_clouds = 0
+        self._state.stop()
         turn = self._session.episode.turn + 1
         self.does(f'turn {turn}: waiting for objects', expected_within=SECONDS_FOR_OBJECTS)
-        self._publish_turn({'turn': turn, 'stamp': stamp_members(self._last_stamp), 'world': self._world})
+        self._request.say({'turn': turn, 'stamp': stamp_members(stamp), 'world': self._world})
 
     def _perceive(self, cloud: PointCloud2) -> None:
-        """Decide, once the scene of this turn is there: a cloud with the turn's stamp, or a later one of a camera."""
+        """Decide, once the scene of this turn is there: see `TurnStamps`."""
         if not self._awaits_scene:
             return
-        if nanoseconds(cloud.header.stamp) < self._last_stamp:
+        if not self._stamps.is_of_turn(nanoseconds(cloud.header.stamp), self._now()):
             self._ignore_stale()
             return
         scene = scene_of_cloud(cloud)
-        seen = Seen(self._session.episode.turn + 1, self._last_stamp, cloud.header.frame_id, scene)
+        seen = Seen(self._session.episode.turn + 1, self._stamps.last, cloud.header.frame_id, scene)
         decision = self._session.ask(seen)
         self._awaits_scene = False
+        self._request.stop()
         if decision.turn == 1:
             self._announce(scene)
         self._put(seen, decision)
@@ -147,7 +161,7 @@ class LearnerNode(QuestionerNode):
         """Publish a decision, and the question that waits, again if nobody answered it in the turn before."""
         pending = self._session.episode.pending
         if pending is not None:
-            self._publish_query({**documents.query_members(pending), 'world': self._world})
+            self._question.say({**documents.query_members(pending), 'world': self._world})
             self.get_logger().info(f'turn {decision.turn}: {pending.text}')
             self._await_answer(pending, decision.turn)
         head = header(seen.stamp, seen.frame_id)
@@ -156,31 +170,34 @@ class LearnerNode(QuestionerNode):
     def _await_answer(self, query: Query, turn: int) -> None:
         """Wait for the answer, but not for ever if so configured, and the longer the longer nobody has answered."""
         timeout, missed = float(self._given['answer_timeout']), self._session.episode.unanswered_turns
-        if timeout <= 0:
-            self.does(f'turn {turn}: waiting for the answer to {query.query_id}')
-            return
         away = f', nobody has answered for {missed} turns' if missed else ''
         # As soon as a turn has passed without an answer there is something to see to.
-        self.does(
-            f'turn {turn}: waiting for the answer to {query.query_id}{away}', expected_within=0.0 if missed else timeout
-        )
-        self.after(timeout * min(2**missed, LONGEST_BACK_OFF), lambda: self._go_on_without(query, turn))
+        patience = 0.0 if missed else timeout or math.inf
+        self.does(f'turn {turn}: waiting for the answer to {query.query_id}{away}', expected_within=patience)
+        if timeout:
+            self._patience.set(timeout * min(2**missed, LONGEST_BACK_OFF))
 
-    def _go_on_without(self, query: Query, turn: int) -> None:
-        """Let the turn pass, unless its answer has come."""
+    def _go_on_without(self) -> None:
+        """Let the turn pass without its answer."""
         episode = self._session.episode
-        if episode.turn == turn and episode.awaits_answer and episode.pending == query:
+        if episode.pending is not None and episode.awaits_answer:
+            self.get_logger().warning(
+                f'turn {episode.turn}: nobody has answered {episode.pending.query_id}; going on without'
+            )
             self._session.let_pass()
-            self.get_logger().warning(f'turn {turn}: nobody has answered {query.query_id}; going on without')
             self._end_turn()
 
     def _ignore_stale(self) -> None:
-        """Pass over a scene from before the turn; say so if there is no other, since a clock may be behind."""
+        """Pass over a scene from before the turn; say so if there are no others, since a clock may be wrong."""
         self._stale_clouds += 1
-        if self._stale_clouds == STALE_CLOUDS:
-            raise SceneError(
-                f'the last {STALE_CLOUDS} clouds are older than the turn: is the clock of their sender behind?'
-            )
+        if self._stale_clouds >= STALE_CLOUDS and self._complaints.passes():
+            back = self._stamps.is_ahead(self._now())
+            why = 'our clock has gone back' if back else 'is the clock of their sender behind?'
+            raise SceneError(f'the last {STALE_CLOUDS} clouds are older than the turn: {why}')
+
+    def _now(self) -> int:
+        """What the clock shows, real or simulated, in nanoseconds."""
+        return int(self.get_clock().now().nanoseconds)
 
     def _announce(self, scene: Scene) -> None:
         """Publish what the episode is about, as soon as the features are known."""
@@ -227,6 +244,8 @@ class LearnerNode(QuestionerNode):
 
     def _end_turn(self) -> None:
         """Tune the models if it is time, tell what is known now, and begin the next turn unless this was the last."""
+        self._question.stop()
+        self._patience.clear()
         self._session.tune()
         episode = self._session.episode
         if episode.done:
@@ -238,7 +257,7 @@ class LearnerNode(QuestionerNode):
         if seen is None:
             return
         beliefs = self._beliefs(seen)
-        self._publish_state(state_members(self._session.episode, seen.scene, beliefs))
+        self._state.say(state_members(self._session.episode, seen.scene, beliefs))
         pause = float(self._given['turn_period']) - (time.monotonic() - self._last_turn_start)
         if pause > 0:
             self.after(pause, self._begin_turn)
@@ -253,7 +272,7 @@ class LearnerNode(QuestionerNode):
         if seen is not None:
             beliefs = self._beliefs(seen)
             self._show(seen, beliefs)
-            self._publish_state(state_members(self._session.episode, seen.scene, beliefs))
+            self._state.say(state_members(self._session.episode, seen.scene, beliefs))
 
     def _beliefs(self, seen: Seen) -> NDArray[np.float64]:
         """(n, |Y|) q_y(x) of a scene."""
@@ -265,6 +284,14 @@ class LearnerNode(QuestionerNode):
         asked = pending.action.object_id if pending else None
         head = header(seen.stamp, seen.frame_id)
         self._markers.publish(markers(seen.scene, beliefs, self._settings.symbols, asked, head, MARKER_TYPES))
+
+    def _failed(self, error: Exception) -> None:
+        # An episode that cannot go on asks for nothing.
+        if isinstance(error, EpisodeError):
+            self._request.stop()
+            self._question.stop()
+            self._patience.clear()
+        super()._failed(error)
 
     def destroy_node(self) -> None:
         """Close the log, once the worker has stopped."""

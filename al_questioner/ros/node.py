@@ -12,9 +12,11 @@ from functools import partial
 from typing import Any
 
 from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus, KeyValue
+from rcl_interfaces.msg import SetParametersResult
 from rclpy.clock import Clock
 from rclpy.clock_type import ClockType
 from rclpy.node import Node
+from rclpy.parameter import Parameter
 from rclpy.qos import QoSProfile
 from std_msgs.msg import String
 
@@ -24,6 +26,7 @@ from al_questioner.messages.documents import Document
 from al_questioner.ros import qos
 from al_questioner.ros.types import text
 from al_questioner.ros.worker import Worker
+from al_questioner.throttle import Throttle
 
 DIAGNOSTICS_PERIOD = 1.0
 """Seconds between two messages on /diagnostics."""
@@ -52,7 +55,7 @@ class QuestionerNode(Node):
         self._refused: Counter[str] = Counter()
         self._last_refusal = ''
         self._refused_at = -math.inf
-        self._said_at: list[float] = []
+        self._said = Throttle(REFUSALS_PER_SECOND, 1.0)
         self._failure = ''
         self._activity = 'starting'
         self._overdue = math.inf
@@ -60,6 +63,16 @@ class QuestionerNode(Node):
         self._worker = Worker(name, self._failed)
         self._diagnostics = self.create_publisher(DiagnosticArray, '/diagnostics', qos.DIAGNOSTICS)
         self.create_timer(DIAGNOSTICS_PERIOD, self._publish_diagnostics, clock=Clock(clock_type=ClockType.STEADY_TIME))
+
+    def set_parameters_atomically(self, parameter_list: list[Parameter]) -> SetParametersResult:
+        """What `ros2 param set` leads to: all of the parameters are set, or none; rclpy's refusals say less."""
+        unknown = [one.name for one in parameter_list if not self.has_parameter(one.name)]
+        if unknown:
+            return _refused(f'no parameter {", ".join(unknown)}; known: {", ".join(self.get_parameters_by_prefix(""))}')
+        fixed = [one.name for one in parameter_list if self.describe_parameter(one.name).read_only]
+        if fixed:
+            return _refused(f'{", ".join(fixed)}: only read when the node starts: -p NAME:=VALUE')
+        return super().set_parameters_atomically(parameter_list)
 
     def document_publisher(self, kind: str, profile: QoSProfile = qos.LATCHED) -> Callable[[Document], None]:
         """A function that writes documents of this kind, of the current episode, to the topic of the same name."""
@@ -100,12 +113,9 @@ class QuestionerNode(Node):
         """Count and show input that cannot be used."""
         self._refused[topic] += 1
         self._last_refusal = f'{topic}: {reason}'
-        self._refused_at = now = time.monotonic()
-        self._said_at = [at for at in self._said_at if now - at < 1.0]
-        if len(self._said_at) < REFUSALS_PER_SECOND:
-            self._said_at.append(now)
-            last = len(self._said_at) == REFUSALS_PER_SECOND
-            more = ' (more within this second are only counted)' if last else ''
+        self._refused_at = time.monotonic()
+        if self._said.passes():
+            more = ' (more within this second are only counted)' if self._said.is_used_up else ''
             self.get_logger().warning(f'refused on {topic}: {reason}{more}')
 
     def does(self, activity: str, expected_within: float = math.inf) -> None:
@@ -189,3 +199,7 @@ class QuestionerNode(Node):
         array = DiagnosticArray(status=[status])
         array.header.stamp = self.get_clock().now().to_msg()
         self._diagnostics.publish(array)
+
+
+def _refused(reason: str) -> SetParametersResult:
+    return SetParametersResult(successful=False, reason=reason)

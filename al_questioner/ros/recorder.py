@@ -122,7 +122,7 @@ class RecorderNode(QuestionerNode):
                     f'turns {before + 1} to {turn - 1} of episode {episode_id} were missed:'
                     ' the recording cannot be used as a demonstration'
                 )
-            self._last_turns[episode_id] = turn
+            self._last_turns[episode_id] = max(turn, before)
         if document.get('turn') == 1 or not document.get('done', True):
             self._seen_alive.add(document['episode_id'])
         # The latched state of a learner that was done before the recording began is no end of it.

@@ -14,6 +14,8 @@ from rclpy.utilities import remove_ros_args, try_shutdown
 
 from al_questioner.domain import InputError
 
+ONCE_A_SECOND = {'throttle_duration_sec': 1.0}
+
 
 def run_nodes(
     makers: Sequence[Callable[[], Node]],
@@ -54,7 +56,11 @@ def run_nodes(
             if while_spinning is None:
                 nodes[-1].get_logger().info('is up')
         while executor.context.ok() and not (while_spinning and while_spinning()):
-            executor.spin_once(timeout_sec=0.1 if while_spinning else None)
+            try:
+                executor.spin_once(timeout_sec=0.1 if while_spinning else None)
+            except ValueError as error:
+                # rclpy's own callbacks, such as that of /clock, do not catch what a message makes them raise.
+                nodes[0].get_logger().warning(f'passed over an unusable message: {_one_line(error)}', **ONCE_A_SECOND)
     except ExternalShutdownException:
         pass
     except RuntimeError:

@@ -95,6 +95,7 @@ class TerminalTeacher:
 
     def _follow(self, document: Document) -> None:
         self._enter(document)
+        last = document.get('last_answer')
         self.session.follow(
             Progress(
                 document['turn'],
@@ -103,6 +104,7 @@ class TerminalTeacher:
                 float(document['spent']),
                 document['done'],
                 tuple(documents.record_of(record) for record in document['queries']),
+                last and (documents.query_of(last['query']), documents.answer_of(last['answer'])),
             )
         )
 

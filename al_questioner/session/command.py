@@ -84,7 +84,7 @@ def _show(console: Console, account: Account) -> None:
         'taken': sum(said.status != 'late' and said.answer.replaces is None for said in account.said),
         'corrections': sum(said.status != 'late' and said.answer.replaces is not None for said in account.said),
         'late': sum(said.status == 'late' for said in account.said),
-        'refused': len(account.refused),
+        'refused': sum(refused.count for _, refused in account.refused),
     }
     _say(console, 'answers: ' + ', '.join(f'{count} {name}' for name, count in counts.items()))
     for name, record in episode.teachers.items():

@@ -328,7 +328,7 @@ EVENTS = st.one_of(
     st.builds(Decided, st.integers(1, 99), st.builds(Action, st.sampled_from(QueryKind)), st.none() | QUERIES),
     st.builds(Told, ANSWERS),
     st.builds(KeptLate, ANSWERS, WORDS),
-    st.builds(Refused, WORDS, WORDS),
+    st.builds(Refused, WORDS, WORDS, st.integers(1, 10**9)),
     st.builds(Tuned, st.integers(1, 99), st.integers(0, 99)),
 )
 

@@ -36,14 +36,21 @@ def is_over(states: list[dict[str, Any]]) -> bool:
     return bool(states) and states[-1]['done']
 
 
-def offline_queries(strategy: str, budget: float, turns: int, tune_every: int = 0) -> list[tuple[Any, ...]]:
-    task = load_task(TASK)
+def offline_queries(
+    strategy: str, budget: float, turns: int, tune_every: int = 0, task_name: str = TASK, seed: int = 4
+) -> list[tuple[Any, ...]]:
+    task = load_task(task_name)
     result = run_episode(
-        WorldChoice(task, 4, 4),
+        WorldChoice(task, seed, seed),
         episode_settings(task, strategy, budget, turns, tune_every=tune_every),
-        ScriptedTeacher(task.symbols, task.relevant_groups, 4),
+        ScriptedTeacher(task.symbols, task.relevant_groups, seed),
     )
     return [(r.turn, r.kind.value, r.object_id, r.symbol, r.cost, r.outcome.value) for r in result.queries]
+
+
+def asked_in(state: dict[str, Any]) -> list[tuple[Any, ...]]:
+    members = ('turn', 'kind', 'object_id', 'symbol', 'cost', 'outcome')
+    return [tuple(query[member] for member in members) for query in state['queries']]
 
 
 @pytest.mark.parametrize('strategy', [name for name in STRATEGIES if name != 'human'])
@@ -53,10 +60,7 @@ def test_graph_asks_what_an_offline_run_asks(graph: Any, strategy: str) -> None:
     graph.start_robot(strategy=strategy, budget=8.0, turns=14)
     graph.start(TeacherNode, **graph.world)
     graph.wait_for(lambda: is_over(states), 'the end of the episode')
-    asked = [
-        tuple(query[key] for key in ('turn', 'kind', 'object_id', 'symbol', 'cost', 'outcome'))
-        for query in states[-1]['queries']
-    ]
+    asked = asked_in(states[-1])
     assert asked == offline_queries(strategy, 8.0, 14)
     assert states[-1]['spent'] <= 8.0
 
@@ -67,10 +71,7 @@ def test_tuning_learner_asks_what_an_offline_run_asks_and_tells_its_kernel(graph
     graph.start_robot(strategy='u_sampling', budget=8.0, turns=12, tune_every=2)
     graph.start(TeacherNode, **graph.world)
     graph.wait_for(lambda: is_over(states), 'the end of the episode')
-    asked = [
-        tuple(query[key] for key in ('turn', 'kind', 'object_id', 'symbol', 'cost', 'outcome'))
-        for query in states[-1]['queries']
-    ]
+    asked = asked_in(states[-1])
     assert asked == offline_queries('u_sampling', 8.0, 12, tune_every=2)
     assert asked != offline_queries('u_sampling', 8.0, 12)
     assert episodes[-1]['tune_every'] == 2
@@ -274,17 +275,27 @@ def test_nodes_of_other_worlds_do_not_answer(graph: Any) -> None:
 
 def test_two_robots_in_two_namespaces_do_not_hear_each_other(graph: Any) -> None:
     """The answers to one robot would teach the other."""
-    states = {}
-    for robot, seed in (('left', 4), ('right', 5)):
+    robots = {'left': (TASK, 4), 'right': ('pack_lunchbox', 5)}
+    kinds = ('episode', 'turn', 'query', 'learner_state', 'answer', 'answer_ack')
+    heard: dict[str, dict[str, list[Any]]] = {robot: {} for robot in robots}
+    nodes = []
+    for robot, (task, seed) in robots.items():
         namespace = f'{graph.namespace}/{robot}'
-        states[robot] = graph.listen(robot, topic=f'/{namespace}/learner_state')
-        graph.start(PerceptionNode, namespace=namespace, task=TASK, seed=seed)
-        graph.start(TeacherNode, namespace=namespace, task=TASK, seed=seed)
-        graph.start(LearnerNode, namespace=namespace, **{**graph.episode, 'seed': seed})
-    for robot, heard in states.items():
-        graph.wait_for(lambda heard=heard: is_over(heard), f'the end of the episode of {robot}')
-        assert len({state['episode_id'] for state in heard}) == 1
-    assert states['left'][-1]['queries'] != states['right'][-1]['queries']
+        for kind in kinds:
+            profile = qos.RECORDED_EVENTS if kind.startswith('answer') else qos.RECORDED_LATCHED
+            heard[robot][kind] = graph.listen(f'{robot} {kind}', profile=profile, topic=f'/{namespace}/{kind}')
+        world = {'task': task, 'seed': seed}
+        for make, parameters in ((PerceptionNode, world), (TeacherNode, world), (LearnerNode, graph.episode | world)):
+            nodes.append(graph.start(make, namespace=namespace, **parameters))
+    for robot in robots:
+        graph.wait_for(lambda robot=robot: is_over(heard[robot]['learner_state']), f'the end of the episode of {robot}')
+    for robot, (task, seed) in robots.items():
+        offline = offline_queries('random_fsq', 6.0, 8, task_name=task, seed=seed)
+        assert asked_in(heard[robot]['learner_state'][-1]) == offline
+        said = [document for kind in kinds for document in heard[robot][kind]]
+        assert len({document['episode_id'] for document in said}) == 1
+    # Whatever a node had heard of the other robot's world or episode, it would have refused.
+    assert not any(node.counts() for node in nodes)
 
 
 def test_erring_teacher_with_delay_ends_the_episode(graph: Any) -> None:

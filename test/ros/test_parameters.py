@@ -6,6 +6,8 @@ from pathlib import Path
 from typing import Any
 
 import pytest
+from rcl_interfaces.srv import SetParameters
+from rclpy.parameter import Parameter
 
 from al_questioner.configuration import config_dir, read_yaml
 from al_questioner.domain import InputError
@@ -109,3 +111,48 @@ def test_parameters_are_described_and_fixed(graph: Any) -> None:
     assert budget.floating_point_range[0].from_value == 0.0
     assert 'cost of a label query' in budget.description
     assert learner.get_parameter('budget').value == 6.0
+
+
+NODES = {
+    'learner': (LearnerNode, learner_settings(load_task(TASK))),
+    'perception': (PerceptionNode, PERCEPTION_SETTINGS),
+    'teacher': (TeacherNode, TEACHER_SETTINGS),
+    'recorder': (RecorderNode, RECORDER_SETTINGS),
+}
+ANOTHER: dict[type, list[Any]] = {
+    bool: [True, False, 'maybe'],
+    int: [3, -1, 2**63 - 1, 0.5],
+    float: [1.0, -1.0, 3, float('nan'), float('inf'), float('-inf'), '1'],
+    str: ['another', 7, ['a', 'b']],
+}
+"""Values to try on a parameter of each type: usable ones, and such that are not."""
+
+
+@pytest.mark.parametrize('name', NODES)
+def test_whatever_is_set_while_a_node_runs_is_refused_with_a_reason(graph: Any, tmp_path: Path, name: str) -> None:
+    """`ros2 param set` would be taken and ignored, or half of it taken, or NaN end the node."""
+    make, own = NODES[name]
+    settings = own if name == 'recorder' else (*WORLD_SETTINGS, *own)
+    bag = {'bag': str(tmp_path / 'bag')} if name == 'recorder' else {'task': TASK}
+    node = graph.start(make, **bag)
+    before = {setting.name: node.get_parameter(setting.name).value for setting in settings}
+    attempts = [
+        Parameter(setting.name, value=value) for setting in settings for value in ANOTHER[type(setting.default)]
+    ]
+    attempts += [Parameter(setting.name, Parameter.Type.NOT_SET) for setting in settings]
+    attempts += [Parameter('bugdet', value=3.0), Parameter('use_sim_time', value='perhaps')]
+    service = graph.ears.create_client(SetParameters, f'{name}/set_parameters')
+    graph.wait_for(service.service_is_ready, 'the parameter service')
+    request = SetParameters.Request(parameters=[attempt.to_parameter_msg() for attempt in attempts])
+    future = service.call_async(request)
+    graph.wait_for(future.done, 'what becomes of the parameters')
+    for attempt, result in zip(attempts, future.result().results, strict=True):
+        assert not result.successful, attempt
+        is_ours = attempt.name in before
+        assert result.reason
+        assert not is_ours or attempt.name in result.reason
+        assert ('only read when the node starts' in result.reason) == is_ours
+    together = [Parameter('use_sim_time', value=True), Parameter(settings[0].name, value=settings[0].default)]
+    assert not node.set_parameters_atomically(together).successful
+    assert node.get_parameter('use_sim_time').value is False
+    assert {setting.name: node.get_parameter(setting.name).value for setting in settings} == before

@@ -82,11 +82,11 @@ def test_a_new_learner_goes_on_where_the_last_one_ended(graph: Any, tmp_path: Pa
     learner = graph.start(LearnerNode, **parameters)
     assert person.says(person.query(1), 'snack')['accepted']
     pending = person.query(2)
-    graph.wait_for(lambda: [turn['turn'] for turn in person.turns] == [1, 2], 'both turns')
+    graph.wait_for(lambda: person.turns and person.turns[-1]['turn'] == 2, 'both turns')
     graph.stop(learner)
-    begun = len(person.turns)
+    asked, begun = len(person.queries), len(person.turns)
     graph.start(LearnerNode, **parameters)
-    graph.wait_for(lambda: len(person.queries) == 3 and len(person.turns) == begun + 1, 'the question once more')
+    graph.wait_for(lambda: len(person.queries) > asked and len(person.turns) > begun, 'the question once more')
     assert person.queries[-1] == pending
     assert person.turns[begun] == person.turns[begun - 1]
     assert person.says(person.queries[0], 'snack')['reason'] == 'already taken'
@@ -115,7 +115,7 @@ def test_a_learner_that_ended_between_turns_goes_on(graph: Any, tmp_path: Path) 
     graph.start(LearnerNode, **parameters)
     graph.wait_for(lambda: len(person.states) > before, 'the state of an episode that is over')
     assert person.states[-1] == person.states[before - 1]
-    assert [turn['turn'] for turn in person.turns] == [1, 2]
+    assert {turn['turn'] for turn in person.turns} == {1, 2}
 
 
 def test_a_late_answer_is_refused_and_kept(graph: Any, tmp_path: Path) -> None:
@@ -156,7 +156,7 @@ def test_a_correction_changes_what_is_known_and_not_what_is_asked(graph: Any, tm
     assert sum(person.states[-1]['labels'].values()) == 0
     ack = person.says(query, 'fruit', answer_id='a4', replaces='a9')
     assert (ack['accepted'], ack['reason']) == (False, "no answer 'a9' to query 'q1' was taken")
-    assert len(person.queries) == 2
+    assert {query['query_id'] for query in person.queries} == {'q1', 'q2'}
     assert person.says(person.queries[-1], 'snack')['accepted']
 
 
@@ -179,10 +179,12 @@ def test_a_disk_that_takes_no_more_stops_the_questions(graph: Any, tmp_path: Pat
 
     graph.wait_for(shown, 'an error on /diagnostics')
     assert len(person.acks) == acks
-    assert len(person.queries) == 2
+    assert {query['query_id'] for query in person.queries} == {'q1', 'q2'}
+    assert learner._question.said is None
     graph.stop(learner)
+    asked = len(person.queries)
     graph.start(LearnerNode, **parameters)
-    graph.wait_for(lambda: len(person.queries) == 3, 'the question once more')
+    graph.wait_for(lambda: len(person.queries) > asked, 'the question once more')
     assert person.says(query, 'snack')['accepted']
     assert len(told(tmp_path / 'log')) == 2
 

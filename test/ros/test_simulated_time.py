@@ -1,0 +1,172 @@
+"""Nodes whose clock is a topic: it jumps, goes back, stands still, and shows impossible times."""
+
+from __future__ import annotations
+
+import random
+import threading
+import time
+from collections.abc import Iterator
+from pathlib import Path
+from typing import Any
+
+import pytest
+from builtin_interfaces.msg import Time
+from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus
+from rclpy.qos import QoSProfile
+from rosgraph_msgs.msg import Clock
+from sensor_msgs.msg import PointCloud2
+from std_msgs.msg import String
+
+from al_questioner.messages import documents
+from al_questioner.messages.clouds import cloud_of_scene
+from al_questioner.messages.stamps import SECOND, stamp_of
+from al_questioner.recording import read_bag
+from al_questioner.recording.playback import Playback
+from al_questioner.ros import qos
+from al_questioner.ros.learner import LearnerNode
+from al_questioner.ros.perception import PerceptionNode
+from al_questioner.ros.replayer import ReplayNode
+from al_questioner.ros.running import run_nodes
+from al_questioner.ros.teacher import TeacherNode
+from al_questioner.ros.types import CLOUD_TYPES, header
+from al_questioner.simulation import PerceivedWorld, WorldChoice, episode_settings, run_episode
+from al_questioner.teaching import ScriptedTeacher
+from al_questioner.world import load_task
+
+BAG = Path(__file__).resolve().parents[2] / 'bags' / 'expert_0'
+SIMULATED = {'use_sim_time': True}
+
+
+class SimulatedClock:
+    """What /clock shows, to the nodes of this test's domain."""
+
+    def __init__(self, graph: Any) -> None:
+        self._graph = graph
+        self._out = graph.ears.create_publisher(Clock, '/clock', QoSProfile(depth=10))
+
+    def show(self, seconds: float) -> None:
+        stamp = round(seconds * SECOND)
+        self._out.publish(Clock(clock=Time(sec=stamp // SECOND, nanosec=stamp % SECOND)))
+
+    def set(self, node: Any, seconds: float) -> None:
+        """Show a time until a node has seen it."""
+
+        def seen() -> bool:
+            self.show(seconds)
+            return node.get_clock().now().nanoseconds == round(seconds * SECOND)
+
+        self._graph.wait_for(seen, f'time {seconds}')
+
+
+@pytest.fixture
+def clock(graph: Any) -> SimulatedClock:
+    return SimulatedClock(graph)
+
+
+@pytest.fixture
+def jumping(clock: SimulatedClock) -> Iterator[None]:
+    """Has the clock jump all the time, in a thread of its own."""
+    ended = threading.Event()
+
+    def jump() -> None:
+        draw = random.Random(1)
+        while not ended.wait(0.005):
+            clock.show(draw.choice((0, draw.uniform(0, 100), draw.uniform(0, 2e9), 2**31 - 0.5)))
+
+    thread = threading.Thread(target=jump)
+    thread.start()
+    yield
+    ended.set()
+    thread.join()
+
+
+def test_a_jumping_clock_changes_nothing_that_is_asked(graph: Any, jumping: None) -> None:
+    """A simulation that is started anew, or garbage on /clock, would end the episode or mix up its turns."""
+    states, turns = graph.listen('learner_state'), graph.listen('turn', profile=qos.RECORDED_LATCHED)
+    graph.start(PerceptionNode, **graph.world, **SIMULATED)
+    graph.start(TeacherNode, **graph.world, **SIMULATED)
+    graph.start(LearnerNode, **graph.episode, **SIMULATED, turn_period=0.02)
+    graph.wait_for(lambda: states and states[-1]['done'], 'the end of the episode')
+    task = load_task('prepare_lunch')
+    settings = episode_settings(task, 'random_fsq', 6.0, 8)
+    offline = run_episode(WorldChoice(task, 4, 4), settings, ScriptedTeacher(task.symbols, task.relevant_groups, 4))
+    assert states[-1]['queries'] == [documents.record_members(record) for record in offline.queries]
+    stamps = {turn['turn']: stamp_of(turn['stamp']) for turn in turns}
+    grown = [stamps[turn] for turn in sorted(stamps)]
+    assert grown == sorted(set(grown))
+
+
+def test_a_camera_is_seen_again_after_its_clock_went_back(graph: Any, clock: SimulatedClock) -> None:
+    """The robot would look at nothing until the clock has caught up, and not say why."""
+    queries, turns = graph.listen('query'), graph.listen('turn')
+    heard = graph.listen('diagnostics', DiagnosticArray, qos.DIAGNOSTICS, '/diagnostics')
+    eyes = graph.ears.create_publisher(PointCloud2, 'objects', qos.LATCHED)
+    mouth = graph.ears.create_publisher(String, 'answer', qos.EVENTS)
+    scene = PerceivedWorld(WorldChoice(load_task('prepare_lunch'), 4, 4).open()).scene(1)
+
+    def look(seconds: float) -> None:
+        eyes.publish(cloud_of_scene(scene, header(round(seconds * SECOND), 'camera'), CLOUD_TYPES))
+
+    learner = graph.start(LearnerNode, **{**graph.episode, 'strategy': 'u_sampling'}, **SIMULATED)
+    graph.wait_for(lambda: turns, 'the first turn')
+    clock.set(learner, 1000.0)
+    graph.wait_for(lambda: eyes.get_subscription_count(), 'a learner that looks')
+    look(1000.0)
+    graph.wait_for(lambda: queries, 'the first question')
+    mouth.publish(String(data='snack'))
+    graph.wait_for(lambda: turns[-1]['turn'] == 2, 'the second turn')
+    clock.set(learner, 10.0)
+
+    def reported() -> bool:
+        look(999.0)
+        return any('our clock has gone back' in status.message for array in heard for status in array.status)
+
+    graph.wait_for(reported, 'a reason on /diagnostics')
+    assert {query['query_id'] for query in queries} == {'q1'}
+    clock.set(learner, 10.2)
+    look(10.1)
+    graph.wait_for(lambda: queries[-1]['query_id'] == 'q2', 'the second question')
+    stamps = [stamp_of(turn['stamp']) for turn in turns]
+    assert stamps == sorted(stamps)
+    assert learner.counts().keys() == {'refused on objects'}
+
+
+def test_a_bag_that_loops_is_seen_in_every_round(graph: Any) -> None:
+    """A learner that is tried out on a looping bag would stop at the end of the first round."""
+    states = graph.listen('learner_state')
+    heard = graph.listen('diagnostics', DiagnosticArray, qos.DIAGNOSTICS, '/diagnostics')
+    bag = read_bag(BAG)
+    span = (bag.messages[-1].stamp - bag.messages[0].stamp) / SECOND
+    playback = Playback(bag.messages, rate=span / 0.5, loop=True)
+    graph.start(
+        lambda **arguments: ReplayNode(bag, playback, 5.0, 200.0, **arguments), namespace=f'{graph.namespace}/past'
+    )
+    remapped = ['--ros-args', '-r', 'objects:=past/objects']
+    graph.start(
+        lambda **arguments: LearnerNode(cli_args=remapped, **arguments),
+        **{**graph.episode, **SIMULATED, 'seed': 0, 'strategy': 'u_sampling', 'turns': 5, 'turn_period': 0.4},
+    )
+    graph.start(TeacherNode, task='prepare_lunch', seed=0)
+    graph.wait_for(lambda: states and states[-1]['done'], 'the end of the episode')
+    assert not [s.message for array in heard for s in array.status if s.level == DiagnosticStatus.ERROR]
+
+
+def test_a_time_before_the_beginning_of_time_ends_no_node(graph: Any) -> None:
+    """One message on /clock would end every node that listens to it."""
+    made: list[Any] = []
+    looks: list[bool] = []
+    end = time.monotonic() + 60.0
+
+    def make() -> Any:
+        node = PerceptionNode(namespace=graph.namespace)
+        made.extend((node, node.create_publisher(Clock, '/clock', QoSProfile(depth=10))))
+        return node
+
+    def has_seen_seven() -> bool:
+        node, out = made
+        looks.append(out.get_subscription_count() > 0)
+        out.publish(Clock(clock=Time(sec=-5 if sum(looks) < 20 else 7)))
+        assert time.monotonic() < end
+        return bool(node.get_clock().now().nanoseconds == 7 * SECOND)
+
+    assert run_nodes([make], ['--ros-args', '-p', 'use_sim_time:=true'], '', has_seen_seven) == 0
