@@ -2,9 +2,9 @@
 
 from __future__ import annotations
 
-import math
 import time
 from collections.abc import Mapping, Sequence
+from functools import partial
 from pathlib import Path
 from typing import Any
 
@@ -54,6 +54,8 @@ from al_questioner.telling import episode_members, state_members
 from al_questioner.throttle import Throttle
 from al_questioner.world import Task, load_task
 
+SECONDS_FOR_ANSWER = 60.0
+"""After which the lack of an answer is worth a warning."""
 SECONDS_FOR_OBJECTS = 10.0
 """After which the lack of a scene is worth a warning."""
 LONGEST_BACK_OFF = 8
@@ -68,10 +70,16 @@ class LearnerNode(QuestionerNode):
     """Asks for a scene, decides, asks the teacher, learns, and goes on to the next turn.
 
     Everything that touches the episode happens on the worker's thread, message by message.
+
+    Args:
+        yields: end the node's context when the episode is over and another learner begins one on the same topics.
+        node_arguments: of the node.
     """
 
-    def __init__(self, **node_arguments: Any) -> None:
+    def __init__(self, yields: bool = False, **node_arguments: Any) -> None:
         super().__init__('learner', **node_arguments)
+        self._yields = yields
+        self._is_over = False
         world = declare_world(self)
         self._given = declare(self, learner_settings(world.task))
         self._settings = _episode_settings(world.task, self._given)
@@ -172,7 +180,7 @@ class LearnerNode(QuestionerNode):
         timeout, missed = float(self._given['answer_timeout']), self._session.episode.unanswered_turns
         away = f', nobody has answered for {missed} turns' if missed else ''
         # As soon as a turn has passed without an answer there is something to see to.
-        patience = 0.0 if missed else timeout or math.inf
+        patience = 0.0 if missed else SECONDS_FOR_ANSWER
         self.does(f'turn {turn}: waiting for the answer to {query.query_id}{away}', expected_within=patience)
         if timeout:
             self._patience.set(timeout * min(2**missed, LONGEST_BACK_OFF))
@@ -250,8 +258,12 @@ class LearnerNode(QuestionerNode):
         episode = self._session.episode
         if episode.done:
             self._tell_state()
+            self._is_over = True
             self.does('the episode is over')
-            self.get_logger().info(f'the episode is over: {episode.spent:g} of {self._settings.budget:g} spent')
+            self.get_logger().info(
+                f'the episode is over: {episode.spent:g} of {self._settings.budget:g} spent;'
+                ' corrections are still taken; start a learner again for another episode'
+            )
             return
         seen = self._session.seen
         if seen is None:
@@ -284,6 +296,18 @@ class LearnerNode(QuestionerNode):
         asked = pending.action.object_id if pending else None
         head = header(seen.stamp, seen.frame_id)
         self._markers.publish(markers(seen.scene, beliefs, self._settings.symbols, asked, head, MARKER_TYPES))
+
+    def concern(self) -> str:
+        """Whether another learner speaks on the same topics, which confuses everybody."""
+        others = ', '.join(self.other_publishers('turn'))
+        if not others:
+            return ''
+        if not self._is_over:
+            return f'{others} publishes turn, too: end one of the two, or give it a namespace of its own'
+        if self._yields:
+            self.get_logger().info(f'this episode is over and {others} begins another: ending')
+            self.context.try_shutdown()
+        return ''
 
     def _failed(self, error: Exception) -> None:
         # An episode that cannot go on asks for nothing.
@@ -354,4 +378,4 @@ def _session(settings: EpisodeSettings, world: WorldChoice, given: Mapping[str, 
 def main(arguments: Sequence[str]) -> int:
     """Run the node."""
     settings = (*WORLD_SETTINGS, *learner_settings(load_task(DEFAULT_TASK)))
-    return run_nodes([LearnerNode], arguments, help_text(__doc__, settings))
+    return run_nodes([partial(LearnerNode, yields=True)], arguments, help_text(__doc__, settings))

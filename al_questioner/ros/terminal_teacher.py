@@ -94,6 +94,9 @@ class TerminalTeacher:
         self.session.begin(document['turns'], float(document['budget']))
 
     def _follow(self, document: Document) -> None:
+        if document['done'] and self._node.episode_id not in ('', document['episode_id']):
+            # Of a learner that is over and has not yet noticed that another one has begun.
+            return
         self._enter(document)
         last = document.get('last_answer')
         self.session.follow(
