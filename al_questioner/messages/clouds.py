@@ -31,7 +31,11 @@ _DECISION_FIELDS = (
     ('chosen', 'u1'),
 )
 
-MAXIMAL_POINTS = 100_000
+MAXIMAL_OBJECTS = 2_000
+"""In a scene: to think one over takes about half a minute."""
+MAXIMAL_CANDIDATES = 100_000
+"""In a decision."""
+MAXIMAL_FIELDS = 10_000
 
 
 @dataclass(frozen=True)
@@ -59,19 +63,22 @@ def scene_of_cloud(cloud: Any) -> Scene:
     Raises:
         SceneError: a field is missing, or the layout contradicts itself, or the scene is unusable.
     """
-    points = _points(cloud)
+    points = _points(cloud, MAXIMAL_OBJECTS)
     names = points.dtype.names or ()
     missing = [name for name, _ in _SCENE_HEAD if name not in names]
     if missing:
         raise SceneError(f'the objects cloud has no field {", ".join(missing)}')
     features = tuple(name for name in names if name not in {head for head, _ in _SCENE_HEAD})
-    ids = points['object_id']
-    if not np.array_equal(ids, ids.astype(np.uint32)) or (ids == _NO_OBJECT).any():
-        raise SceneError('an object_id of the objects cloud is no uint32 below 2^32 - 1')
-    columns = [points[name].astype(np.float32) for name in features]
+    # What does not fit into 32 bits becomes infinite, which a scene refuses.
+    with np.errstate(over='ignore', invalid='ignore'):
+        ids = points['object_id']
+        if not np.array_equal(ids, ids.astype(np.uint32)) or (ids == _NO_OBJECT).any():
+            raise SceneError('an object_id of the objects cloud is no uint32 below 2^32 - 1')
+        columns = [points[name].astype(np.float32) for name in features]
+        positions = np.stack([points[axis].astype(np.float32) for axis in 'xyz'], axis=1)
     return Scene(
         object_ids=tuple(int(object_id) for object_id in ids),
-        positions=np.stack([points[axis].astype(np.float32) for axis in 'xyz'], axis=1),
+        positions=positions,
         features=np.stack(columns, axis=1) if columns else np.empty((len(points), 0), np.float32),
         feature_names=features,
     )
@@ -101,15 +108,18 @@ def decision_of_cloud(cloud: Any, symbols: tuple[str, ...], turn: int) -> Decisi
     Raises:
         SceneError: the layout is not that of a decision, or not exactly one candidate is chosen.
     """
-    points = _points(cloud)
+    points = _points(cloud, MAXIMAL_CANDIDATES)
     missing = [name for name, _ in _DECISION_FIELDS if name not in (points.dtype.names or ())]
     if missing:
         raise SceneError(f'the decision cloud has no field {", ".join(missing)}')
     chosen = np.flatnonzero(points['chosen'])
     if len(chosen) != 1:
         raise SceneError(f'the decision cloud marks {len(chosen)} candidates as chosen, expected 1')
-    if (points['kind'] >= len(_KINDS)).any() or (points['symbol'] >= len(symbols)).any():
-        raise SceneError('the decision cloud names a kind or a symbol that does not exist')
+    known = (('kind', 0, len(_KINDS)), ('symbol', _NO_SYMBOL, len(symbols)), ('object_id', 0, _NO_OBJECT + 1))
+    for name, least, end in known:
+        values = points[name]
+        if not ((least <= values) & (values < end) & (values == np.floor(values))).all():
+            raise SceneError(f'the decision cloud names a {name} that does not exist')
     return Decision(
         turn=turn,
         candidates=tuple(
@@ -146,24 +156,17 @@ def _cloud(points: NDArray[np.void], header: Any, types: CloudTypes) -> Any:
     )
 
 
-def _points(cloud: Any) -> NDArray[np.void]:
-    """The points of any cloud with scalar fields, whatever its byte order, padding and rows."""
-    order = '>' if cloud.is_bigendian else '<'
-    try:
-        layout = np.dtype(
-            {
-                'names': [field.name for field in cloud.fields],
-                'formats': [order + _FORMATS[field.datatype] for field in cloud.fields],
-                'offsets': [field.offset for field in cloud.fields],
-                'itemsize': cloud.point_step,
-            }
-        )
-    except (KeyError, ValueError, TypeError) as error:
-        raise SceneError(f'the fields of the cloud do not make a layout ({error})') from error
+def _points(cloud: Any, most: int) -> NDArray[np.void]:
+    """The points, at most so many, of any cloud with scalar fields, whatever its byte order, padding and rows."""
     if any(field.count != 1 for field in cloud.fields):
         raise SceneError('a field of the cloud holds more than one value a point')
-    if cloud.width * cloud.height > MAXIMAL_POINTS:
-        raise SceneError(f'the cloud has {cloud.width * cloud.height} points, at most {MAXIMAL_POINTS} are read')
+    count = cloud.width * cloud.height
+    if count == 0 or cloud.point_step == 0:
+        raise SceneError('the cloud is empty: it holds no point')
+    if count > most:
+        raise SceneError(f'the cloud has {count} points, at most {most} are read')
+    if len(cloud.fields) > MAXIMAL_FIELDS:
+        raise SceneError(f'the cloud has {len(cloud.fields)} fields, at most {MAXIMAL_FIELDS} are read')
     data = np.frombuffer(memoryview(cloud.data).cast('B'), np.uint8)
     row = cloud.point_step * cloud.width
     if cloud.row_step < row or len(data) < cloud.row_step * cloud.height:
@@ -171,7 +174,30 @@ def _points(cloud: Any) -> NDArray[np.void]:
             f'the cloud holds {len(data)} bytes, too few for {cloud.height} x {cloud.width} points'
             f' of {cloud.point_step} bytes'
         )
-    if row == 0 or cloud.height == 0:
-        return np.empty(0, layout)
+    # Not before: numpy computes with 32 bits here, and would read beyond the data.
+    layout = _layout(cloud)
     rows = data[: cloud.row_step * cloud.height].reshape(cloud.height, cloud.row_step)[:, :row]
     return np.ascontiguousarray(rows).reshape(-1).view(layout)
+
+
+def _layout(cloud: Any) -> np.dtype[np.void]:
+    """How the values of a point lie in its bytes, of which there are no more than the cloud holds."""
+    order = '>' if cloud.is_bigendian else '<'
+    formats = [_FORMATS.get(field.datatype, '') for field in cloud.fields]
+    for field, format_ in zip(cloud.fields, formats, strict=True):
+        if not format_ or field.offset + int(format_[1]) > cloud.point_step:
+            raise SceneError(
+                f'the fields of the cloud do not make a layout: {field.name[:100]!r} of type {field.datatype}'
+                f' at {field.offset} of {cloud.point_step} bytes'
+            )
+    try:
+        return np.dtype(
+            {
+                'names': [field.name for field in cloud.fields],
+                'formats': [order + format_ for format_ in formats],
+                'offsets': [field.offset for field in cloud.fields],
+                'itemsize': cloud.point_step,
+            }
+        )
+    except (ValueError, TypeError) as error:
+        raise SceneError(f'the fields of the cloud do not make a layout ({error})') from error

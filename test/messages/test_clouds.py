@@ -6,7 +6,7 @@ from types import SimpleNamespace
 
 import numpy as np
 import pytest
-from hypothesis import given
+from hypothesis import given, settings
 from hypothesis import strategies as st
 from hypothesis.extra import numpy as hnp
 
@@ -108,6 +108,10 @@ def _beyond(cloud: SimpleNamespace) -> None:
     cloud.fields[-1].offset = 26
 
 
+def _far_beyond(cloud: SimpleNamespace) -> None:
+    cloud.fields[-1].offset = 2**31 - 1
+
+
 def _unknown_type(cloud: SimpleNamespace) -> None:
     cloud.fields[-1].datatype = 9
 
@@ -123,6 +127,14 @@ def _empty(cloud: SimpleNamespace) -> None:
 
 def _huge(cloud: SimpleNamespace) -> None:
     cloud.width = cloud.height = 2**31
+
+
+def _no_objects_end(cloud: SimpleNamespace) -> None:
+    cloud.width, cloud.row_step, cloud.data = 2001, 2001 * cloud.point_step, bytes(2001 * cloud.point_step)
+
+
+def _many_fields(cloud: SimpleNamespace) -> None:
+    cloud.fields = cloud.fields * 2000
 
 
 def _overlapping_rows(cloud: SimpleNamespace) -> None:
@@ -149,6 +161,9 @@ def _float_id(cloud: SimpleNamespace) -> None:
         (_two_values, 'more than one value'),
         (_twice, 'do not make a layout'),
         (_beyond, 'do not make a layout'),
+        (_far_beyond, 'do not make a layout'),
+        (_no_objects_end, 'has 2001 points, at most 2000'),
+        (_many_fields, 'at most 10000'),
         (_unknown_type, 'do not make a layout'),
         (_short, 'too few'),
         (_empty, 'empty'),
@@ -167,16 +182,45 @@ def test_damaged_cloud_is_refused(damage: object, reason: str) -> None:
         scene_of_cloud(cloud)
 
 
-@given(st.binary(max_size=200), st.integers(0, 300), st.integers(0, 300), st.integers(0, 300), st.booleans())
-def test_random_bytes_never_crash(data: bytes, width: int, height: int, step: int, big: bool) -> None:
-    """Garbage on the topic would raise something else than a refusal."""
-    cloud = make_cloud()
-    cloud.data, cloud.width, cloud.height, cloud.point_step, cloud.is_bigendian = data, width, height, step, big
-    cloud.row_step = width * step
+SIZES = st.sampled_from((0, 1, 3, 12, 28, 84, 200, 2**16, 2**31 - 4, 2**31 - 1, 2**31, 2**32 - 1)) | st.integers(0, 300)
+"""Around the sizes that fit, and where numbers of 32 bits end."""
+FIELDS = st.lists(
+    st.builds(
+        SimpleNamespace,
+        name=st.sampled_from(('x', 'y', 'z', 'object_id', *NAMES)) | st.text(max_size=5),
+        offset=SIZES,
+        datatype=st.integers(0, 9),
+        count=st.sampled_from((1, 1, 1, 0, 2, 2**32 - 1)),
+    ),
+    max_size=9,
+)
+CLOUDS = st.fixed_dictionaries(
+    {},
+    optional={
+        'data': st.binary(max_size=300),
+        'width': SIZES,
+        'height': SIZES,
+        'point_step': SIZES,
+        'row_step': SIZES,
+        'fields': FIELDS,
+        'is_bigendian': st.booleans(),
+    },
+)
+
+
+@settings(max_examples=400)
+@given(CLOUDS, st.booleans())
+def test_no_cloud_does_more_than_be_refused(damage: dict[str, object], is_scene: bool) -> None:
+    """Garbage on the topic, or in a bag, would end the process, by an exception or by reading beyond the data."""
+    cloud = make_cloud() if is_scene else cloud_of_decision(make_decision(), ('fruit', 'snack'), None, TYPES)
+    vars(cloud).update(damage)
     try:
-        scene_of_cloud(cloud)
+        scene = scene_of_cloud(cloud) if is_scene else decision_of_cloud(cloud, ('fruit', 'snack'), 4)
     except SceneError:
         return
+    if isinstance(scene, Scene):
+        assert len(scene) == cloud.width * cloud.height
+        assert len(cloud.data) >= len(scene) * cloud.point_step
 
 
 def make_decision() -> Decision:

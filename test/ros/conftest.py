@@ -2,12 +2,17 @@
 
 from __future__ import annotations
 
+import contextlib
 import json
 import os
+import signal
+import subprocess
+import sys
 import threading
 import time
 import uuid
 from collections.abc import Callable, Iterator, Mapping
+from pathlib import Path
 from types import MappingProxyType
 from typing import Any
 
@@ -24,6 +29,7 @@ from al_questioner.ros.perception import PerceptionNode
 
 os.environ.setdefault('ROS_AUTOMATIC_DISCOVERY_RANGE', 'LOCALHOST')
 
+ROOT = Path(__file__).resolve().parents[2]
 DEADLINE = 60.0
 """Seconds after which a test gives up; far more than anything here takes."""
 
@@ -44,6 +50,7 @@ class Graph:
         self.executor = SingleThreadedExecutor(context=context)
         self.heard: dict[str, list[Any]] = {}
         self.nodes: list[Node] = []
+        self.processes: list[subprocess.Popen[bytes]] = []
         self._changed = threading.Condition()
         self.ears = Node('ears', namespace=self.namespace, context=context)
         self.executor.add_node(self.ears)
@@ -58,6 +65,30 @@ class Graph:
         self.nodes.append(node)
         self.executor.add_node(node)
         return node
+
+    def start_process(
+        self, name: str, log: Path, environment: Mapping[str, str] | None = None, **parameters: Any
+    ) -> subprocess.Popen[bytes]:
+        """A node in a process and a session of its own, in the graph's namespace; what it prints goes to a file."""
+        command = [sys.executable, '-m', 'al_questioner', name, '--ros-args', '-r', f'__ns:=/{self.namespace}']
+        for parameter, value in parameters.items():
+            command += ['-p', f'{parameter}:={json.dumps(value)}']
+        inherited = {
+            **os.environ,
+            'PYTHONPATH': os.pathsep.join(filter(None, (str(ROOT), os.environ.get('PYTHONPATH')))),
+            'ROS_DOMAIN_ID': str(self.context.get_domain_id()),
+        }
+        with log.open('wb') as out:
+            process = subprocess.Popen(
+                command,
+                env={**inherited, **(environment or {})},
+                stdin=subprocess.DEVNULL,
+                stdout=out,
+                stderr=out,
+                start_new_session=True,
+            )
+        self.processes.append(process)
+        return process
 
     def start_robot(self, **learner: Any) -> None:
         """Perception and a learner, whose parameters may differ from those of `episode`."""
@@ -104,6 +135,8 @@ class Graph:
 
     def close(self) -> None:
         """End everything."""
+        for process in self.processes:
+            kill(process)
         self.executor.shutdown()
         self._thread.join(5)
         for node in (*self.nodes, self.ears):
@@ -114,6 +147,13 @@ class Graph:
             self.executor.spin()
         except ExternalShutdownException:
             return
+
+
+def kill(process: subprocess.Popen[bytes]) -> None:
+    """End a process, if it has not ended, as a crash would."""
+    with contextlib.suppress(ProcessLookupError):
+        os.killpg(process.pid, signal.SIGKILL)
+    process.wait()
 
 
 @pytest.fixture

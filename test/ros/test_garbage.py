@@ -9,7 +9,7 @@ from typing import Any
 
 import numpy as np
 import pytest
-from sensor_msgs.msg import PointCloud2
+from sensor_msgs.msg import PointCloud2, PointField
 from std_msgs.msg import String
 
 from al_questioner.domain import InputError
@@ -149,7 +149,7 @@ def damaged(good: PointCloud2, rng: np.random.Generator) -> PointCloud2:
         header=good.header, height=good.height, width=good.width, fields=good.fields,
         is_bigendian=good.is_bigendian, point_step=good.point_step, row_step=good.row_step, data=good.data,
     )  # fmt: skip
-    damage = rng.integers(5)
+    damage = rng.integers(6)
     if damage == 0:
         cloud.width = int(rng.integers(good.width + 1, 2**32))
     elif damage == 1:
@@ -159,6 +159,10 @@ def damaged(good: PointCloud2, rng: np.random.Generator) -> PointCloud2:
         cloud.fields = [field for field in good.fields if field.name != missing]
     elif damage == 3:
         cloud.data = good.data[: int(rng.integers(len(good.data)))]
+    elif damage == 4:
+        last = good.fields[-1]
+        far = PointField(name=last.name, offset=2**31 - 1, datatype=last.datatype, count=last.count)
+        cloud.fields = [*good.fields[:-1], far]
     else:
         cloud.data = np.float32(np.nan).tobytes() + bytes(good.data)[4:]
     return cloud

@@ -3,12 +3,10 @@
 from __future__ import annotations
 
 import contextlib
-import json
 import os
 import random
 import signal
 import subprocess
-import sys
 import time
 from collections.abc import Iterator
 from pathlib import Path
@@ -23,7 +21,6 @@ from al_questioner.ros import qos
 from al_questioner.ros.perception import PerceptionNode
 from al_questioner.ros.teacher import TeacherNode
 
-ROOT = Path(__file__).resolve().parents[2]
 DEADLINE = 90.0
 EPISODE = {'task': 'prepare_lunch', 'seed': 4, 'budget': 7.0, 'turns': 6, 'strategy': 'random_fsq', 'tune_every': 2}
 WRITE_POINTS = 4 * (1 + 6 + 6 + 3)
@@ -43,20 +40,10 @@ class Learners:
 
     def start(self, session: Path, kill_at: int = 0) -> None:
         self._number += 1
-        command = [sys.executable, '-m', 'al_questioner', 'learner', '--ros-args']
-        command += ['-r', f'__ns:=/{self.graph.namespace}']
-        for name, value in {**EPISODE, 'session': str(session)}.items():
-            command += ['-p', f'{name}:={json.dumps(value)}']
-        environment = {
-            **os.environ,
-            'PYTHONPATH': os.pathsep.join(filter(None, (str(ROOT), os.environ.get('PYTHONPATH')))),
-            'ROS_DOMAIN_ID': str(self.graph.context.get_domain_id()),
-            KILL_VARIABLE: str(kill_at),
-        }
-        with self.log_path.open('wb') as log:
-            self._process = subprocess.Popen(
-                command, env=environment, stdin=subprocess.DEVNULL, stdout=log, stderr=log, start_new_session=True
-            )
+        kill_variable = {KILL_VARIABLE: str(kill_at)}
+        self._process = self.graph.start_process(
+            'learner', self.log_path, kill_variable, **EPISODE, session=str(session)
+        )
 
     @property
     def log_path(self) -> Path:

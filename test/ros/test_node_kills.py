@@ -1,0 +1,149 @@
+"""Perception, teacher and recorder are killed while a learner lives, and come back in any order: the same is asked."""
+
+from __future__ import annotations
+
+import os
+import random
+import signal
+import subprocess
+import time
+from collections.abc import Iterable
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+from al_questioner.messages import documents
+from al_questioner.recording import BagError, deserialize, read_bag, read_log, repair
+from al_questioner.recording.bags import storage_files
+from al_questioner.recording.session_events import Told, decoded
+from al_questioner.ros import qos
+from al_questioner.ros.learner import LearnerNode
+from al_questioner.simulation import WorldChoice, episode_settings, run_episode
+from al_questioner.teaching import ScriptedTeacher
+from al_questioner.world import load_task
+
+DEADLINE = 90.0
+WORLD = {'task': 'prepare_lunch', 'seed': 4}
+RATES = {'wrong_rate': 0.1, 'unknown_rate': 0.1}
+
+
+class Others:
+    """Processes beside a learner, each of which may have been several, one after the other.
+
+    Attributes:
+        bags: of the recorders, in order.
+    """
+
+    def __init__(self, graph: Any, folder: Path) -> None:
+        self.bags: list[Path] = []
+        self._graph, self._folder = graph, folder
+        self._running: dict[str, subprocess.Popen[bytes]] = {}
+        self._started = 0
+        self.start('record', 'perception', 'teacher')
+
+    def start(self, *names: str) -> None:
+        for name in names:
+            self._started += 1
+            parameters: dict[str, Any] = {**WORLD}
+            if name == 'record':
+                self.bags.append(self._folder / f'bag-{len(self.bags)}')
+                parameters = {'bag': str(self.bags[-1])}
+            elif name == 'teacher':
+                parameters |= {**RATES, 'delay': 0.02}
+            log = self._folder / f'{self._started}-{name}.log'
+            self._running[name] = self._graph.start_process(name, log, **parameters)
+
+    def kill(self, names: Iterable[str]) -> None:
+        for name in names:
+            process = self._running[name]
+            assert process.poll() is None, f'{name} had ended by itself'
+            os.killpg(process.pid, signal.SIGKILL)
+            process.wait()
+
+
+def wait_for_content(bag: Path, content: bytes) -> None:
+    """Wait until something that was recorded is on the disk."""
+    end = time.monotonic() + DEADLINE
+    while not (bag.is_dir() and any(content in file.read_bytes() for file in storage_files(bag))):
+        assert time.monotonic() < end, f'{bag} never held {content!r}'
+        time.sleep(0.05)
+
+
+def turns_in(bag: Path) -> list[int]:
+    """Which turns a bag tells of."""
+    found = [m for m in read_bag(bag).messages if m.topic.endswith('/turn')]
+    return sorted({documents.read('turn', deserialize(message).data)['turn'] for message in found})
+
+
+def start_learner(graph: Any, session: Path, budget: float, turns: int) -> Any:
+    episode = {'strategy': 'u_sampling_fsq', 'budget': budget, 'turns': turns, 'turn_period': 0.05}
+    return graph.start(LearnerNode, **WORLD, **episode, session=str(session))
+
+
+def check(state: dict[str, Any], session: Path, budget: float, turns: int) -> None:
+    """The episode ended as it does when nobody is killed, and every answer counted once."""
+    task = load_task(WORLD['task'])
+    offline = run_episode(
+        WorldChoice(task, 4, 4),
+        episode_settings(task, 'u_sampling_fsq', budget, turns),
+        ScriptedTeacher(task.symbols, task.relevant_groups, 4, **RATES),
+    )
+    assert state['queries'] == [documents.record_members(record) for record in offline.queries]
+    events, damage = decoded(read_log(session))
+    assert damage is None
+    told = [event.answer.query_id for event in events if isinstance(event, Told)]
+    assert told == [f'q{number}' for number in range(1, len(told) + 1)]
+
+
+def test_whoever_is_killed_comes_back_and_the_same_is_asked(graph: Any, tmp_path: Path) -> None:
+    """The robot's driver, or the teacher's laptop, would end the episode, or change what is learnt."""
+    states = graph.listen('learner_state')
+    learner = start_learner(graph, tmp_path / 'log', 9.0, 14)
+    others = Others(graph, tmp_path)
+    wait_for_content(others.bags[0], b'al_questioner/turn/1')
+    graph.wait_for(lambda: states and states[-1]['turn'] >= 2, 'two turns')
+    others.kill(('perception', 'teacher', 'record'))
+    assert not states[-1]['done']
+    others.start('teacher', 'record', 'perception')
+    graph.wait_for(lambda: states[-1]['done'], 'the end of the episode')
+    check(states[-1], tmp_path / 'log', 9.0, 14)
+    assert not learner._failure
+    repair(others.bags[0])
+    recorded = turns_in(others.bags[0])
+    assert recorded == list(range(recorded[0], recorded[-1] + 1))
+
+
+@pytest.mark.slow
+@pytest.mark.timeout(3600)
+def test_nodes_killed_at_random_moments_come_back(graph: Any, tmp_path: Path) -> None:
+    """There would be a moment at which the death of a node costs an answer, or ends the episode."""
+    draw, kills, episodes = random.Random(1), 0, 0
+    states = graph.listen('learner_state', profile=qos.RECORDED_LATCHED)
+    others = Others(graph, tmp_path)
+    while kills < 200:
+        session, names = tmp_path / f'log-{episodes}', ['perception', 'teacher', 'record']
+        learner = start_learner(graph, session, 25.0, 40)
+        while kills < 200 and not (states and states[-1]['done']):
+            time.sleep(draw.uniform(0, 4))
+            some = draw.sample(names, draw.randint(1, 3))
+            others.kill(some)
+            kills += len(some)
+            time.sleep(draw.choice((0, draw.uniform(0, 0.5))))
+            others.start(*draw.sample(some, len(some)))
+        graph.wait_for(lambda: states and states[-1]['done'], 'the end of the episode')
+        check(states[-1], session, 25.0, 40)
+        assert not learner._failure
+        graph.stop(learner)
+        states.clear()
+        episodes += 1
+    read, reasons = 0, set()
+    for bag in filter(Path.is_dir, others.bags[:-1]):
+        try:
+            repair(bag)
+            read += len(read_bag(bag).messages)
+        except BagError as error:
+            reasons.add(str(error).split(': ', 1)[1].split(' from ')[0])
+    # Of those that were killed before they had written anything.
+    assert reasons <= {'no message can be read', 'is no bag (no metadata.yaml and no file with messages in it)'}
+    assert read > 100
