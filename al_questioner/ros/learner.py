@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 import time
 from collections.abc import Mapping, Sequence
 from functools import partial
@@ -178,10 +179,9 @@ class LearnerNode(QuestionerNode):
     def _await_answer(self, query: Query, turn: int) -> None:
         """Wait for the answer, but not for ever if so configured, and the longer the longer nobody has answered."""
         timeout, missed = float(self._given['answer_timeout']), self._session.episode.unanswered_turns
-        away = f', nobody has answered for {missed} turns' if missed else ''
-        # As soon as a turn has passed without an answer there is something to see to.
-        patience = 0.0 if missed else SECONDS_FOR_ANSWER
-        self.does(f'turn {turn}: waiting for the answer to {query.query_id}{away}', expected_within=patience)
+        # Once a turn has passed without an answer, that is the concern.
+        patience = math.inf if missed else SECONDS_FOR_ANSWER
+        self.does(f'turn {turn}: waiting for the answer to {query.query_id}', expected_within=patience)
         if timeout:
             self._patience.set(timeout * min(2**missed, LONGEST_BACK_OFF))
 
@@ -189,9 +189,7 @@ class LearnerNode(QuestionerNode):
         """Let the turn pass without its answer."""
         episode = self._session.episode
         if episode.pending is not None and episode.awaits_answer:
-            self.get_logger().warning(
-                f'turn {episode.turn}: nobody has answered {episode.pending.query_id}; going on without'
-            )
+            self.get_logger().info(f'turn {episode.turn}: going on without the answer to {episode.pending.query_id}')
             self._session.let_pass()
             self._end_turn()
 
@@ -298,7 +296,14 @@ class LearnerNode(QuestionerNode):
         self._markers.publish(markers(seen.scene, beliefs, self._settings.symbols, asked, head, MARKER_TYPES))
 
     def concern(self) -> str:
-        """Whether another learner speaks on the same topics, which confuses everybody."""
+        """That nobody answers, or that another learner speaks on the same topics, which confuses everybody."""
+        return self._rival() or self._absence()
+
+    def _absence(self) -> str:
+        missed = self._session.episode.unanswered_turns if self._session.is_ready else 0
+        return f'nobody has answered for {missed} turn{"" if missed == 1 else "s"}' if missed else ''
+
+    def _rival(self) -> str:
         others = ', '.join(self.other_publishers('turn'))
         if not others:
             return ''

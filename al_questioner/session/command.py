@@ -90,7 +90,8 @@ def _show(console: Console, account: Account) -> None:
     for name, record in episode.teachers.items():
         told = f'{record.answered} answered, {record.unknown} unknown, {record.skipped} skipped'
         others = f'{record.corrected} corrected, {record.late} late'
-        _say(console, f'{name}: {told}, {others}; labels right with an estimated {record.reliability:.0%}')
+        estimate = f'; labels right with an estimated {record.reliability:.0%}' if record.answered else ''
+        _say(console, f'{name}: {told}, {others}{estimate}')
     if account.fault is None:
         _say(console, f'{account.folder}: whole, {len(account.events)} events; playing them gives the same decisions')
     else:
