@@ -53,11 +53,16 @@ class QueryKind(str, Enum):
 
 
 class Outcome(str, Enum):
-    """What became of a query."""
+    """What became of a query; that it was left unanswered is nothing that a teacher says."""
 
     ANSWERED = 'answered'
     UNKNOWN = 'unknown'
     SKIP = 'skip'
+    UNANSWERED = 'unanswered'
+
+
+SAYABLE_OUTCOMES = (Outcome.ANSWERED, Outcome.UNKNOWN, Outcome.SKIP)
+"""What an answer can be."""
 
 
 @dataclass(frozen=True)
@@ -240,7 +245,10 @@ class Answer:
 
 @dataclass(frozen=True)
 class QueryRecord:
-    """One query of an episode and what came of it: a line of `queries` in the episode's JSON."""
+    """One query of an episode and what came of it: a line of `queries` in the episode's JSON.
+
+    `turn` is that of the question; `answered_in` is the turn during which its answer came if that was a later one.
+    """
 
     turn: int
     kind: QueryKind
@@ -249,6 +257,7 @@ class QueryRecord:
     cost: float
     outcome: Outcome
     groups: tuple[str, ...] = ()
+    answered_in: int | None = None
 
 
 @dataclass(frozen=True, eq=False)
@@ -287,15 +296,31 @@ DECISION_FEATURES = (
 
 @dataclass(frozen=True)
 class Costs:
-    """What a query takes from the budget; asking nothing is free (section 4.2 of the paper)."""
+    """What a query takes from the budget; asking nothing is free (section 4.2 of the paper).
+
+    Attributes:
+        label: price of a label query.
+        demonstration: price of a demonstration query.
+        feature_subset: price of a feature subset query.
+        unknown: share of the price that is charged, 0 to 1, if the teacher does not know.
+        skip: share if the teacher skips the question.
+        unanswered: share if it is withdrawn since nobody has answered.
+    """
 
     label: float = 1.0
     demonstration: float = 2.0
     feature_subset: float = 2.0
+    unknown: float = 1.0
+    skip: float = 1.0
+    unanswered: float = 0.0
 
     def of(self, kind: QueryKind) -> float:
-        """Cost of a query of this kind."""
+        """Price of a query of this kind."""
         return 0.0 if kind is QueryKind.NO_QUERY else float(getattr(self, kind.value))
+
+    def share(self, outcome: Outcome) -> float:
+        """Share of the price that is charged in the end."""
+        return 1.0 if outcome is Outcome.ANSWERED else float(getattr(self, outcome.value))
 
 
 @dataclass(frozen=True)
@@ -345,6 +370,10 @@ class EpisodeSettings:
             cost = getattr(self.costs, kind)
             if not (np.isfinite(cost) and cost >= 0):
                 raise SettingsError(f'the cost of a {kind} query must be a number of 0 or more, not {cost}')
+        for outcome in Outcome:
+            share = self.costs.share(outcome)
+            if not 0.0 <= share <= 1.0:
+                raise SettingsError(f'the share charged for outcome {outcome.value} must be in [0, 1], not {share}')
         if not (np.isfinite(self.amplitude) and self.amplitude > 0):
             raise SettingsError(f'amplitude must be a number above 0, not {self.amplitude}')
         if self.length_scale is not None and not (np.isfinite(self.length_scale) and self.length_scale > 0):

@@ -2,13 +2,15 @@
 
 from __future__ import annotations
 
+from collections import defaultdict
+from collections.abc import Mapping
 from dataclasses import dataclass
 
 import numpy as np
 
 from al_questioner.domain import NO_SYMBOL, Answer, Content, Outcome, QueryKind, QueryRecord, generator
 from al_questioner.questioning import Episode, Human, Remembered
-from al_questioner.recording import RecordedTurn, Session
+from al_questioner.recording import Session
 
 
 @dataclass(frozen=True)
@@ -36,6 +38,8 @@ def first_divergence(session: Session) -> Divergence | None:
     choices = Remembered()
     strategy = Human(choices) if session.settings.strategy == 'human' else None
     episode = Episode(session.settings, generator(session.seed, 'learner'), session.view_tolerance, strategy)
+    queries: dict[int, str] = {}
+    told = _told(session)
     for recorded in session.turns:
         choices.action = recorded.decision.candidates[recorded.decision.chosen]
         decision = episode.ask(recorded.scene)
@@ -55,19 +59,23 @@ def first_divergence(session: Session) -> Divergence | None:
                 if not np.array_equal(np.isnan(ours), np.isnan(other)):
                     return Divergence(recorded.turn, f'the {name} of other candidates are missing')
                 return Divergence(recorded.turn, f'the {name} differ by up to {np.nanmax(np.abs(ours - other)):.3g}')
-        if decision.query is not None and recorded.record is None:
-            return Divergence(recorded.turn, 'a question is asked whose answer was not recorded')
-        if decision.query is not None and recorded.record is not None:
-            episode.tell(_answer(decision.query.query_id, recorded))
+        if decision.query is not None:
+            queries[recorded.turn] = decision.query.query_id
+        for record in (record for record in told[recorded.turn] if record.turn in queries):
+            episode.tell(Answer(queries[record.turn], 'recorded', 'recorded', record.outcome, _content(record)))
+        if episode.awaits_answer:
+            episode.let_pass()
         episode.tune()
     return None
 
 
-def _answer(query_id: str, turn: RecordedTurn) -> Answer:
-    record = turn.record
-    if record is None:
-        raise ValueError(f'turn {turn.turn} has no record')
-    return Answer(query_id, 'recorded', 'recorded', record.outcome, _content(record))
+def _told(session: Session) -> Mapping[int, list[QueryRecord]]:
+    """What was answered in each turn, be it to the question of an earlier one."""
+    told: dict[int, list[QueryRecord]] = defaultdict(list)
+    for record in session.records:
+        if record.outcome is not Outcome.UNANSWERED:
+            told[record.answered_in or record.turn].append(record)
+    return told
 
 
 def _content(record: QueryRecord) -> Content:

@@ -13,6 +13,7 @@ from al_questioner.recording.session_events import (
     Decided,
     Encoder,
     KeptLate,
+    Passed,
     Refused,
     Seen,
     SessionEvent,
@@ -47,7 +48,6 @@ class Replay:
         episode: as it is after the events played so far.
         seen: the scene of the present turn; None before the first.
         decision: of the present turn; None before the first.
-        late: the answers that came too late.
 
     Raises:
         InputError: the strategy, or its weights, do not exist.
@@ -60,7 +60,6 @@ class Replay:
         self.episode = Episode(begun.settings, rng, begun.view_tolerance, strategy)
         self.seen: Seen | None = None
         self.decision: Decision | None = None
-        self.late: set[Answer] = set()
         self._next_seen: Seen | None = None
 
     def play(self, event: SessionEvent) -> None:
@@ -90,7 +89,9 @@ class Replay:
         elif isinstance(event, Told):
             learn(self.episode, event.answer)
         elif isinstance(event, KeptLate):
-            self.late.add(event.answer)
+            self.episode.keep_late(event.answer)
+        elif isinstance(event, Passed):
+            self._pass(event)
         elif isinstance(event, Tuned):
             self._tune(event)
 
@@ -107,6 +108,12 @@ class Replay:
         if decision.query != recorded.query:
             raise ReplayError(f'turn {recorded.turn}: {decision.query} is asked, {recorded.query} was recorded')
         self.asked(seen, decision)
+
+    def _pass(self, recorded: Passed) -> None:
+        pending = self.episode.pending
+        if pending is None or (self.episode.turn, pending.query_id) != (recorded.turn, recorded.query_id):
+            raise ReplayError(f'turn {recorded.turn}: query {recorded.query_id} does not wait for an answer')
+        self.episode.let_pass()
 
     def _tune(self, recorded: Tuned) -> None:
         self.episode.tune()
@@ -212,10 +219,10 @@ class DurableEpisode:
             if self.episode.has_taken(answer):
                 return False
         except LateAnswerError as error:
-            late = self._started.late
+            late = self.episode.late
             if answer not in late and sum(one.query_id == answer.query_id for one in late) < LATE_KEPT:
                 self._write(KeptLate(answer, str(error)))
-                late.add(answer)
+                self.episode.keep_late(answer)
             raise
         self.episode.check(answer)
         self._write(Told(answer))
@@ -243,6 +250,18 @@ class DurableEpisode:
         count, self._only_counted = self._only_counted, 0
         if count:
             self._write(Refused('', f'{count} more, too many to keep', count))
+
+    def let_pass(self) -> None:
+        """See `Episode.let_pass`.
+
+        Raises:
+            LogWriteError: it cannot be written, and the turn is not over.
+        """
+        pending = self.episode.pending
+        if pending is None or not self.episode.awaits_answer:
+            raise RuntimeError('no query waits for its answer')
+        self._write(Passed(self.episode.turn, pending.query_id))
+        self.episode.let_pass()
 
     def tune(self) -> bool:
         """See `Episode.tune`.

@@ -27,7 +27,7 @@ def episode_members(begun: Begun, feature_names: Sequence[str]) -> Document:
 
 
 def state_members(episode: Episode, scene: Scene, beliefs: NDArray[np.float64]) -> Document:
-    """Members of the `learner_state` document: all up to the last turn that is over; one with a pending query is not.
+    """Members of the `learner_state` document: all up to the last turn that is over.
 
     Args:
         episode: after its first turn began.
@@ -35,7 +35,7 @@ def state_members(episode: Episode, scene: Scene, beliefs: NDArray[np.float64]) 
         beliefs: (n, |Y|) q_y(x) of it.
     """
     return {
-        'turn': episode.turn - (episode.pending is not None),
+        'turn': episode.turns_over,
         'turns': episode.settings.turns,
         'budget': episode.settings.budget,
         'spent': sum(record.cost for record in episode.records),
@@ -43,6 +43,8 @@ def state_members(episode: Episode, scene: Scene, beliefs: NDArray[np.float64]) 
         'queries': [documents.record_members(record) for record in episode.records],
         'labels': dict(episode.positives),
         'model_version': episode.knowledge.model_version,
+        'last_answer': _last_answer(episode),
+        'teachers': {name: dataclasses.asdict(record) for name, record in episode.teachers.items()},
         'kernel': dataclasses.asdict(episode.knowledge.kernel),
         'beliefs': {
             str(object_id): {
@@ -51,3 +53,11 @@ def state_members(episode: Episode, scene: Scene, beliefs: NDArray[np.float64]) 
             for object_id, row in zip(scene.object_ids, beliefs, strict=True)
         },
     }
+
+
+def _last_answer(episode: Episode) -> Document | None:
+    """What somebody who comes back may want to take back."""
+    if episode.last_answer is None:
+        return None
+    query, answer = episode.last_answer
+    return {'query': documents.query_members(query), 'answer': documents.answer_members(answer)}

@@ -53,6 +53,11 @@ def said(query: Query) -> list[Answer]:
     return [late, late, *([undo, undo] if number % 2 else []), answer]
 
 
+def is_away(query: Query, turn: int) -> bool:
+    """Whether nobody answers a query in a turn: the third one waits for a turn."""
+    return query.query_id == 'q3' and turn == query.turn
+
+
 def play(folder: Path, acknowledge: Callable[[Answer], None], at_write_point: Callable[[str], None]) -> None:
     """The episode to its end, from wherever its log is; the rules are those of the learner node."""
     log = SessionLog(folder, at_write_point=at_write_point)
@@ -60,7 +65,9 @@ def play(folder: Path, acknowledge: Callable[[Answer], None], at_write_point: Ca
     session.start()
     episode = session.episode
     while True:
-        if episode.pending is not None:
+        if episode.pending is not None and is_away(episode.pending, episode.turn):
+            session.let_pass()
+        elif episode.pending is not None and episode.awaits_answer:
             for answer in said(episode.pending):
                 try:
                     session.take(answer)

@@ -13,7 +13,17 @@ from al_questioner.concepts.hyperparameters import Kernel, tuned_kernel
 from al_questioner.concepts.models import ConceptModels
 from al_questioner.concepts.selection import Selector, select_features
 from al_questioner.concepts.standardiser import Standardiser
-from al_questioner.domain import NO_SYMBOL, FloatArray, InputError, QueryRecord, Scene, SceneError, group_of
+from al_questioner.domain import (
+    NO_SYMBOL,
+    FloatArray,
+    InputError,
+    Outcome,
+    QueryKind,
+    QueryRecord,
+    Scene,
+    SceneError,
+    group_of,
+)
 
 VIEW_TOLERANCE = 1e-3
 """Root mean square change, in standard deviations, up to which an object is still the same view: none but rounding."""
@@ -59,6 +69,7 @@ class Knowledge:
         self.feature_names: tuple[str, ...] = ()
         self.groups: tuple[str, ...] = ()
         self.labelled_views: list[LabelledView] = []
+        self._unnamed_views: list[tuple[int, NDArray[np.float32]]] = []
         self._models = ConceptModels(self.symbols, amplitude, length_scale)
         self._configured = (amplitude, length_scale)
         self._selector = selector
@@ -173,13 +184,15 @@ class Knowledge:
         self._learn_anew()
 
     def learn(self, record: QueryRecord, scene: Scene) -> None:
-        """Learn what came of a query about a scene; an answer that names nothing teaches nothing.
+        """Learn what came of a query about a scene; an answer that names nothing teaches the models nothing.
 
         Raises:
             InputError: the object is not in the scene, or a symbol or feature group is unknown.
         """
         if record.groups:
             self.restrict_to_groups(record.groups)
+        elif record.kind is QueryKind.LABEL and record.outcome is Outcome.UNKNOWN and record.object_id is not None:
+            self._unnamed_views.append((record.object_id, _row(scene, record.object_id)))
         elif record.object_id is not None and record.symbol is not None:
             self.label(record.object_id, _row(scene, record.object_id), record.symbol, record.turn)
 
@@ -231,11 +244,11 @@ class Knowledge:
 
     def times_labelled(self, scene: Scene) -> NDArray[np.intp]:
         """(n,) how often this view of each object has been labelled."""
-        labelled_ids = np.array([view.object_id for view in self.labelled_views], dtype=np.intp)
-        rows, named = np.nonzero(np.array(scene.object_ids)[:, None] == labelled_ids)
-        known = [self.labelled_views[i].features for i in named]
-        features = np.array(known, dtype=np.float32).reshape(len(named), len(self.feature_names))
-        return np.bincount(rows[self._same_views(features, scene.features[rows])], minlength=len(scene))
+        return self._times_among([(view.object_id, view.features) for view in self.labelled_views], scene)
+
+    def is_unnameable(self, scene: Scene) -> NDArray[np.bool_]:
+        """(n,) whether a teacher, asked what this view of each object is, did not know."""
+        return self._times_among(self._unnamed_views, scene) > 0
 
     def is_unchanged(self, before: Scene, after: Scene) -> bool:
         """Whether two scenes show the same views of the same objects."""
@@ -243,6 +256,13 @@ class Knowledge:
             return False
         rows = [before.index_of(object_id) for object_id in after.object_ids]
         return bool(self._same_views(before.features[rows], after.features).all())
+
+    def still_shows(self, object_id: int, before: Scene, after: Scene) -> bool:
+        """Whether an object of one scene is seen in another as the same view."""
+        if object_id not in after.object_ids:
+            return False
+        then, now = (scene.features[[scene.index_of(object_id)]] for scene in (before, after))
+        return bool(self._same_views(then, now).all())
 
     def distance_to_labelled(self, scene: Scene) -> Array:
         """(n,) distance of each object to the nearest labelled view in the features in use; 0 without labels.
@@ -286,6 +306,14 @@ class Knowledge:
     def _labelled_features(self) -> Array:
         rows = [view.features for view in self.labelled_views]
         return np.array(rows, dtype=np.float64).reshape(len(rows), len(self.feature_names))
+
+    def _times_among(self, views: Sequence[tuple[int, NDArray[np.float32]]], scene: Scene) -> NDArray[np.intp]:
+        """(n,) how many of these views, as object id and (m,) features, are that of each object."""
+        ids = np.array([object_id for object_id, _ in views], dtype=np.intp)
+        rows, among = np.nonzero(np.array(scene.object_ids)[:, None] == ids)
+        known = [views[int(i)][1] for i in among]
+        features = np.array(known, dtype=np.float32).reshape(len(among), len(self.feature_names))
+        return np.bincount(rows[self._same_views(features, scene.features[rows])], minlength=len(scene))
 
     def _same_views(self, first: FloatArray, second: FloatArray) -> NDArray[np.bool_]:
         """(k,) whether each of (k, m) raw features shows the same view as its counterpart."""

@@ -63,6 +63,8 @@ def answer_text(record: QueryRecord) -> str:
         return 'I do not know.'
     if record.outcome is Outcome.SKIP:
         return 'Skip that.'
+    if record.outcome is Outcome.UNANSWERED:
+        return 'Nobody answers.'
     if record.kind is QueryKind.FEATURE_SUBSET:
         return f'{", ".join(record.groups)}.'
     if record.kind is QueryKind.DEMONSTRATION:

@@ -6,7 +6,7 @@ from collections.abc import Sequence
 from pathlib import Path
 
 from al_questioner.domain import InputError
-from al_questioner.imitation.demonstration import Demonstration, step_of
+from al_questioner.imitation.demonstration import Demonstration, steps_of
 from al_questioner.messages.documents import Document
 from al_questioner.recording import BagError, Session, read_sessions
 from al_questioner.simulation import WorldChoice
@@ -35,7 +35,7 @@ def demonstration_of(session: Session, name: str) -> Demonstration:
         BagError: its decisions hold no decision features, or chose what was not considered.
     """
     try:
-        steps = tuple(step_of(turn.decision) for turn in session.turns)
+        steps = steps_of(turn.decision for turn in session.turns)
     except InputError as error:
         raise BagError(f'{session.source}: strategy {session.settings.strategy}: {error}') from error
     return Demonstration(
@@ -44,7 +44,7 @@ def demonstration_of(session: Session, name: str) -> Demonstration:
         world=None if session.world is None else _world(session.source, session.world),
         steps=steps,
         feature_names=session.feature_names,
-        queries=tuple(turn.record for turn in session.turns if turn.record is not None),
+        queries=session.records,
         change_turns=session.change_turns,
         view_tolerance=session.view_tolerance,
     )

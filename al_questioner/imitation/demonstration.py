@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass
 from functools import cached_property
 
@@ -54,7 +54,7 @@ class Demonstration:
         name: where it comes from, for people.
         settings: of the episode.
         world: the simulated world it took place in; None if it was another one.
-        steps: one per turn.
+        steps: one per turn in which there was something to choose.
         feature_names: of the objects.
         queries: what was asked, and what came of it.
         change_turns: turns that began with a scene change.
@@ -79,6 +79,21 @@ class Demonstration:
     def feature_counts(self) -> Array:
         """(7,) features of what was chosen, mean over the turns: phi_E of equation 6, per turn."""
         return np.asarray(np.mean([step.features[step.chosen] for step in self.steps], axis=0))
+
+
+def steps_of(decisions: Iterable[Decision]) -> tuple[Step, ...]:
+    """What decisions show of their questioner; while a question waits for a late answer there is nothing to choose.
+
+    Raises:
+        InputError: see `step_of`.
+    """
+    return tuple(step_of(decision) for decision in decisions if not _is_forced(decision))
+
+
+def _is_forced(decision: Decision) -> bool:
+    """Whether nothing was considered but to ask nothing, and nothing weighed."""
+    considered = np.flatnonzero(~np.isnan(decision.utilities))
+    return considered.tolist() == [len(decision.candidates) - 1] and bool(np.isnan(decision.features).all())
 
 
 def step_of(decision: Decision) -> Step:
@@ -114,7 +129,7 @@ def demonstrate(
     """
     seen = PerceivedWorld(choice.open()) if world is None else world
     episode = Episode(settings, generator(choice.seed, 'learner'))
-    steps = tuple(step_of(decision) for decision, _ in turns(episode, seen, teacher))
+    steps = steps_of(decision for decision, _ in turns(episode, seen, teacher))
     return Demonstration(
         name=f'{settings.strategy} {choice.task.name} {choice.seed}',
         settings=settings,

@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import json
 from collections.abc import Mapping
-from dataclasses import asdict
+from dataclasses import asdict, fields
 from functools import cache
 from typing import Any, NoReturn
 
@@ -28,6 +28,8 @@ from al_questioner.domain import (
 from al_questioner.messages.schemas import SCHEMAS
 
 Document = dict[str, Any]
+
+_COSTS = tuple(field.name for field in fields(Costs))
 
 MAXIMAL_LENGTH = 4_000_000
 """Characters; a longer text is refused unread."""
@@ -121,7 +123,7 @@ def settings_members(settings: EpisodeSettings) -> Document:
 
 
 def settings_of(document: Document) -> EpisodeSettings:
-    """The settings that a checked `episode` document tells of; one without a kernel had the default one.
+    """The settings that a checked `episode` document tells of; what an earlier version did not tell had its default.
 
     Raises:
         SettingsError: a value outside its range.
@@ -133,7 +135,7 @@ def settings_of(document: Document) -> EpisodeSettings:
         strategy=document['strategy'],
         weights={name: float(weight) for name, weight in document['weights'].items()},
         change_interval=document['change_interval'],
-        costs=Costs(**{kind: float(document['costs'][kind]) for kind in ('label', 'demonstration', 'feature_subset')}),
+        costs=Costs(**{name: float(document['costs'][name]) for name in _COSTS if name in document['costs']}),
         tune_every=document.get('tune_every', 0),
         **{name: document[name] for name in ('amplitude', 'length_scale') if name in document},
     )
@@ -199,7 +201,7 @@ def answer_of(document: Document) -> Answer:
 
 def record_members(record: QueryRecord) -> Document:
     """A query and what came of it, as it stands in `learner_state` and in an episode's JSON."""
-    return {
+    members = {
         'turn': record.turn,
         'kind': record.kind.value,
         'object_id': record.object_id,
@@ -208,6 +210,7 @@ def record_members(record: QueryRecord) -> Document:
         'outcome': record.outcome.value,
         'groups': list(record.groups),
     }
+    return members if record.answered_in is None else {**members, 'answered_in': record.answered_in}
 
 
 def record_of(members: Document) -> QueryRecord:
@@ -220,4 +223,5 @@ def record_of(members: Document) -> QueryRecord:
         cost=float(members['cost']),
         outcome=Outcome(members['outcome']),
         groups=tuple(members['groups']),
+        answered_in=members.get('answered_in'),
     )

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import Any
 
-from al_questioner.domain import DECISION_FEATURES, Outcome, QueryKind
+from al_questioner.domain import DECISION_FEATURES, SAYABLE_OUTCOMES, Outcome, QueryKind
 
 JsonSchema = dict[str, Any]
 
@@ -21,6 +21,8 @@ _OBJECT_ID: JsonSchema = {'type': ['integer', 'null'], 'minimum': 0, 'maximum': 
 _OPTIONAL_TEXT: JsonSchema = {'type': ['string', 'null']}
 _QUERIES = [kind.value for kind in QueryKind if kind is not QueryKind.NO_QUERY]
 _OUTCOMES = [outcome.value for outcome in Outcome]
+_SAYABLE = [outcome.value for outcome in SAYABLE_OUTCOMES]
+_SHARE: JsonSchema = {'type': 'number', 'minimum': 0, 'maximum': 1}
 
 
 def _record(required: JsonSchema, optional: JsonSchema | None = None) -> JsonSchema:
@@ -44,7 +46,42 @@ _QUERY_RECORD = _record(
         'cost': _AMOUNT,
         'outcome': {'enum': _OUTCOMES},
         'groups': _NAMES,
+    },
+    {'answered_in': _TURN},
+)
+_TEACHER = _record(
+    {
+        'answered': _COUNT,
+        'unknown': _COUNT,
+        'skipped': _COUNT,
+        'corrected': _COUNT,
+        'late': _COUNT,
+        'reliability': _SHARE,
     }
+)
+
+_QUERY = _record(
+    {
+        'query_id': _TEXT,
+        'turn': _TURN,
+        'kind': {'enum': _QUERIES},
+        'object_id': _OBJECT_ID,
+        'symbol': _OPTIONAL_TEXT,
+        'choices': _NAMES,
+        'cost': _AMOUNT,
+        'budget_left': _AMOUNT,
+        'turns_left': _COUNT,
+        'model_version': _COUNT,
+        'text': _TEXT,
+    },
+    {'world': {'oneOf': [_WORLD, {'type': 'null'}]}},
+)
+_ANSWER = _record(
+    {'query_id': _TEXT, 'answer_id': _TEXT, 'teacher_id': _TEXT, 'outcome': {'enum': _SAYABLE}},
+    {
+        'content': {'type': ['string', 'integer', 'array', 'null'], 'items': _TEXT},
+        'replaces': {'anyOf': [_TEXT, {'type': 'null'}]},
+    },
 )
 
 SCHEMAS: dict[str, JsonSchema] = {
@@ -55,7 +92,10 @@ SCHEMAS: dict[str, JsonSchema] = {
             'budget': _AMOUNT,
             'turns': _TURN,
             'change_interval': {'type': 'integer', 'minimum': 1},
-            'costs': _record({'label': _AMOUNT, 'demonstration': _AMOUNT, 'feature_subset': _AMOUNT}),
+            'costs': _record(
+                {'label': _AMOUNT, 'demonstration': _AMOUNT, 'feature_subset': _AMOUNT},
+                {'unknown': _SHARE, 'skip': _SHARE, 'unanswered': _SHARE},
+            ),
             'strategy': _TEXT,
             'weights': {
                 'type': 'object',
@@ -79,29 +119,8 @@ SCHEMAS: dict[str, JsonSchema] = {
             'world': {'oneOf': [_WORLD, {'type': 'null'}]},
         }
     ),
-    'query': _record(
-        {
-            'query_id': _TEXT,
-            'turn': _TURN,
-            'kind': {'enum': _QUERIES},
-            'object_id': _OBJECT_ID,
-            'symbol': _OPTIONAL_TEXT,
-            'choices': _NAMES,
-            'cost': _AMOUNT,
-            'budget_left': _AMOUNT,
-            'turns_left': _COUNT,
-            'model_version': _COUNT,
-            'text': _TEXT,
-        },
-        {'world': {'oneOf': [_WORLD, {'type': 'null'}]}},
-    ),
-    'answer': _record(
-        {'query_id': _TEXT, 'answer_id': _TEXT, 'teacher_id': _TEXT, 'outcome': {'enum': _OUTCOMES}},
-        {
-            'content': {'type': ['string', 'integer', 'array', 'null'], 'items': _TEXT},
-            'replaces': {'anyOf': [_TEXT, {'type': 'null'}]},
-        },
-    ),
+    'query': _QUERY,
+    'answer': _ANSWER,
     'answer_ack': _record(
         {
             'query_id': _OPTIONAL_TEXT,
@@ -125,7 +144,11 @@ SCHEMAS: dict[str, JsonSchema] = {
                 'additionalProperties': {'type': 'object', 'additionalProperties': {'type': 'number'}},
             },
         },
-        {'kernel': _record({'amplitude': _POSITIVE, 'length_scale': _POSITIVE})},
+        {
+            'kernel': _record({'amplitude': _POSITIVE, 'length_scale': _POSITIVE}),
+            'last_answer': {'oneOf': [_record({'query': _QUERY, 'answer': _ANSWER}), {'type': 'null'}]},
+            'teachers': {'type': 'object', 'additionalProperties': _TEACHER},
+        },
     ),
 }
 """Schema of each kind of document, without the `schema` and `episode_id` that every document carries."""

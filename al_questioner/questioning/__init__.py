@@ -3,7 +3,7 @@
 from al_questioner.questioning.choice import Choice, Strategy, choose_best, has_asked, nothing_considered, rows_of
 from al_questioner.questioning.controls import UnlabelledFirst
 from al_questioner.questioning.decision_features import symbol_given_object
-from al_questioner.questioning.episode import Episode, new_knowledge
+from al_questioner.questioning.episode import Episode
 from al_questioner.questioning.expected_utility import expected_features
 from al_questioner.questioning.human import Human, Remembered
 from al_questioner.questioning.situation import Situation
@@ -14,6 +14,7 @@ from al_questioner.questioning.strategies import (
     UncertaintySampling,
     known_strategies,
     make_strategy,
+    new_knowledge,
     strategy_factory,
 )
 from al_questioner.questioning.weights import Weights, read_weights

@@ -55,6 +55,14 @@ def nothing_considered(situation: Situation) -> NDArray[np.float64]:
     return np.full(len(situation.candidates), np.nan)
 
 
+def ask_nothing(situation: Situation) -> Choice:
+    """NQ, where nothing else is considered."""
+    utilities = nothing_considered(situation)
+    # It costs nothing, so it is always there, as the last candidate.
+    utilities[-1] = 0.0
+    return Choice(len(utilities) - 1, utilities)
+
+
 def choose_best(
     situation: Situation,
     utilities: NDArray[np.float64],
@@ -76,8 +84,7 @@ def choose_best(
     settled = settled_actions(situation)
     considered = np.where([action in settled for action in situation.candidates], np.nan, utilities)
     if np.isnan(considered).all():
-        # NQ costs nothing, so it is always there, as the last candidate.
-        considered[-1] = 0.0
+        considered = ask_nothing(situation).utilities
     best = np.nanmax(considered)
     ties = np.flatnonzero(considered >= best - TIE * abs(best))
     return Choice(int(rng.choice(ties)), considered, features)
@@ -86,15 +93,19 @@ def choose_best(
 def settled_actions(situation: Situation) -> set[Action]:
     """The questions that it is pointless to put again.
 
-    That is the feature subset query once it has been asked, and, until the scene changes, what the teacher did not
-    answer and the symbols that the teacher said nothing here belongs to.
+    That is the feature subset query once it has been asked; what the teacher did not know the name of, as long as it
+    looks the same; and, until the scene changes, what the teacher skipped or did not know otherwise, and the symbols
+    that the teacher said nothing here belongs to. A question that nobody heard is not settled.
     """
-    asked = has_asked(situation, QueryKind.FEATURE_SUBSET)
-    settled = {Action(QueryKind.FEATURE_SUBSET)} if asked else set()
+    unnameable = np.flatnonzero(situation.knowledge.is_unnameable(situation.scene))
+    settled = {Action(QueryKind.LABEL, situation.scene.object_ids[row]) for row in unnameable}
+    if has_asked(situation, QueryKind.FEATURE_SUBSET):
+        settled.add(Action(QueryKind.FEATURE_SUBSET))
     for record in takewhile(lambda record: record.turn >= situation.scene_turn, reversed(situation.history)):
         not_here = record.kind is QueryKind.DEMONSTRATION and record.object_id is None
-        unanswered = record.outcome is not Outcome.ANSWERED
-        if record.kind is not QueryKind.FEATURE_SUBSET and (not_here or unanswered):
+        if record.outcome is Outcome.UNANSWERED or record.kind is QueryKind.FEATURE_SUBSET:
+            continue
+        if not_here or record.outcome is not Outcome.ANSWERED:
             settled.add(Action(record.kind, record.object_id, record.symbol))
     return settled
 

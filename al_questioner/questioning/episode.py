@@ -2,63 +2,41 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+import math
+from collections.abc import Collection, Mapping
 
 import numpy as np
+from numpy.typing import NDArray
 
 from al_questioner.concepts import VIEW_TOLERANCE, Knowledge
 from al_questioner.domain import (
     DECISION_FEATURES,
-    NO_SYMBOL,
     Action,
     Answer,
     AnswerError,
     Decision,
     EpisodeSettings,
-    LateAnswerError,
     Outcome,
     Query,
     QueryKind,
     QueryRecord,
     Scene,
 )
+from al_questioner.questioning.answers import AnswerBook, check_outcome, named_groups, named_symbol, shown_object
 from al_questioner.questioning.candidates import choices, question_text
-from al_questioner.questioning.choice import Strategy
+from al_questioner.questioning.choice import Strategy, ask_nothing
+from al_questioner.questioning.reliability import TeacherRecord, label_beliefs, teacher_records
 from al_questioner.questioning.situation import Situation
-from al_questioner.questioning.strategies import make_strategy
-
-
-def new_knowledge(
-    settings: EpisodeSettings, view_tolerance: float = VIEW_TOLERANCE, strategy: Strategy | None = None
-) -> Knowledge:
-    """What a learner with these settings knows before the first turn.
-
-    Args:
-        settings: of the episode.
-        view_tolerance: see `Knowledge`.
-        strategy: who decides, and selects features, in the place of the strategy that the settings name.
-
-    Raises:
-        SettingsError: an unknown strategy, or weights that do not fit it.
-    """
-    if strategy is None:
-        strategy = make_strategy(settings.strategy, settings.weights)
-    return Knowledge(
-        settings.symbols,
-        settings.amplitude,
-        settings.length_scale,
-        strategy.selector,
-        view_tolerance,
-    )
+from al_questioner.questioning.strategies import make_strategy, new_knowledge
 
 
 class Episode:
     """One learning episode (section 2.3 of the paper).
 
-    Each turn: `ask(scene)`, if the decision holds a query, `tell(answer)`, and at the turn's end `tune()`. At any time
-    `amend(answer)` takes another answer for one that was wrong. A scene or an answer that is refused leaves the episode
-    as it was, so that the turn can be tried again. The same settings, scenes, answers and generator give the same
-    queries in any process.
+    Each turn: `ask(scene)`; if the decision holds a query, `tell(answer)`, or `let_pass()` if nobody answers; at the
+    turn's end `tune()`. At any time `amend(answer)` takes another answer for one that was wrong. A scene or an answer
+    that is refused leaves the episode as it was, so that the turn can be tried again. The same settings, scenes,
+    answers and generator give the same queries in any process.
 
     Args:
         settings: what is given to the learner before it asks.
@@ -82,12 +60,14 @@ class Episode:
         self._strategy = make_strategy(settings.strategy, settings.weights) if strategy is None else strategy
         self._view_tolerance = view_tolerance
         self.knowledge = new_knowledge(settings, view_tolerance, self._strategy)
-        self._spent = 0.0
-        self._records: list[QueryRecord] = []
+        self._records: dict[int, QueryRecord] = {}
+        self._beliefs: dict[int, NDArray[np.float64]] = {}
         self._pending: Query | None = None
         self._queries: dict[str, Query] = {}
-        self._answers: dict[str, dict[str, Answer]] = {}
+        self._book = AnswerBook()
         self._non_query_turns = 0
+        self._passed_turn = 0
+        self._unanswered_turns = 0
         self._scenes: list[Scene] = []
         self._scene_turn = 1
         self._tuned_turns: set[int] = set()
@@ -103,19 +83,35 @@ class Episode:
         return self.settings.turns - self.turn
 
     @property
+    def turns_over(self) -> int:
+        """Turns that are over: the present one is not while it waits for an answer."""
+        return self.turn - self.awaits_answer
+
+    @property
     def spent(self) -> float:
-        """Costs of the queries so far, the pending one included: asking costs, whatever the answer."""
-        return self._spent
+        """Costs of the queries so far, the pending one included as if it were answered."""
+        settled = [record.cost for record in self._records.values()]
+        return math.fsum(settled if self._pending is None else [*settled, self._pending.cost])
 
     @property
     def budget_left(self) -> float:
         """What later queries can cost."""
-        return max(0.0, self.settings.budget - self._spent)
+        return max(0.0, self.settings.budget - self.spent)
 
     @property
     def pending(self) -> Query | None:
-        """The query that waits for its answer."""
+        """The query that waits for its answer, be it from a turn that has passed."""
         return self._pending
+
+    @property
+    def awaits_answer(self) -> bool:
+        """Whether the present turn goes on only with the answer to the pending query, or by `let_pass`."""
+        return self._pending is not None and self._passed_turn < self.turn
+
+    @property
+    def unanswered_turns(self) -> int:
+        """Consecutive turns that were let pass without an answer."""
+        return self._unanswered_turns
 
     @property
     def done(self) -> bool:
@@ -124,8 +120,8 @@ class Episode:
 
     @property
     def records(self) -> tuple[QueryRecord, ...]:
-        """The answered queries, in order."""
-        return tuple(self._records)
+        """What came of the queries that are settled, in the order of their turns."""
+        return tuple(self._records[turn] for turn in sorted(self._records))
 
     @property
     def positives(self) -> Mapping[str, int]:
@@ -135,18 +131,23 @@ class Episode:
     def ask(self, scene: Scene) -> Decision:
         """Start the next turn and decide what to ask.
 
+        While a query of an earlier turn waits for its answer nothing is asked. It is withdrawn, and another one
+        asked, when what it is about is not in view any more as it was.
+
         Args:
             scene: what is seen this turn.
 
         Raises:
             SceneError: the scene's features are not those of the scenes before.
-            RuntimeError: the last query is not answered yet, or the episode is over.
+            RuntimeError: the present turn waits for an answer, or the episode is over.
         """
-        if self._pending is not None:
+        if self._pending is not None and self.awaits_answer:
             raise RuntimeError(f'query {self._pending.query_id} has not been answered yet')
         if self.turns_left == 0:
             raise RuntimeError(f'the episode is over: all {self.settings.turns} turns have passed')
         self.knowledge.observe(scene)
+        if self._pending is not None and not self._is_in_view(self._pending, scene):
+            self._withdraw(self._pending)
         turn = self.turn + 1
         last = self._scenes[-1] if self._scenes else None
         unchanged = last is not None and self.knowledge.is_unchanged(last, scene)
@@ -157,19 +158,20 @@ class Episode:
             scene=scene,
             knowledge=self.knowledge,
             budget=self.settings.budget,
-            spent=self._spent,
+            spent=self.spent,
             costs=self.settings.costs,
             change_interval=self.settings.change_interval,
             non_query_turns=self._non_query_turns,
             scene_turn=scene_turn,
             history=self.records,
         )
-        choice = self._strategy.choose(situation, self._rng)
+        asks = self._pending is None
+        choice = self._strategy.choose(situation, self._rng) if asks else ask_nothing(situation)
         # A scene that stays is kept once: an episode of a camera would fill the memory.
         self._scenes.append(last if last is not None and last.equals(scene) else scene)
         self._scene_turn = scene_turn
-        self._pending = self._query(situation.candidates[choice.index], scene)
-        self._non_query_turns = 0 if self._pending else self._non_query_turns + 1
+        query = self._query(situation.candidates[choice.index], scene)
+        self._non_query_turns = 0 if query else self._non_query_turns + 1
         shape = (len(situation.candidates), len(DECISION_FEATURES))
         return Decision(
             turn=turn,
@@ -177,30 +179,53 @@ class Episode:
             features=np.full(shape, np.nan) if choice.features is None else choice.features,
             utilities=choice.utilities,
             chosen=choice.index,
-            query=self._pending,
+            query=query,
         )
 
-    def tell(self, answer: Answer) -> QueryRecord:
-        """Take in the answer to the pending query.
+    def let_pass(self) -> None:
+        """End the turn without the answer that it waits for: the teacher is away.
+
+        The query stays pending, so that it can still be answered; nothing is guessed. After the last turn it is
+        withdrawn.
 
         Raises:
-            AnswerError: nothing is pending, another query is, or the answer does not fit the question.
+            RuntimeError: the turn does not wait for an answer.
+        """
+        if self._pending is None or not self.awaits_answer:
+            raise RuntimeError('no query waits for its answer')
+        self._passed_turn = self.turn
+        self._unanswered_turns += 1
+        if self.turns_left == 0:
+            self._withdraw(self._pending)
+
+    def tell(self, answer: Answer) -> QueryRecord:
+        """Take in the answer to the pending query, or to one that was withdrawn since nobody had answered.
+
+        What is known then is what it would be had the answer come in the turn of its query.
+
+        Raises:
+            AnswerError: no such query waits for an answer, or the answer does not fit the question.
         """
         if answer.replaces is not None:
             raise AnswerError(f'the answer replaces {answer.replaces!r}: it corrects, and does not answer')
         record = self.check(answer)
-        self.knowledge.learn(record, self._scenes[-1])
-        self._records.append(record)
-        self._pending = None
-        self._answers[answer.query_id] = {answer.answer_id: answer}
+        if self._pending is not None and answer.query_id == self._pending.query_id:
+            self._pending = None
+        self._unanswered_turns = 0
+        self._records[record.turn] = record
+        self._book.take(answer)
+        if record.turn == self.turn:
+            self._learn(self.knowledge, record)
+        else:
+            self._learn_anew()
         return record
 
     def amend(self, answer: Answer) -> QueryRecord:
         """Take another answer for one that was accepted before and was wrong.
 
-        What is recorded and known is then what it would be had the answer been this one at once: of that turn, at that
-        cost. What was asked since stays asked, and what is pending stays pending. An answer is replaced once; what
-        replaced it can be replaced in turn.
+        What is recorded and known is then what it would be had the answer been this one at once: of that turn. What
+        was asked since stays asked, and what is pending stays pending. An answer is replaced once; what replaced it
+        can be replaced in turn.
 
         Raises:
             AnswerError: the answer names none that it replaces, or one that was not accepted or was replaced already,
@@ -209,8 +234,8 @@ class Episode:
         if answer.replaces is None:
             raise AnswerError(f'the answer to query {answer.query_id!r} does not say what it replaces')
         record = self.check(answer)
-        self._records = [record if old.turn == record.turn else old for old in self._records]
-        self._answers[answer.query_id][answer.answer_id] = answer
+        self._records[record.turn] = record
+        self._book.take(answer)
         self._learn_anew()
         return record
 
@@ -220,24 +245,25 @@ class Episode:
         Raises:
             AnswerError: the answer would be refused.
         """
-        query = self._pending if answer.replaces is None else self._corrected(answer)
-        if query is None:
-            raise AnswerError(f'no query is pending; the answer was to {answer.query_id!r}')
-        if answer.query_id != query.query_id:
-            raise AnswerError(f'the answer is to query {answer.query_id!r}, the pending one is {query.query_id!r}')
+        query = self._addressed(answer)
+        check_outcome(answer)
         action = query.action
         object_id, symbol = action.object_id, action.symbol
         groups: tuple[str, ...] = ()
-        if answer.outcome is not Outcome.ANSWERED:
-            if answer.content is not None:
-                raise AnswerError(f'an answer with outcome {answer.outcome.value!r} has no content')
-        elif action.kind is QueryKind.LABEL:
-            symbol = self._named_symbol(answer)
-        elif action.kind is QueryKind.DEMONSTRATION:
-            object_id = self._shown_object(answer, self._scenes[query.turn - 1])
+        if answer.outcome is Outcome.ANSWERED:
+            if action.kind is QueryKind.LABEL:
+                symbol = named_symbol(answer, self.settings.symbols)
+            elif action.kind is QueryKind.DEMONSTRATION:
+                object_id = shown_object(answer, self._scene_of(query))
+            else:
+                groups = named_groups(answer, self.knowledge.groups)
+        before = self._records.get(query.turn)
+        if answer.replaces is None or before is None:
+            answered_in = None if query.turn == self.turn else self.turn
         else:
-            groups = self._named_groups(answer)
-        return QueryRecord(query.turn, action.kind, object_id, symbol, query.cost, answer.outcome, groups)
+            answered_in = before.answered_in
+        cost = self._charged(query, answer.outcome)
+        return QueryRecord(query.turn, action.kind, object_id, symbol, cost, answer.outcome, groups, answered_in)
 
     def has_taken(self, answer: Answer) -> bool:
         """Whether this very answer was accepted before.
@@ -246,14 +272,27 @@ class Episode:
             AnswerError: another answer of the same ids was.
             LateAnswerError: its query was settled by an answer of another id, which it does not replace.
         """
-        accepted = self._answers.get(answer.query_id, {})
-        same_id = accepted.get(answer.answer_id)
-        if same_id is not None and same_id != answer:
-            raise AnswerError(f'another answer {answer.answer_id!r} to query {answer.query_id!r} was taken already')
-        if accepted and same_id is None and answer.replaces is None:
-            first = next(iter(accepted))
-            raise LateAnswerError(f'query {answer.query_id!r} was answered already, by {first!r}')
-        return same_id is not None
+        return self._book.has_taken(answer)
+
+    def keep_late(self, answer: Answer) -> None:
+        """Note an answer to a query that another one has settled; it says something of its teacher alone."""
+        self._book.keep_late(answer)
+
+    @property
+    def late(self) -> Collection[Answer]:
+        """The answers that were noted by `keep_late`."""
+        return self._book.late
+
+    @property
+    def last_answer(self) -> tuple[Query, Answer] | None:
+        """The answer that was taken last, with its query."""
+        last = self._book.last
+        return None if last is None else (self._queries[last.query_id], last)
+
+    @property
+    def teachers(self) -> dict[str, TeacherRecord]:
+        """What everybody who answered has said, and how far they can be relied on."""
+        return teacher_records(self._book, self._queries, self.settings.symbols, self._beliefs)
 
     @property
     def tune_is_due(self) -> bool:
@@ -267,83 +306,93 @@ class Episode:
             Whether the beliefs may have changed.
 
         Raises:
-            RuntimeError: a query is pending: the turn is not over.
+            RuntimeError: the turn is not over: it waits for an answer.
         """
-        if self._pending is not None:
+        if self._pending is not None and self.awaits_answer:
             raise RuntimeError(f'query {self._pending.query_id} has not been answered yet')
         if not self.tune_is_due:
             return False
         self._tuned_turns.add(self.turn)
         return self.knowledge.tune()
 
-    def _corrected(self, answer: Answer) -> Query:
-        """The query of the answer that another one replaces."""
-        accepted = self._answers.get(answer.query_id, {})
-        if answer.replaces not in accepted:
-            raise AnswerError(f'no answer {answer.replaces!r} to query {answer.query_id!r} was taken')
-        if answer.answer_id in accepted:
-            raise AnswerError(f'another answer {answer.answer_id!r} to query {answer.query_id!r} was taken already')
-        last = next(reversed(accepted))
-        if answer.replaces != last:
-            raise AnswerError(
-                f'answer {answer.replaces!r} to query {answer.query_id!r} was replaced, in the end by {last!r}'
-            )
-        return self._queries[answer.query_id]
+    def _addressed(self, answer: Answer) -> Query:
+        """The query that an answer is to: the pending one, one that was withdrawn, or that of what it replaces.
+
+        Raises:
+            AnswerError: there is none.
+        """
+        if answer.replaces is not None:
+            self._book.check_correction(answer)
+            return self._queries[answer.query_id]
+        query = self._queries.get(answer.query_id)
+        if query is not None and query is self._pending:
+            return query
+        record = None if query is None else self._records.get(query.turn)
+        if query is not None and record is not None and record.outcome is Outcome.UNANSWERED:
+            return query
+        if self._pending is None:
+            raise AnswerError(f'no query is pending; the answer was to {answer.query_id!r}')
+        raise AnswerError(f'the answer is to query {answer.query_id!r}, the pending one is {self._pending.query_id!r}')
+
+    def _scene_of(self, query: Query) -> Scene:
+        return self._scenes[query.turn - 1]
+
+    def _is_in_view(self, query: Query, scene: Scene) -> bool:
+        """Whether a scene still shows what a query of an earlier turn is about."""
+        if query.action.object_id is not None:
+            return self.knowledge.still_shows(query.action.object_id, self._scene_of(query), scene)
+        return query.action.kind is QueryKind.FEATURE_SUBSET or self.knowledge.is_unchanged(
+            self._scene_of(query), scene
+        )
+
+    def _withdraw(self, query: Query) -> None:
+        """Wait no longer for the answer to a query."""
+        self._pending = None
+        action, outcome = query.action, Outcome.UNANSWERED
+        cost = self._charged(query, outcome)
+        self._records[query.turn] = QueryRecord(query.turn, action.kind, action.object_id, action.symbol, cost, outcome)
+
+    def _charged(self, query: Query, outcome: Outcome) -> float:
+        """What a query costs in the end; once it was withdrawn or answered otherwise, no more than there is left."""
+        price = query.cost * self.settings.costs.share(outcome)
+        before = self._records.get(query.turn)
+        return price if before is None else min(price, max(before.cost, self.budget_left + before.cost))
+
+    def _learn(self, knowledge: Knowledge, record: QueryRecord) -> None:
+        """Learn what came of a query, after a note of what was believed of the thing before."""
+        scene = self._scenes[record.turn - 1]
+        if record.outcome is Outcome.ANSWERED and record.object_id is not None and record.symbol is not None:
+            features = scene.features[[scene.index_of(record.object_id)]]
+            self._beliefs[record.turn] = label_beliefs(knowledge.predict_proba(features)[0])
+        knowledge.learn(record, scene)
 
     def _learn_anew(self) -> None:
         """Rebuild the knowledge from the scenes and the records, event by event as it came about."""
         knowledge = new_knowledge(self.settings, self._view_tolerance, self._strategy)
-        by_turn = {record.turn: record for record in self._records}
+        self._beliefs.clear()
         for turn, scene in enumerate(self._scenes, start=1):
             knowledge.observe(scene)
-            if turn in by_turn:
-                knowledge.learn(by_turn[turn], scene)
+            if turn in self._records:
+                self._learn(knowledge, self._records[turn])
             if turn in self._tuned_turns:
                 knowledge.tune()
         self.knowledge = knowledge
 
     def _query(self, action: Action, scene: Scene) -> Query | None:
-        """Put the action to the teacher and charge for it; None if it asks nothing."""
+        """Put the action to the teacher; None if it asks nothing."""
         if action.kind is QueryKind.NO_QUERY:
             return None
         cost = self.settings.costs.of(action.kind)
-        self._spent += cost
         query = Query(
             query_id=f'q{len(self._queries) + 1}',
             turn=self.turn,
             action=action,
             choices=choices(action, scene, self.settings.symbols, self.knowledge.groups),
             cost=cost,
-            budget_left=self.budget_left,
+            budget_left=max(0.0, self.settings.budget - (self.spent + cost)),
             turns_left=self.turns_left,
             model_version=self.knowledge.model_version,
             text=question_text(action, self.settings.symbols),
         )
-        self._queries[query.query_id] = query
+        self._queries[query.query_id] = self._pending = query
         return query
-
-    def _named_symbol(self, answer: Answer) -> str:
-        known = (*self.settings.symbols, NO_SYMBOL)
-        if not isinstance(answer.content, str):
-            raise AnswerError(f'a label is one of {", ".join(known)}, not {answer.content!r}')
-        if answer.content not in known:
-            raise AnswerError(f'unknown label {answer.content!r}; known: {", ".join(known)}')
-        return answer.content
-
-    def _shown_object(self, answer: Answer, scene: Scene) -> int | None:
-        if answer.content == NO_SYMBOL:
-            return None
-        if not isinstance(answer.content, int) or isinstance(answer.content, bool):
-            raise AnswerError(f'a demonstration is an object id or {NO_SYMBOL!r}, not {answer.content!r}')
-        if answer.content not in scene.object_ids:
-            raise AnswerError(f'object {answer.content} is not in the scene')
-        return answer.content
-
-    def _named_groups(self, answer: Answer) -> tuple[str, ...]:
-        known = self.knowledge.groups
-        if not isinstance(answer.content, tuple) or not answer.content:
-            raise AnswerError(f'a feature subset is some of {", ".join(known)}, not {answer.content!r}')
-        for group in answer.content:
-            if group not in known:
-                raise AnswerError(f'unknown feature group {group!r}; known: {", ".join(known)}')
-        return tuple(dict.fromkeys(answer.content))

@@ -8,8 +8,8 @@ from functools import partial
 import numpy as np
 from numpy.typing import NDArray
 
-from al_questioner.concepts import Selector, select_features
-from al_questioner.domain import DECISION_FEATURES, QueryKind, SettingsError
+from al_questioner.concepts import VIEW_TOLERANCE, Knowledge, Selector, select_features
+from al_questioner.domain import DECISION_FEATURES, EpisodeSettings, QueryKind, SettingsError
 from al_questioner.questioning.choice import Choice, Strategy, StrategyFactory, choose_best, nothing_considered
 from al_questioner.questioning.contributed import contributed_factory, contributions
 from al_questioner.questioning.controls import Farthest, RandomLabel, RarestDemonstration, UncertainUnlabelled
@@ -128,3 +128,27 @@ def make_strategy(name: str, weights: Mapping[str, float]) -> Strategy:
         SettingsError: an unknown name, weights that do not fit the strategy, or a contributed one that cannot be made.
     """
     return strategy_factory(name)(weights)
+
+
+def new_knowledge(
+    settings: EpisodeSettings, view_tolerance: float = VIEW_TOLERANCE, strategy: Strategy | None = None
+) -> Knowledge:
+    """What a learner with these settings knows before the first turn.
+
+    Args:
+        settings: of the episode.
+        view_tolerance: see `Knowledge`.
+        strategy: who decides, and selects features, in the place of the strategy that the settings name.
+
+    Raises:
+        SettingsError: an unknown strategy, or weights that do not fit it.
+    """
+    if strategy is None:
+        strategy = make_strategy(settings.strategy, settings.weights)
+    return Knowledge(
+        settings.symbols,
+        settings.amplitude,
+        settings.length_scale,
+        strategy.selector,
+        view_tolerance,
+    )

@@ -72,6 +72,11 @@ class Session:
     turns: tuple[RecordedTurn, ...]
 
     @property
+    def records(self) -> tuple[QueryRecord, ...]:
+        """What came of the queries, in the order of their turns."""
+        return tuple(turn.record for turn in self.turns if turn.record is not None)
+
+    @property
     def change_turns(self) -> tuple[int, ...]:
         """Turns whose scene differs from that of the turn before."""
         pairs = zip(self.turns, self.turns[1:], strict=False)

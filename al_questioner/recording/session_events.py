@@ -113,7 +113,15 @@ class Tuned:
     model_version: int
 
 
-SessionEvent = Begun | Seen | Decided | Told | KeptLate | Refused | Tuned
+@dataclass(frozen=True)
+class Passed:
+    """A turn that was over although nobody had answered the query that waits."""
+
+    turn: int
+    query_id: str
+
+
+SessionEvent = Begun | Seen | Decided | Told | KeptLate | Refused | Tuned | Passed
 
 LONGEST_REFUSED = 1000
 """Characters of a refused text that are kept."""
@@ -148,6 +156,8 @@ class Encoder:
         if isinstance(event, Refused):
             counted = {} if event.count == 1 else {'count': event.count}
             return 'refused', {'text': event.text[:LONGEST_REFUSED], 'reason': event.reason, **counted}
+        if isinstance(event, Passed):
+            return 'passed', {'turn': event.turn, 'query_id': event.query_id}
         return 'tune', {'turn': event.turn, 'model_version': event.model_version}
 
     def follow(self, event: SessionEvent) -> None:
@@ -192,6 +202,8 @@ def _decode(event: Event, members: Document, last: Scene | None) -> SessionEvent
         return KeptLate(documents.answer_of(members), members['reason'])
     if event.kind == 'refused':
         return Refused(members['text'], members['reason'], members.get('count', 1))
+    if event.kind == 'passed':
+        return Passed(members['turn'], members['query_id'])
     if event.kind == 'tune':
         return Tuned(members['turn'], members['model_version'])
     raise ValueError(f'unknown kind {event.kind!r}')

@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
+import math
 import time
 from collections.abc import Mapping, Sequence
+from functools import partial
 from pathlib import Path
 from typing import Any
 
@@ -25,6 +27,7 @@ from al_questioner.domain import (
     EpisodeSettings,
     InputError,
     LateAnswerError,
+    Query,
     Scene,
     SceneError,
 )
@@ -37,6 +40,7 @@ from al_questioner.recording import SessionLog
 from al_questioner.recording.session_events import Begun, Seen
 from al_questioner.resuming import DurableEpisode
 from al_questioner.ros import qos
+from al_questioner.ros.alarm import Alarm
 from al_questioner.ros.node import QuestionerNode
 from al_questioner.ros.parameters import declare, help_text, refuse_unknown
 from al_questioner.ros.repeating import PATIENT, Repeater
@@ -51,8 +55,12 @@ from al_questioner.telling import episode_members, state_members
 from al_questioner.throttle import Throttle
 from al_questioner.world import Task, load_task
 
+SECONDS_FOR_ANSWER = 60.0
+"""After which the lack of an answer is worth a warning."""
 SECONDS_FOR_OBJECTS = 10.0
 """After which the lack of a scene is worth a warning."""
+LONGEST_BACK_OFF = 8
+"""Times the answer timeout: for so long the learner waits at most before the turn goes on without an answer."""
 STALE_CLOUDS = 3
 """So many clouds in a row from before a turn are no chance any more."""
 SECONDS_OF_STALE_CLOUDS = 10.0
@@ -63,10 +71,16 @@ class LearnerNode(QuestionerNode):
     """Asks for a scene, decides, asks the teacher, learns, and goes on to the next turn.
 
     Everything that touches the episode happens on the worker's thread, message by message.
+
+    Args:
+        yields: end the node's context when the episode is over and another learner begins one on the same topics.
+        node_arguments: of the node.
     """
 
-    def __init__(self, **node_arguments: Any) -> None:
+    def __init__(self, yields: bool = False, **node_arguments: Any) -> None:
         super().__init__('learner', **node_arguments)
+        self._yields = yields
+        self._is_over = False
         world = declare_world(self)
         self._given = declare(self, learner_settings(world.task))
         self._settings = _episode_settings(world.task, self._given)
@@ -77,6 +91,7 @@ class LearnerNode(QuestionerNode):
         self._session = _session(self._settings, world, self._given)
         self.episode_id = self._session.begun.episode_id
         self._stamps = TurnStamps()
+        self._patience = Alarm(self, self._go_on_without)
         self._complaints = Throttle(1, SECONDS_OF_STALE_CLOUDS)
         self._stale_clouds = 0
         self._awaits_scene = False
@@ -112,7 +127,7 @@ class LearnerNode(QuestionerNode):
         )
         self._stamps = TurnStamps(seen.stamp)
         self._announce(seen.scene)
-        if self._session.episode.pending is None:
+        if not self._session.episode.awaits_answer:
             self._end_turn()
             return
         # Word for word as before: perception, if it is new too, shows what the question is about.
@@ -146,19 +161,37 @@ class LearnerNode(QuestionerNode):
         if decision.turn == 1:
             self._announce(scene)
         self._put(seen, decision)
-        if decision.query is None:
-            self._end_turn()
-        else:
+        if self._session.episode.awaits_answer:
             self._show(seen, self._beliefs(seen))
+        else:
+            self._end_turn()
 
     def _put(self, seen: Seen, decision: Decision) -> None:
-        """Publish a decision, and the question if there is one."""
-        if decision.query is not None:
-            self.does(f'turn {decision.turn}: waiting for the answer to {decision.query.query_id}')
-            self._question.say({**documents.query_members(decision.query), 'world': self._world})
-            self.get_logger().info(f'turn {decision.turn}: {decision.query.text}')
+        """Publish a decision, and the question that waits, again if nobody answered it in the turn before."""
+        pending = self._session.episode.pending
+        if pending is not None:
+            self._question.say({**documents.query_members(pending), 'world': self._world})
+            self.get_logger().info(f'turn {decision.turn}: {pending.text}')
+            self._await_answer(pending, decision.turn)
         head = header(seen.stamp, seen.frame_id)
         self._decision.publish(cloud_of_decision(decision, self._settings.symbols, head, CLOUD_TYPES))
+
+    def _await_answer(self, query: Query, turn: int) -> None:
+        """Wait for the answer, but not for ever if so configured, and the longer the longer nobody has answered."""
+        timeout, missed = float(self._given['answer_timeout']), self._session.episode.unanswered_turns
+        # Once a turn has passed without an answer, that is the concern.
+        patience = math.inf if missed else SECONDS_FOR_ANSWER
+        self.does(f'turn {turn}: waiting for the answer to {query.query_id}', expected_within=patience)
+        if timeout:
+            self._patience.set(timeout * min(2**missed, LONGEST_BACK_OFF))
+
+    def _go_on_without(self) -> None:
+        """Let the turn pass without its answer."""
+        episode = self._session.episode
+        if episode.pending is not None and episode.awaits_answer:
+            self.get_logger().info(f'turn {episode.turn}: going on without the answer to {episode.pending.query_id}')
+            self._session.let_pass()
+            self._end_turn()
 
     def _ignore_stale(self) -> None:
         """Pass over a scene from before the turn; say so if there are no others, since a clock may be wrong."""
@@ -180,7 +213,8 @@ class LearnerNode(QuestionerNode):
         """Take an answer, or the correction of one, and say whether it was taken: not before it is on the disk."""
         if not self._session.is_ready:
             return
-        answer = None
+        answer, episode = None, self._session.episode
+        waited = episode.awaits_answer
         try:
             answer = self._read_answer(message.data)
             is_new = self._session.take(answer)
@@ -193,11 +227,11 @@ class LearnerNode(QuestionerNode):
         if not is_new:
             return
         told = _spoken(answer.outcome.value if answer.content is None else answer.content)
-        if answer.replaces is None:
-            self.get_logger().info(f'turn {self._session.episode.turn}: {answer.teacher_id} says {told}')
+        now = '' if answer.replaces is None else 'now '
+        self.get_logger().info(f'{answer.query_id}: {answer.teacher_id} {now}says {told}')
+        if waited and not episode.awaits_answer:
             self._end_turn()
         else:
-            self.get_logger().info(f'{answer.query_id}: {answer.teacher_id} now says {told}')
             self._tell_state()
 
     def _acknowledge(self, answer: Answer | None, accepted: bool, reason: str) -> None:
@@ -217,12 +251,17 @@ class LearnerNode(QuestionerNode):
     def _end_turn(self) -> None:
         """Tune the models if it is time, tell what is known now, and begin the next turn unless this was the last."""
         self._question.stop()
+        self._patience.clear()
         self._session.tune()
         episode = self._session.episode
         if episode.done:
             self._tell_state()
+            self._is_over = True
             self.does('the episode is over')
-            self.get_logger().info(f'the episode is over: {episode.spent:g} of {self._settings.budget:g} spent')
+            self.get_logger().info(
+                f'the episode is over: {episode.spent:g} of {self._settings.budget:g} spent;'
+                ' corrections are still taken; start a learner again for another episode'
+            )
             return
         seen = self._session.seen
         if seen is None:
@@ -256,11 +295,31 @@ class LearnerNode(QuestionerNode):
         head = header(seen.stamp, seen.frame_id)
         self._markers.publish(markers(seen.scene, beliefs, self._settings.symbols, asked, head, MARKER_TYPES))
 
+    def concern(self) -> str:
+        """That nobody answers, or that another learner speaks on the same topics, which confuses everybody."""
+        return self._rival() or self._absence()
+
+    def _absence(self) -> str:
+        missed = self._session.episode.unanswered_turns if self._session.is_ready else 0
+        return f'nobody has answered for {missed} turn{"" if missed == 1 else "s"}' if missed else ''
+
+    def _rival(self) -> str:
+        others = ', '.join(self.other_publishers('turn'))
+        if not others:
+            return ''
+        if not self._is_over:
+            return f'{others} publishes turn, too: end one of the two, or give it a namespace of its own'
+        if self._yields:
+            self.get_logger().info(f'this episode is over and {others} begins another: ending')
+            self.context.try_shutdown()
+        return ''
+
     def _failed(self, error: Exception) -> None:
         # An episode that cannot go on asks for nothing.
         if isinstance(error, EpisodeError):
             self._request.stop()
             self._question.stop()
+            self._patience.clear()
         super()._failed(error)
 
     def destroy_node(self) -> None:
@@ -282,7 +341,14 @@ def _episode_settings(task: Task, given: Mapping[str, Any]) -> EpisodeSettings:
         turns=given['turns'],
         change_interval=given['change_interval'],
         weights_file=given['weights_file'] or None,
-        costs=Costs(given['cost_label'], given['cost_demonstration'], given['cost_feature_subset']),
+        costs=Costs(
+            label=given['cost_label'],
+            demonstration=given['cost_demonstration'],
+            feature_subset=given['cost_feature_subset'],
+            unknown=given['charge_unknown'],
+            skip=given['charge_skip'],
+            unanswered=given['charge_unanswered'],
+        ),
         amplitude=given['amplitude'],
         length_scale=given['length_scale'] or None,
         tune_every=given['tune_every'],
@@ -317,4 +383,4 @@ def _session(settings: EpisodeSettings, world: WorldChoice, given: Mapping[str, 
 def main(arguments: Sequence[str]) -> int:
     """Run the node."""
     settings = (*WORLD_SETTINGS, *learner_settings(load_task(DEFAULT_TASK)))
-    return run_nodes([LearnerNode], arguments, help_text(__doc__, settings))
+    return run_nodes([partial(LearnerNode, yields=True)], arguments, help_text(__doc__, settings))

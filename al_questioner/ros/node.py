@@ -60,6 +60,7 @@ class QuestionerNode(Node):
         self._activity = 'starting'
         self._overdue = math.inf
         self._said_overdue = False
+        self._concern = ''
         self._worker = Worker(name, self._failed)
         self._diagnostics = self.create_publisher(DiagnosticArray, '/diagnostics', qos.DIAGNOSTICS)
         self.create_timer(DIAGNOSTICS_PERIOD, self._publish_diagnostics, clock=Clock(clock_type=ClockType.STEADY_TIME))
@@ -159,6 +160,13 @@ class QuestionerNode(Node):
             names.remove(self.get_fully_qualified_name())
         return names
 
+    def concern(self) -> str:
+        """Something around the node that somebody should see to, for /diagnostics, where it is a warning; else empty.
+
+        It is asked by the executor's thread once a second.
+        """
+        return ''
+
     def counts(self) -> Mapping[str, int]:
         """What the node counts, for /diagnostics."""
         return {f'refused on {topic}': count for topic, count in dict(self._refused).items()}
@@ -185,6 +193,12 @@ class QuestionerNode(Node):
             if not self._said_overdue:
                 self._said_overdue = True
                 self.get_logger().warning(f'{message}: is everything running that should be?')
+        concern = self.concern()
+        if concern:
+            level, message = DiagnosticStatus.WARN, f'{self._activity}; {concern}'
+            if concern != self._concern:
+                self.get_logger().warning(concern)
+        self._concern = concern
         if time.monotonic() - self._refused_at < REFUSAL_SHOWN:
             level, message = DiagnosticStatus.WARN, f'{self._activity}; refused {self._last_refusal}'
         if self._failure:

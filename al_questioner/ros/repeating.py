@@ -2,13 +2,11 @@
 
 from __future__ import annotations
 
-import math
-import time
 from collections.abc import Callable
 from dataclasses import dataclass
-from functools import partial
 from typing import Generic, TypeVar
 
+from al_questioner.ros.alarm import Alarm
 from al_questioner.ros.node import QuestionerNode
 
 Said = TypeVar('Said')
@@ -47,38 +45,28 @@ class Repeater(Generic[Said]):
 
     def __init__(self, node: QuestionerNode, publish: Callable[[Said], None], back_off: BackOff) -> None:
         self.said: Said | None = None
-        self._node = node
         self._publish = publish
         self._back_off = back_off
-        self._pause = self._due = 0.0
-        # A thread waits for each timer, so there is one for all that is said, unless the next thing is due before it.
-        self._wakes_at = math.inf
+        self._pause = 0.0
+        self._alarm = Alarm(node, self._go_on)
 
     def say(self, thing: Said, delay: float = 0.0) -> None:
         """Say this, in the place of what was said before: for the first time after so many seconds, if not at once."""
         self.said = thing
         self._pause = self._back_off.first
-        self._due = time.monotonic() + delay
-        self._go_on()
+        if delay > 0:
+            self._alarm.set(delay)
+        else:
+            self._go_on()
 
     def stop(self) -> None:
         """Say nothing any more."""
         self.said = None
+        self._alarm.clear()
 
     def _go_on(self) -> None:
         if self.said is None:
             return
-        now = time.monotonic()
-        if now >= self._due:
-            self._publish(self.said)
-            self._due = now + self._pause
-            self._pause = min(2 * self._pause, self._back_off.longest)
-        if self._due < self._wakes_at:
-            self._wakes_at = self._due
-            self._node.after(self._due - now, partial(self._wake, self._due))
-
-    def _wake(self, at: float) -> None:
-        # Another timer than the last one has been overtaken.
-        if at == self._wakes_at:
-            self._wakes_at = math.inf
-            self._go_on()
+        self._publish(self.said)
+        self._alarm.set(self._pause)
+        self._pause = min(2 * self._pause, self._back_off.longest)

@@ -51,6 +51,19 @@ def learner_settings(task: Task) -> tuple[Setting, ...]:
         Setting('cost_label', 1.0, 'cost of a label query', unit='budget', lower=0.0),
         Setting('cost_demonstration', 2.0, 'cost of a demonstration query', unit='budget', lower=0.0),
         Setting('cost_feature_subset', 2.0, 'cost of a feature subset query', unit='budget', lower=0.0),
+        Setting(
+            'charge_unknown', 1.0, 'share of its cost that a query is charged if the teacher does not know', '', 0, 1
+        ),
+        Setting('charge_skip', 1.0, 'share that is charged if the teacher skips the query', '', 0, 1),
+        Setting('charge_unanswered', 0.0, 'share that is charged if it is withdrawn unanswered', '', 0, 1),
+        Setting(
+            'answer_timeout',
+            120.0,
+            'time after which a turn goes on without its answer, doubled each time; 0: never',
+            unit='s',
+            lower=0.0,
+            upper=86400.0,
+        ),
         Setting('amplitude', 4.0, "variance of the Gaussian processes' kernel", lower=1e-3, upper=1e3),
         Setting(
             'length_scale', 0.0, 'of the kernel; 0: root of the number of features', 'standard deviations', lower=0.0

@@ -94,7 +94,11 @@ class TerminalTeacher:
         self.session.begin(document['turns'], float(document['budget']))
 
     def _follow(self, document: Document) -> None:
+        if document['done'] and self._node.episode_id not in ('', document['episode_id']):
+            # Of a learner that is over and has not yet noticed that another one has begun.
+            return
         self._enter(document)
+        last = document.get('last_answer')
         self.session.follow(
             Progress(
                 document['turn'],
@@ -103,6 +107,7 @@ class TerminalTeacher:
                 float(document['spent']),
                 document['done'],
                 tuple(documents.record_of(record) for record in document['queries']),
+                last and (documents.query_of(last['query']), documents.answer_of(last['answer'])),
             )
         )
 

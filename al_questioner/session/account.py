@@ -50,8 +50,8 @@ class Account:
 
     @property
     def turns_over(self) -> int:
-        """Turns that are over: one with a pending query is not."""
-        return self.episode.turn - (self.episode.pending is not None)
+        """Turns that are over: one that waits for an answer is not."""
+        return self.episode.turns_over
 
     @property
     def seen(self) -> tuple[Seen, ...]:

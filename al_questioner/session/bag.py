@@ -73,9 +73,9 @@ class _Writing:
             self._say('answer_ack', {**ids, 'accepted': not reason, 'reason': reason})
 
     def end_turn(self) -> None:
-        """Write the state of the learner after a turn; none before the first, and none while a query is pending."""
+        """Write the state of the learner after a turn; none before the first, and none while it waits."""
         seen, episode = self._replay.seen, self._replay.episode
-        if seen is not None and episode.pending is None:
+        if seen is not None and not episode.awaits_answer:
             beliefs = episode.knowledge.predict_proba(seen.scene.features)
             self._say('learner_state', state_members(episode, seen.scene, beliefs))
 

@@ -74,9 +74,10 @@ def _show(console: Console, account: Account) -> None:
         table.add_column(column)
     for said in account.said:
         table.add_row(*map(Text, _row(said)))
-    if episode.pending is not None:
-        query = episode.pending
-        table.add_row(*map(Text, (str(query.turn), query.query_id, query.text, '', '', '', 'pending')))
+    heard = {said.answer.query_id for said in account.said}
+    for query in (query for query in account.queries.values() if query.query_id not in heard):
+        status = 'pending' if query == episode.pending else 'unanswered, withdrawn'
+        table.add_row(*map(Text, (str(query.turn), query.query_id, query.text, '', '', '', status)))
     if table.rows:
         console.print(table)
     counts = {
@@ -86,6 +87,11 @@ def _show(console: Console, account: Account) -> None:
         'refused': sum(refused.count for _, refused in account.refused),
     }
     _say(console, 'answers: ' + ', '.join(f'{count} {name}' for name, count in counts.items()))
+    for name, record in episode.teachers.items():
+        told = f'{record.answered} answered, {record.unknown} unknown, {record.skipped} skipped'
+        others = f'{record.corrected} corrected, {record.late} late'
+        estimate = f'; labels right with an estimated {record.reliability:.0%}' if record.answered else ''
+        _say(console, f'{name}: {told}, {others}{estimate}')
     if account.fault is None:
         _say(console, f'{account.folder}: whole, {len(account.events)} events; playing them gives the same decisions')
     else:

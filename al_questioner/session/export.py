@@ -46,6 +46,7 @@ def session_document(account: Account) -> dict[str, Any]:
         **settings,
         'view_tolerance': begun.view_tolerance,
         'kernel': asdict(account.episode.knowledge.kernel) if account.episode.turn else None,
+        'teachers': {name: asdict(record) for name, record in account.episode.teachers.items()},
         'turns_over': account.turns_over,
         'damage': account.fault,
         'version': begun.version,

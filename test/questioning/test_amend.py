@@ -5,13 +5,22 @@ import pytest
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
-from al_questioner.domain import NO_SYMBOL, Answer, AnswerError, LateAnswerError, Outcome, QueryKind, generator
+from al_questioner.domain import (
+    NO_SYMBOL,
+    SAYABLE_OUTCOMES,
+    Answer,
+    AnswerError,
+    LateAnswerError,
+    Outcome,
+    QueryKind,
+    generator,
+)
 from al_questioner.questioning import Episode, make_strategy, new_knowledge
 
 
 def contents(query, choose):
     """Something that somebody could say to a query: an outcome and its content."""
-    outcome = choose([*Outcome, Outcome.ANSWERED, Outcome.ANSWERED])
+    outcome = choose([*SAYABLE_OUTCOMES, Outcome.ANSWERED, Outcome.ANSWERED])
     if outcome is not Outcome.ANSWERED:
         return outcome, None
     if query.action.kind is QueryKind.FEATURE_SUBSET:

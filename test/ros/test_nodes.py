@@ -199,6 +199,26 @@ def test_a_second_learner_takes_no_scene_of_the_first(graph: Any) -> None:
     assert ends[0] == ends[1]
 
 
+def test_two_learners_on_the_same_topics_are_noticed(graph: Any, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Nobody would know why two robots mistake each other, or why a teacher says that all is over."""
+    ended = []
+    monkeypatch.setattr(graph.context, 'try_shutdown', lambda: ended.append(True))
+    heard = graph.listen('/diagnostics', DiagnosticArray, qos.DIAGNOSTICS)
+    states = graph.listen('learner_state')
+
+    def warned() -> bool:
+        return any('publishes turn, too' in status.message for array in heard for status in array.status)
+
+    graph.start_robot(turns=1, budget=0.0)
+    graph.nodes[-1]._yields = True
+    graph.wait_for(lambda: states and states[-1]['done'], 'the end of the first episode')
+    assert not ended
+    second = graph.start(LearnerNode, **graph.episode)
+    graph.wait_for(lambda: ended, 'the end of the first learner')
+    graph.wait_for(warned, 'a warning of the second learner')
+    assert second.context.ok()
+
+
 def test_turns_are_paced(graph: Any) -> None:
     """`turn_period` would be ignored, and a person could not follow."""
     turns = graph.listen('turn')

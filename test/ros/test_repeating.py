@@ -35,7 +35,7 @@ class Time:
 @pytest.fixture
 def time(monkeypatch: pytest.MonkeyPatch) -> Time:
     result = Time()
-    monkeypatch.setattr('al_questioner.ros.repeating.time', SimpleNamespace(monotonic=result.monotonic))
+    monkeypatch.setattr('al_questioner.ros.alarm.time', SimpleNamespace(monotonic=result.monotonic))
     return result
 
 

@@ -84,16 +84,27 @@ def test_a_person_teaches_at_a_terminal_quits_and_comes_back(
     assert f'Left open: What is object {object_id}? (q2)' in terminal.text
     terminal = open_one(columns=60)
     terminal.wait_for(lambda text: f'What is object {object_id}?' in text and 'what matters is colour' in text)
+    # What was said before this program began can be taken back, too.
+    terminal.press('z')
+    terminal.wait_for('Correction of: what matters is colour, size')
+    terminal.press('z')
+    terminal.wait_for(f'What is object {object_id}?')
     terminal.press('f')
     terminal.wait_for(f'Noted: object {object_id} is fruit.')
     for key, noted in (('?', 'you do not know'), ('n', 'The episode is over')):
         terminal.wait_for('[a] snack')
         terminal.press(key)
         terminal.wait_for(noted)
+    terminal.press('z')
+    terminal.wait_for('Correction of: object')
+    terminal.press('b')
+    terminal.wait_for('is beverage instead')
+    terminal.press('q')
     assert terminal.status() == 0
     assert OVER in ' '.join(terminal.text.split())
     log = (tmp_path / 'learner.log').read_text()
     assert 'anna says colour, size' in log
+    assert 'anna now says beverage' in log
     assert 'Traceback' not in log
 
 

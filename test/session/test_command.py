@@ -52,6 +52,41 @@ def write_session(folder: Path, world: PerceivedWorld, corrected: bool = False, 
     session.close()
 
 
+@pytest.mark.parametrize(('away', 'comes_back'), [({2, 3}, True), ({2, 3, 4, 5, 6, 7}, False)])
+def test_a_teacher_who_was_away_leaves_a_session_like_any_other(
+    tmp_path: Path, world: PerceivedWorld, away: set[int], comes_back: bool, capsys: pytest.CaptureFixture[str]
+) -> None:
+    """A session with turns that passed unanswered could not be gone on with, exported, checked or trained from."""
+    log, session = tmp_path / 'log', None
+    while session is None or not session.episode.done:
+        # Another process in every turn.
+        session = DurableEpisode(BEGUN, SessionLog(log))
+        session.start()
+        if not session.episode.awaits_answer and session.episode.turns_left:
+            turn = session.episode.turn + 1
+            session.ask(Seen(turn, turn * 10**9, 'table', world.scene(turn)))
+        elif session.episode.turn in away:
+            session.let_pass()
+        elif session.episode.pending is not None:
+            session.take(TEACHER.answer(session.episode.pending, world.truth(session.episode.pending.turn)))
+        if not session.episode.awaits_answer:
+            session.tune()
+        session.close()
+    asked = session.episode.records
+    assert any(record.answered_in == 4 for record in asked) == comes_back
+    assert any(record.outcome is Outcome.UNANSWERED for record in asked) != comes_back
+    assert main(['session', str(log), '--bag', str(tmp_path / 'bag'), '--json', str(tmp_path / 'json')]) == 0
+    assert ('unanswered, withdrawn' in capsys.readouterr().out) != comes_back
+    (recorded,) = read_sessions(tmp_path / 'bag')
+    assert recorded.records == asked
+    assert first_divergence(recorded) is None
+    (demonstration,) = read_demonstrations([tmp_path / 'bag'])
+    assert len(demonstration.steps) < BEGUN.settings.turns
+    assert [q['outcome'] for q in json.loads((tmp_path / 'json').read_text())['queries']] == [
+        record.outcome.value for record in asked
+    ]
+
+
 def test_the_json_of_a_session_is_that_of_the_demo(tmp_path: Path, world: PerceivedWorld) -> None:
     """What was learnt with people could not be compared with what was played."""
     write_session(tmp_path / 'log', world)

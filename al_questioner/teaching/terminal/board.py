@@ -27,7 +27,17 @@ class Phase(Enum):
 
 @dataclass(frozen=True)
 class Progress:
-    """How far an episode is, as the learner tells it."""
+    """How far an episode is, as the learner tells it.
+
+    Attributes:
+        turn: the last one that is over.
+        turns: of the episode.
+        budget: of the episode.
+        spent: of the budget.
+        done: whether the episode is over.
+        records: what came of each query.
+        last: the answer that was taken last, whoever gave it, and its query.
+    """
 
     turn: int
     turns: int
@@ -35,6 +45,7 @@ class Progress:
     spent: float
     done: bool
     records: tuple[QueryRecord, ...] = ()
+    last: tuple[Query, Answer] | None = None
 
 
 @dataclass(frozen=True, eq=False)

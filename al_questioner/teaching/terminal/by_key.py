@@ -69,7 +69,7 @@ class ByKey:
         self._size = Size(rows=0, columns=0)
 
     def run(self) -> None:
-        """Show and heed until the episode is over, the person quits, or it is stopped; the terminal is as it was."""
+        """Show and heed until nothing is left to say, the person quits, or it is stopped; then all is as it was."""
         control = FormattedTextControl(lambda: ANSI(self._drawn()), focusable=True, show_cursor=False)
         application: Application[None] = Application(
             layout=Layout(Window(control, always_hide_cursor=True)),
@@ -82,7 +82,7 @@ class ByKey:
         )
 
         async def end_in_time() -> None:
-            while not self._stopped.is_set() and self._session.board().phase is not Phase.OVER:
+            while not self._stopped.is_set() and not self._nothing_left():
                 await asyncio.sleep(LOOK_PERIOD)
                 if application.output.get_size() != self._size:
                     application.invalidate()
@@ -99,6 +99,10 @@ class ByKey:
                 application.run(pre_run=watch, set_exception_handler=False)
         finally:
             self._session.on_change = lambda: None
+
+    def _nothing_left(self) -> bool:
+        board = self._session.board()
+        return board.phase is Phase.OVER and not board.can_undo
 
     def _drawn(self) -> str:
         size = self._size = self._application.output.get_size()

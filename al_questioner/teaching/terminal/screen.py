@@ -83,7 +83,7 @@ def _question(board: Board, look: Look) -> list[Text]:
 
 def _meanwhile(board: Board) -> str:
     if board.phase is Phase.OVER:
-        return 'The episode is over.'
+        return 'The episode is over. z takes your last answer back, q ends.'
     if board.phase is Phase.ALONE:
         return 'Waiting for a robot that asks; no learner has been heard yet.'
     if board.progress is None:

@@ -7,7 +7,7 @@ from al_questioner.teaching.terminal.board import Board, Phase
 from al_questioner.teaching.terminal.safe_text import counted, printable
 
 HELP = (
-    'You teach a robot what things are. It asks; every question costs it budget, whatever you answer.',
+    'You teach a robot what things are. It asks; every question costs it something of its budget.',
     '"What is object 7?": the name of what it is, or none: it belongs to no name in the list.',
     '"Can you show me a snack?": the number of one on the table, or none: there is no such thing here.',
     '"Which properties matter ...?": what tells the names apart, one or more.',
@@ -76,7 +76,8 @@ def _unanswered(action: Action, outcome: Outcome) -> str:
         QueryKind.DEMONSTRATION: _name(action.symbol),
         QueryKind.FEATURE_SUBSET: 'what matters',
     }.get(action.kind, '')
-    return f'{about}: ' + ('you do not know' if outcome is Outcome.UNKNOWN else 'skipped')
+    said = {Outcome.UNKNOWN: 'you do not know', Outcome.SKIP: 'skipped'}
+    return f'{about}: {said.get(outcome, "nobody answered")}'
 
 
 def _is(object_id: int | None, symbol: str) -> str:

@@ -9,7 +9,7 @@ from collections.abc import Callable
 
 import numpy as np
 
-from al_questioner.domain import Answer, AnswerError, Query, Scene
+from al_questioner.domain import Answer, AnswerError, Query, QueryKind, Scene
 from al_questioner.teaching.plain_words import read_plain_answer
 from al_questioner.teaching.terminal.board import Board, Moment, Phase, Picture, Progress, Said
 from al_questioner.teaching.terminal.sentences import said_in_words
@@ -82,6 +82,10 @@ class Session:
         """Hear how far the episode is."""
         with self._changed:
             self._progress = progress
+            if self._last is None and progress.last is not None and progress.last[1].teacher_id == self._teacher_id:
+                # What was said before this program began.
+                query, answer = progress.last
+                self._last = Said(Moment(query, None, None), answer)
             self._tell()
 
     def begin(self, turns: int, budget: float) -> None:
@@ -133,13 +137,11 @@ class Session:
             if self._corrected is not None:
                 self._corrected, self._notice = None, 'That answer stands as it was.'
             elif self._last is None:
-                raise AnswerError(
-                    'there is nothing to take back: no answer of yours was taken since this program began'
-                )
+                raise AnswerError('there is nothing to take back: no answer of yours was the last that was taken')
             elif self._on_its_way is not None:
                 raise AnswerError('an answer is on its way to the robot: wait until it is taken')
             else:
-                self._corrected, self._notice = self._last, ''
+                self._corrected, self._notice = self._recalled(self._last), ''
             self._tell()
 
     def acknowledge(self, answer_id: str | None, accepted: bool, reason: str) -> None:
@@ -183,6 +185,15 @@ class Session:
         """Have whoever waits look again."""
         with self._changed:
             self._tell()
+
+    def _recalled(self, said: Said) -> Said:
+        """An answer of before this program began, with what is on the table now if that is what it was about."""
+        moment, scene = said.moment, self._scene
+        if moment.scene is not None or scene is None:
+            return said
+        action, there = moment.query.action, set(map(str, scene.object_ids))
+        about = moment.query.choices if action.kind is QueryKind.DEMONSTRATION else (str(action.object_id),)
+        return Said(Moment(moment.query, scene, None), said.answer) if there.issuperset(about) else said
 
     def _tell(self) -> None:
         self._changed.notify_all()

@@ -79,9 +79,11 @@ class Person:
         self.session.see(picture_of(), 1)
         self.progress(0)
 
-    def progress(self, turn: int, *records: QueryRecord, done: bool = False) -> None:
+    def progress(
+        self, turn: int, *records: QueryRecord, done: bool = False, last: tuple[Query, Answer] | None = None
+    ) -> None:
         """The learner's state after a turn."""
-        self.session.follow(Progress(turn, 8, 6.0, float(len(records)), done, records))
+        self.session.follow(Progress(turn, 8, 6.0, float(len(records)), done, records, last))
 
     def asked(self, query: Query) -> Board:
         """What is shown once this is asked."""

@@ -62,6 +62,8 @@ def test_keys_answer_every_kind_of_question(
     terminal.press(' \x1b[C ')
     terminal.wait_for(lambda text: text.count('[x]') == 2)
     terminal.press('\r')
+    terminal.wait_for('The episode is over.')
+    terminal.press('q')
     assert terminal.status() == 0
     assert 'The episode is over: 3 of 5 spent on 3' in ' '.join(terminal.text.split())
     assert said(tmp_path) == ['q1 answered fruit False', 'q2 answered 12 False', "q3 answered ('colour', 'size') False"]

@@ -2,11 +2,12 @@
 
 from __future__ import annotations
 
+import dataclasses
 from typing import Any
 
 import pytest
 
-from al_questioner.domain import AnswerError, Outcome
+from al_questioner.domain import Answer, AnswerError, Outcome
 from al_questioner.teaching.terminal import Phase
 
 
@@ -161,3 +162,22 @@ def test_a_correction_shows_what_was_there_when_it_was_asked(person: Any, made: 
     person.session.look(made.scene_of({20: (0.5, 0.5)}), 2)
     person.session.undo()
     assert person.session.board().moment.scene.object_ids == (1, 7, 12)
+
+
+def test_what_was_said_before_the_program_began_can_be_taken_back(person: Any, made: Any) -> None:
+    """Who quits and comes back could not mend the answer that made them quit; nor anybody another's."""
+    theirs, query = Answer('q4', 'a7', 'bert', Outcome.ANSWERED, 'snack'), made.label(4)
+    person.progress(4, made.record(4), last=(query, theirs))
+    with pytest.raises(AnswerError, match='nothing to take back'):
+        person.session.undo()
+    mine = dataclasses.replace(theirs, teacher_id='anna')
+    person.progress(4, made.record(4), last=(query, mine), done=True)
+    assert person.session.board().can_undo
+    person.session.undo()
+    board = person.session.board()
+    assert (board.phase, board.moment.query, board.corrected.answer) == (Phase.CORRECTING, query, mine)
+    person.session.say('fruit')
+    _, correction = person.sent[-1]
+    assert (correction.query_id, correction.replaces, correction.content) == ('q4', 'a7', 'fruit')
+    person.taken()
+    assert person.session.board().phase is Phase.OVER

@@ -1,0 +1,167 @@
+"""How far each teacher can be relied on, judged by what the models believed before they were told.
+
+The one-coin model of Dawid and Skene (1979), with the beliefs of the classifiers as prior of what a thing is, as in
+Raykar et al. (2010). A teacher t names the right one of L labels with probability r_t, and each wrong one with
+(1 - r_t) / (L - 1). Expectation maximisation alternates
+
+    P(z_i = l) proportional to b_il prod_t (r_t if t said l, else (1 - r_t) / (L - 1)),
+    r_t = (a + sum of P(z_i = what t said of i)) / (a + c + number of i that t spoke of),
+
+with a = 9 and c = 1: nine right answers and a wrong one that every teacher is credited with. Where the models know
+nothing, b is uniform and nothing is learnt of a teacher who speaks alone.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Collection, Mapping, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from al_questioner.domain import NO_SYMBOL, Answer, Outcome, Query, QueryKind
+from al_questioner.questioning.answers import AnswerBook
+
+Array = NDArray[np.float64]
+
+CREDIT_RIGHT, CREDIT_WRONG = 9.0, 1.0
+"""Answers that every teacher is credited with before the first."""
+CONVERGED = 1e-6
+MOST_ITERATIONS = 1000
+LEAST_BELIEF = 1e-9
+"""Nothing is impossible: a label that the models exclude can still be the right one."""
+
+
+@dataclass(frozen=True)
+class Statement:
+    """That a teacher said of one thing that it is one of the labels.
+
+    Attributes:
+        item: turn in which it was asked what the thing is.
+        teacher_id: who said it.
+        label: index into the labels.
+    """
+
+    item: int
+    teacher_id: str
+    label: int
+
+
+@dataclass(frozen=True)
+class TeacherRecord:
+    """What a teacher has said so far.
+
+    Attributes:
+        answered: answers that count now.
+        unknown: queries of which the teacher did not know the answer.
+        skipped: queries that the teacher skipped.
+        corrected: answers of this teacher that were replaced.
+        late: answers to queries that another answer had settled.
+        reliability: estimated probability that a label of this teacher is right.
+    """
+
+    answered: int
+    unknown: int
+    skipped: int
+    corrected: int
+    late: int
+    reliability: float
+
+
+def label_beliefs(probabilities: Array) -> Array:
+    """(L,) probability of each symbol, and of none as the last, from (L - 1,) independent q_y(x).
+
+    Exactly one of them holds, so that p(y) is proportional to q_y / (1 - q_y), and p(none) to 1.
+    """
+    q = np.clip(probabilities, LEAST_BELIEF, 1.0 - LEAST_BELIEF)
+    odds = np.append(q / (1.0 - q), 1.0)
+    return np.asarray(odds / odds.sum())
+
+
+def reliabilities(statements: Sequence[Statement], beliefs: Mapping[int, Array]) -> dict[str, float]:
+    """The estimated r_t of every teacher, see the formulas above.
+
+    Args:
+        statements: what was said.
+        beliefs: (L,) b_i of every item that is spoken of.
+    """
+    teachers = list(dict.fromkeys(statement.teacher_id for statement in statements))
+    items = list(dict.fromkeys(statement.item for statement in statements))
+    if not statements:
+        return {}
+    who = np.array([teachers.index(statement.teacher_id) for statement in statements])
+    which = np.array([items.index(statement.item) for statement in statements])
+    said = np.array([statement.label for statement in statements])
+    log_prior = np.log(np.maximum([beliefs[item] for item in items], LEAST_BELIEF))
+    labels = log_prior.shape[1]
+    spoken = np.bincount(who, minlength=len(teachers))
+    reliability = np.full(len(teachers), CREDIT_RIGHT / (CREDIT_RIGHT + CREDIT_WRONG))
+    for _ in range(MOST_ITERATIONS):
+        log_posterior = log_prior.copy()
+        wrong = np.log((1.0 - reliability[who]) / (labels - 1))
+        np.add.at(log_posterior, which, wrong[:, None])
+        np.add.at(log_posterior, (which, said), np.log(reliability[who]) - wrong)
+        posterior = np.exp(log_posterior - log_posterior.max(axis=1, keepdims=True))
+        posterior /= posterior.sum(axis=1, keepdims=True)
+        right = np.bincount(who, weights=posterior[which, said], minlength=len(teachers))
+        before, reliability = reliability, (CREDIT_RIGHT + right) / (CREDIT_RIGHT + CREDIT_WRONG + spoken)
+        if np.abs(reliability - before).max() < CONVERGED:
+            break
+    return dict(zip(teachers, reliability.tolist(), strict=True))
+
+
+def statements_of(
+    book: AnswerBook, queries: Mapping[str, Query], symbols: Sequence[str], beliefs: Collection[int]
+) -> list[Statement]:
+    """What the answers say of things, those that came too late included.
+
+    Of a demonstration that came too late it is not known whether it shows the same thing as the one that was taken.
+
+    Args:
+        book: all answers.
+        queries: by `query_id`.
+        symbols: the labels, `NO_SYMBOL` comes after them.
+        beliefs: turns in which one thing was asked or shown, and named.
+    """
+    labels = (*symbols, NO_SYMBOL)
+    taken = [(answer, queries[answer.query_id]) for answer in book.standing()]
+    late = [(answer, queries[answer.query_id]) for answer in book.late]
+    said = taken + [(answer, query) for answer, query in late if query.action.kind is QueryKind.LABEL]
+    named = [
+        (query.turn, answer.teacher_id, answer.content if query.action.kind is QueryKind.LABEL else query.action.symbol)
+        for answer, query in said
+        if query.turn in beliefs and answer.outcome is Outcome.ANSWERED
+    ]
+    return [Statement(turn, who, labels.index(str(what))) for turn, who, what in named if what in labels]
+
+
+def teacher_records(
+    book: AnswerBook, queries: Mapping[str, Query], symbols: Sequence[str], beliefs: Mapping[int, Array]
+) -> dict[str, TeacherRecord]:
+    """What every teacher has said, in the order of their names.
+
+    Args:
+        book: all answers.
+        queries: by `query_id`.
+        symbols: the labels, `NO_SYMBOL` comes after them.
+        beliefs: by turn, (L,) what the models believed of the thing that was named in it, before they were told.
+    """
+    statements = statements_of(book, queries, symbols, beliefs)
+    estimated = reliabilities(statements, beliefs)
+    standing, replaced, late = list(book.standing()), list(book.replaced()), list(book.late)
+    names = sorted({answer.teacher_id for answer in (*replaced, *standing, *late)})
+
+    def count(answers: Sequence[Answer], name: str, outcome: Outcome | None = None) -> int:
+        return sum(a.teacher_id == name and outcome in (None, a.outcome) for a in answers)
+
+    return {
+        name: TeacherRecord(
+            answered=count(standing, name, Outcome.ANSWERED),
+            unknown=count(standing, name, Outcome.UNKNOWN),
+            skipped=count(standing, name, Outcome.SKIP),
+            corrected=count(replaced, name),
+            late=count(late, name),
+            reliability=estimated.get(name, CREDIT_RIGHT / (CREDIT_RIGHT + CREDIT_WRONG)),
+        )
+        for name in names
+    }

@@ -1,0 +1,237 @@
+"""A teacher who is away: turns pass, the question stays, and nothing is guessed."""
+
+import numpy as np
+import pytest
+from hypothesis import HealthCheck, given, settings
+from hypothesis import strategies as st
+
+from al_questioner.domain import Action, Answer, AnswerError, Costs, Outcome, QueryKind, SettingsError, generator
+from al_questioner.questioning import Episode, new_knowledge
+from al_questioner.questioning.choice import ask_nothing
+
+
+class Asks:
+    """A strategy that asks for the first of these actions that is a candidate."""
+
+    selector = None
+
+    def __init__(self, *actions):
+        self.actions = actions
+
+    def choose(self, situation, rng):
+        choice = ask_nothing(situation)
+        for action in self.actions:
+            if action in situation.candidates:
+                return type(choice)(situation.candidates.index(action), choice.utilities)
+        return choice
+
+
+LABEL, DEMONSTRATION = Action(QueryKind.LABEL, object_id=0), Action(QueryKind.DEMONSTRATION, symbol='fruit')
+SUBSET, NOTHING = Action(QueryKind.FEATURE_SUBSET), Action(QueryKind.NO_QUERY)
+
+
+@pytest.fixture
+def scene(toy):
+    return toy.scene(np.random.default_rng(3).normal(size=(4, 5)))
+
+
+@pytest.fixture
+def start(toy):
+    def make(*actions, **changes):
+        own = toy.settings('random_fsq', **{'budget': 4.0, 'turns': 6, **changes})
+        return Episode(own, generator(0, 'learner'), strategy=Asks(*actions))
+
+    return make
+
+
+def chosen(decision):
+    return decision.candidates[decision.chosen]
+
+
+def test_a_turn_passes_and_the_question_stays(start, scene):
+    """An absent teacher would stall the episode, or find another question when coming back."""
+    episode = start(LABEL)
+    query = episode.ask(scene).query
+    assert (episode.awaits_answer, episode.turns_over) == (True, 0)
+    with pytest.raises(RuntimeError, match='q1 has not been answered'):
+        episode.ask(scene)
+    with pytest.raises(RuntimeError, match='q1 has not been answered'):
+        episode.tune()
+    episode.let_pass()
+    assert (episode.awaits_answer, episode.turns_over, episode.pending) == (False, 1, query)
+    decision = episode.ask(scene)
+    assert (chosen(decision), decision.query, episode.pending) == (NOTHING, None, query)
+    assert np.flatnonzero(~np.isnan(decision.utilities)).tolist() == [decision.chosen]
+    assert (episode.awaits_answer, episode.unanswered_turns, episode.spent) == (True, 1, 1.0)
+
+
+def test_the_answer_counts_whenever_it_comes(start, toy, scene):
+    """What a person says on coming back would be lost, or taken for something about another object."""
+    episode = start(LABEL)
+    query = episode.ask(scene).query
+    episode.let_pass()
+    episode.ask(scene)
+    record = episode.tell(toy.reply(query, 'snack'))
+    assert (record.turn, record.answered_in, record.object_id, record.symbol) == (1, 2, 0, 'snack')
+    assert (episode.pending, episode.unanswered_turns, episode.spent) == (None, 0, 1.0)
+    at_once = start(LABEL)
+    at_once.tell(toy.reply(at_once.ask(scene).query, 'snack'))
+    at_once.knowledge.observe(scene)
+    np.testing.assert_array_equal(
+        episode.knowledge.predict_proba(scene.features), at_once.knowledge.predict_proba(scene.features)
+    )
+
+
+def test_an_answer_between_turns_counts(start, toy, scene):
+    """An answer that comes while the robot looks would be refused."""
+    episode = start(LABEL)
+    query = episode.ask(scene).query
+    episode.let_pass()
+    assert episode.tell(toy.reply(query, 'snack')).answered_in is None
+    assert chosen(episode.ask(scene)) == LABEL
+
+
+def test_a_question_whose_object_is_gone_is_withdrawn(start, toy, scene):
+    """The robot would ask on and on about a thing that nobody sees."""
+    other = toy.scene(np.random.default_rng(4).normal(size=(4, 5)), [5, 6, 7, 8])
+    episode = start(LABEL, Action(QueryKind.LABEL, object_id=7))
+    first = episode.ask(scene).query
+    episode.let_pass()
+    second = episode.ask(other).query
+    assert (second.query_id, second.action.object_id, second.budget_left) == ('q2', 7, 3.0)
+    assert [(r.turn, r.outcome, r.cost) for r in episode.records] == [(1, Outcome.UNANSWERED, 0.0)]
+    record = episode.tell(toy.reply(first, 'snack'))
+    assert (record.answered_in, record.object_id, record.outcome) == (2, 0, Outcome.ANSWERED)
+    assert (episode.pending, episode.awaits_answer, episode.spent) == (second, True, 2.0)
+    assert episode.positives['snack'] == 1
+    assert episode.tell(toy.reply(second, 'fruit')).answered_in is None
+
+
+@pytest.mark.parametrize(('action', 'stays'), [(LABEL, True), (DEMONSTRATION, False), (SUBSET, True)])
+def test_what_is_still_in_view_is_still_asked(start, toy, scene, action, stays):
+    """A question would be withdrawn that can still be answered, or kept that means something else now."""
+    moved = toy.scene(np.vstack([scene.features[:2], scene.features[2:] + 1.0]))
+    episode = start(action)
+    query = episode.ask(scene).query
+    episode.let_pass()
+    decision = episode.ask(moved)
+    assert (episode.pending == query) == stays
+    assert (decision.query is None) == stays
+
+
+def test_after_the_last_turn_the_question_is_withdrawn(start, toy, scene):
+    """The episode of a teacher who does not come back would never end; what they say later would be lost."""
+    episode = start(LABEL, turns=2)
+    query = episode.ask(scene).query
+    episode.let_pass()
+    episode.ask(scene)
+    assert not episode.done
+    episode.let_pass()
+    assert episode.done
+    assert episode.spent == 0.0
+    assert [record.outcome for record in episode.records] == [Outcome.UNANSWERED]
+    with pytest.raises(RuntimeError, match='no query waits'):
+        episode.let_pass()
+    assert episode.tell(toy.reply(query, 'snack')).symbol == 'snack'
+    assert episode.done
+    assert episode.positives['snack'] == 1
+
+
+def test_nobody_says_that_nobody_answered(start, toy, scene):
+    """A teacher could have a question charged as if it had not been heard."""
+    episode = start(LABEL)
+    with pytest.raises(AnswerError, match='nobody can say'):
+        episode.tell(toy.reply(episode.ask(scene).query, None, Outcome.UNANSWERED))
+
+
+@pytest.mark.parametrize(('outcome', 'spent'), [(Outcome.UNKNOWN, 0.5), (Outcome.SKIP, 0.0), (Outcome.ANSWERED, 2.0)])
+def test_each_outcome_is_charged_its_share(start, toy, scene, outcome, spent):
+    """The costs of the configuration would be ignored."""
+    episode = start(DEMONSTRATION, costs=Costs(unknown=0.25, skip=0.0))
+    query = episode.ask(scene).query
+    content = 1 if outcome is Outcome.ANSWERED else None
+    assert episode.tell(toy.reply(query, content, outcome)).cost == spent
+    assert (episode.spent, episode.budget_left) == (spent, 4.0 - spent)
+
+
+def test_a_late_answer_never_exceeds_the_budget(start, toy, scene):
+    """Answers to questions that were withdrawn, and corrections, would overspend."""
+    other = toy.scene(np.random.default_rng(4).normal(size=(4, 5)), [5, 6, 7, 8])
+    episode = start(DEMONSTRATION, LABEL, budget=2.0)
+    first = episode.ask(scene).query
+    episode.let_pass()
+    second = episode.ask(other).query
+    episode.tell(toy.reply(second, 7))
+    assert episode.spent == 2.0
+    assert episode.tell(toy.reply(first, 1)).cost == 0.0
+    assert episode.spent == 2.0
+
+
+@pytest.mark.parametrize('share', [-0.1, 1.1, float('nan')])
+@pytest.mark.parametrize('outcome', ['unknown', 'skip', 'unanswered'])
+def test_a_share_is_between_none_and_all(toy, outcome, share):
+    """A question could earn budget, or cost more than it was said to."""
+    with pytest.raises(SettingsError, match=f'outcome {outcome} must be in'):
+        toy.settings('random_fsq', costs=Costs(**{outcome: share}))
+
+
+@pytest.mark.parametrize(('outcome', 'again'), [(Outcome.UNKNOWN, False), (Outcome.SKIP, True)])
+def test_what_nobody_can_name_is_not_asked_again_while_it_looks_the_same(toy, scene, outcome, again):
+    """With every change elsewhere on the table the robot would ask once more what it was told is not known."""
+    episode = Episode(toy.settings('random_fsq', budget=20.0, turns=12), generator(0, 'learner'))
+    asked = {}
+    for turn in range(12):
+        # All but object 0 are others in each turn.
+        rows = np.vstack([scene.features[:1], np.random.default_rng(turn).normal(size=(2, 5))])
+        query = episode.ask(toy.scene(rows, [0, 10 + 2 * turn, 11 + 2 * turn])).query
+        if query is None:
+            continue
+        about_it = query.action.object_id == 0
+        asked[turn] = about_it
+        episode.tell(toy.reply(query, None, outcome if about_it else Outcome.SKIP))
+    assert (sum(asked.values()) > 1) == again
+
+
+@settings(max_examples=25, deadline=None, suppress_health_check=[HealthCheck.function_scoped_fixture])
+@given(data=st.data(), strategy=st.sampled_from(['u_sampling', 'random_fsq', 'rarest_demo', 'dt_iros']))
+def test_however_answers_come_what_is_known_is_what_was_said(toy, data, strategy):
+    """An episode in which the teacher comes and goes would know other things than were said, or overspend."""
+    own = toy.settings(strategy, turns=8, budget=9.0, costs=Costs(unknown=0.5, skip=0.0), tune_every=3)
+    world, scenes, open_queries = toy.world(data.draw(st.integers(0, 5)), change_interval=2), [], []
+    episode = Episode(own, generator(1, 'strategy'))
+
+    def answer(query):
+        outcome = data.draw(st.sampled_from([Outcome.ANSWERED, Outcome.ANSWERED, Outcome.UNKNOWN, Outcome.SKIP]))
+        content = None
+        if outcome is Outcome.ANSWERED:
+            content = {
+                QueryKind.LABEL: 'snack',
+                QueryKind.DEMONSTRATION: scenes[query.turn - 1].object_ids[0],
+                QueryKind.FEATURE_SUBSET: ('size',),
+            }[query.action.kind]
+        episode.tell(Answer(query.query_id, f'a{query.query_id}', 'anna', outcome, content))
+
+    while not episode.done:
+        scenes.append(world.scene(episode.turn + 1))
+        query = episode.ask(scenes[-1]).query
+        if query is not None:
+            open_queries.append(query)
+        for waiting in list(open_queries):
+            if data.draw(st.booleans()):
+                open_queries.remove(waiting)
+                answer(waiting)
+        if episode.awaits_answer:
+            episode.let_pass()
+        episode.tune()
+        assert episode.spent <= own.budget + 1e-9
+    oracle, by_turn = new_knowledge(own), {record.turn: record for record in episode.records}
+    for turn, scene in enumerate(scenes, start=1):
+        oracle.observe(scene)
+        if turn in by_turn:
+            oracle.learn(by_turn[turn], scene)
+        if own.tunes_after(turn):
+            oracle.tune()
+    np.testing.assert_array_equal(
+        episode.knowledge.predict_proba(scenes[-1].features), oracle.predict_proba(scenes[-1].features)
+    )
+    assert sum(record.outcome is Outcome.UNANSWERED for record in episode.records) == len(open_queries)
