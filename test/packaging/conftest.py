@@ -87,14 +87,14 @@ def install_with_pip(source: Path, place: Path, extras: str = '') -> Installatio
     python = prefix / 'bin' / 'python3'
     pip = (python, '-m', 'pip', '--quiet', '--disable-pip-version-check', 'install')
     if extras:
-        Installation(place, environment).run(*pip, f'{source}{extras}', cwd=place)
+        Installation('pip', place, environment).run(*pip, f'{source}{extras}', cwd=place)
     else:
-        Installation(place, environment).run(*pip, '--no-deps', source, cwd=place)
+        Installation('pip', place, environment).run(*pip, '--no-deps', source, cwd=place)
         ours = sysconfig.get_paths()['purelib']
         environment['PYTHONPATH'] = os.pathsep.join(filter(None, (environment.get('PYTHONPATH'), ours)))
     environment['PATH'] = os.pathsep.join([str(python.parent), environment['PATH']])
     environment['AMENT_PREFIX_PATH'] = str(prefix)
-    return Installation(prefix, environment)
+    return Installation('pip', prefix, environment)
 
 
 def install_with_colcon(source: Path, place: Path, *options: str) -> Installation:
