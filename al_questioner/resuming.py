@@ -89,7 +89,7 @@ class Replay:
         elif isinstance(event, Told):
             learn(self.episode, event.answer)
         elif isinstance(event, KeptLate):
-            self.episode.keep_late(event.answer)
+            self.episode.answers.keep_late(event.answer)
         elif isinstance(event, Passed):
             self._pass(event)
         elif isinstance(event, Tuned):
@@ -110,8 +110,8 @@ class Replay:
         self.asked(seen, decision)
 
     def _pass(self, recorded: Passed) -> None:
-        pending = self.episode.pending
-        if pending is None or (self.episode.turn, pending.query_id) != (recorded.turn, recorded.query_id):
+        query = self.episode.awaited
+        if query is None or (self.episode.turn, query.query_id) != (recorded.turn, recorded.query_id):
             raise ReplayError(f'turn {recorded.turn}: query {recorded.query_id} does not wait for an answer')
         self.episode.let_pass()
 
@@ -216,13 +216,14 @@ class DurableEpisode:
             LogWriteError: it cannot be written, and is not taken.
         """
         try:
-            if self.episode.has_taken(answer):
+            if self.episode.answers.has_taken(answer):
                 return False
         except LateAnswerError as error:
-            late = self.episode.late
+            late = self.episode.answers.late
             if answer not in late and sum(one.query_id == answer.query_id for one in late) < LATE_KEPT:
+                self.episode.check_late(answer)
                 self._write(KeptLate(answer, str(error)))
-                self.episode.keep_late(answer)
+                self.episode.answers.keep_late(answer)
             raise
         self.episode.check(answer)
         self._write(Told(answer))
@@ -257,10 +258,10 @@ class DurableEpisode:
         Raises:
             LogWriteError: it cannot be written, and the turn is not over.
         """
-        pending = self.episode.pending
-        if pending is None or not self.episode.awaits_answer:
+        query = self.episode.awaited
+        if query is None:
             raise RuntimeError('no query waits for its answer')
-        self._write(Passed(self.episode.turn, pending.query_id))
+        self._write(Passed(self.episode.turn, query.query_id))
         self.episode.let_pass()
 
     def tune(self) -> bool:

@@ -243,6 +243,24 @@ class Evaluation:
             self._measured_version = self._knowledge.model_version
         return self._accuracy[-1]
 
+    def correct(self, queries: Sequence[QueryRecord]) -> None:
+        """Take in what was said later about turns that were followed already.
+
+        Accuracy is measured anew from the first turn of which something else is known now: as if it had been said at
+        once.
+
+        Args:
+            queries: what came of all queries so far; those of turns to come are passed over.
+        """
+        followed = [record for record in queries if record.turn <= self.turn]
+        if followed == self._queries:
+            return
+        turns, by_turn = self.turn, {record.turn: record for record in followed}
+        self._knowledge = new_knowledge(self.settings)
+        self._queries, self._accuracy, self._measured_version = [], [], -1
+        for turn in range(1, turns + 1):
+            self.next_turn(by_turn.get(turn))
+
     def result(self) -> EpisodeResult:
         """The episode so far."""
         return EpisodeResult(

@@ -57,7 +57,7 @@ def state_members(episode: Episode, scene: Scene, beliefs: NDArray[np.float64]) 
 
 def _last_answer(episode: Episode) -> Document | None:
     """What somebody who comes back may want to take back."""
-    if episode.last_answer is None:
+    if episode.answers.last is None:
         return None
-    query, answer = episode.last_answer
+    query, answer = episode.answers.last
     return {'query': documents.query_members(query), 'answer': documents.answer_members(answer)}

@@ -65,10 +65,10 @@ def play(folder: Path, acknowledge: Callable[[Answer], None], at_write_point: Ca
     session.start()
     episode = session.episode
     while True:
-        if episode.pending is not None and is_away(episode.pending, episode.turn):
+        if episode.awaited is not None and is_away(episode.awaited, episode.turn):
             session.let_pass()
-        elif episode.pending is not None and episode.awaits_answer:
-            for answer in said(episode.pending):
+        elif episode.awaited is not None:
+            for answer in said(episode.awaited):
                 try:
                     session.take(answer)
                     acknowledge(answer)

@@ -22,7 +22,7 @@ from al_questioner.domain import (
 )
 from al_questioner.questioning import Situation, human
 from al_questioner.recording import LogWriteError, SessionLog, SessionLogError, read_log
-from al_questioner.recording.session_events import Begun, Encoder, KeptLate, Refused, Seen, Told, Tuned, decoded
+from al_questioner.recording.session_events import Begun, Encoder, KeptLate, Passed, Refused, Seen, Told, Tuned, decoded
 from al_questioner.resuming import DurableEpisode, Replay, ReplayError
 from al_questioner.simulation import PerceivedWorld, WorldChoice, episode_settings
 from al_questioner.teaching import ScriptedTeacher
@@ -92,7 +92,8 @@ def test_killed_at_every_write_point(tmp_path: Path) -> None:
     result = drive('points', tmp_path)
     assert result['problems'] == []
     assert result['kills'] > 80
-    assert {'answer', 'correction', 'late', 'tune', 'decision', 'scene', 'episode'} == set(result['kinds'])
+    kinds = {'answer', 'correction', 'late', 'passed', 'tune', 'decision', 'scene', 'episode'}
+    assert kinds == set(result['kinds'])
 
 
 @pytest.mark.slow
@@ -144,7 +145,9 @@ def test_a_late_answer_is_kept_with_its_own_question(tmp_path: Path, world: Perc
     session = started(tmp_path)
     (first, *_) = play_turns(session, world, 2)
     pending = ask(session, world).query
-    late = Answer(first.query_id, 'b1', 'bert', Outcome.ANSWERED, 'snack')
+    with pytest.raises(AnswerError, match='a feature subset is some of'):
+        session.take(Answer(first.query_id, 'b0', 'bert', Outcome.ANSWERED, 'snack'))
+    late = Answer(first.query_id, 'b1', 'bert', Outcome.ANSWERED, ('size',))
     for _ in range(2):
         with pytest.raises(LateAnswerError, match=f"query 'q1' was answered already, by '{first.answer_id}'"):
             session.take(late)
@@ -348,3 +351,12 @@ def test_a_persons_choices_are_not_asked_for_again(
     play_turns(again, world, 1)
     assert asked == [1, 2, 3, 4]
     again.close()
+
+
+def test_a_turn_that_passed_without_waiting_is_named(tmp_path: Path, world: PerceivedWorld) -> None:
+    """A log that was tampered with would be gone on with."""
+    session = started(tmp_path)
+    query = ask(session, world).query
+    replay = Replay(session.begun)
+    with pytest.raises(ReplayError, match='q1 does not wait for an answer'):
+        replay.play(Passed(1, query.query_id))

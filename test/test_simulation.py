@@ -43,6 +43,22 @@ def test_accuracy_of_hand_made_cases(probabilities: list[list[float]], expected:
     assert accuracy(np.array(probabilities), ['a', 'b'], SYMBOLS) == expected
 
 
+def test_what_is_said_later_is_measured_as_if_it_had_been_said_at_once() -> None:
+    """The demo would show an episode in which late answers and corrections never came."""
+    settings = episode_settings(TASK, 'random_fsq', budget=8, turns=8)
+    whole = run_episode(CHOICE, settings, teacher())
+    early, late = whole.queries[:2], whole.queries[2]
+    evaluation = Evaluation(CHOICE, settings)
+    for turn in range(1, late.turn + 1):
+        evaluation.next_turn(next((record for record in early if record.turn == turn), None))
+    evaluation.correct(whole.queries)
+    assert evaluation.result().queries == whole.queries[:3]
+    assert evaluation.result().accuracy == whole.accuracy[: late.turn]
+    before = evaluation.result()
+    evaluation.correct(whole.queries)
+    assert evaluation.result() == before
+
+
 @pytest.mark.parametrize('tune_every', [0, 3])
 @pytest.mark.parametrize('strategy', ['dt_task', 'u_sampling', 'farthest_fsq'])
 def test_evaluation_believes_what_the_learner_believes(strategy: str, tune_every: int) -> None:

@@ -139,6 +139,7 @@ def _play_graph(given: argparse.Namespace, evaluation: Evaluation, watch: TurnWa
 
     def follow(turn: int, queries: tuple[QueryRecord, ...]) -> None:
         by_turn = {record.turn: record for record in queries}
+        evaluation.correct(queries)
         while evaluation.turn < turn:
             record = by_turn.get(evaluation.turn + 1)
             accuracy = evaluation.next_turn(record)

@@ -80,7 +80,7 @@ def imitate(weights: Array, demonstration: Demonstration, world: PerceivedWorld)
     settings = dataclasses.replace(demonstration.settings, strategy='dt_task_env', weights=named)
     episode = Episode(settings, generator(choice.seed, 'learner'), demonstration.view_tolerance)
     teacher = ScriptedTeacher(choice.task.symbols, choice.task.relevant_groups, choice.seed)
-    played = [decision for decision, _ in islice(turns(episode, world, teacher), len(demonstration.steps))]
+    played = [decision for decision, _ in islice(turns(episode, world, teacher), demonstration.turns)]
     counts = np.mean([decision.features[decision.chosen] for decision in played], axis=0)
     return Imitation(np.asarray(counts), episode.records)
 

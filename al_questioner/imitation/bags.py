@@ -42,6 +42,7 @@ def demonstration_of(session: Session, name: str) -> Demonstration:
         name=name,
         settings=session.settings,
         world=None if session.world is None else _world(session.source, session.world),
+        turns=len(session.turns),
         steps=steps,
         feature_names=session.feature_names,
         queries=session.records,

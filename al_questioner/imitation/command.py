@@ -73,7 +73,7 @@ def main(arguments: Sequence[str]) -> int:
     if len({path.resolve() for path in paths}) < len(paths):
         raise InputError('a bag is named twice')
     demonstrations = read_demonstrations(paths)
-    console.print(f'{len(demonstrations)} demonstrations, {sum(len(d.steps) for d in demonstrations)} turns')
+    console.print(f'{len(demonstrations)} demonstrations, {sum(d.turns for d in demonstrations)} turns')
     matching = MatchingSettings(given.iterations, given.rollouts, seed=given.seed, jobs=given.jobs)
     settings = TrainingSettings(given.method, given.validation, given.ridge, matching)
     with bars.Progress(

@@ -54,6 +54,7 @@ class Demonstration:
         name: where it comes from, for people.
         settings: of the episode.
         world: the simulated world it took place in; None if it was another one.
+        turns: number of turns that were recorded.
         steps: one per turn in which there was something to choose.
         feature_names: of the objects.
         queries: what was asked, and what came of it.
@@ -64,6 +65,7 @@ class Demonstration:
     name: str
     settings: EpisodeSettings
     world: WorldChoice | None
+    turns: int
     steps: tuple[Step, ...]
     feature_names: tuple[str, ...] = ()
     queries: tuple[QueryRecord, ...] = ()
@@ -85,9 +87,12 @@ def steps_of(decisions: Iterable[Decision]) -> tuple[Step, ...]:
     """What decisions show of their questioner; while a question waits for a late answer there is nothing to choose.
 
     Raises:
-        InputError: see `step_of`.
+        InputError: see `step_of`; or there was nothing to choose in any turn.
     """
-    return tuple(step_of(decision) for decision in decisions if not _is_forced(decision))
+    found = tuple(step_of(decision) for decision in decisions if not _is_forced(decision))
+    if not found:
+        raise InputError('in no turn was there anything to choose')
+    return found
 
 
 def _is_forced(decision: Decision) -> bool:
@@ -134,6 +139,7 @@ def demonstrate(
         name=f'{settings.strategy} {choice.task.name} {choice.seed}',
         settings=settings,
         world=choice,
+        turns=settings.turns,
         steps=steps,
         feature_names=seen.scene(1).feature_names,
         queries=episode.records,

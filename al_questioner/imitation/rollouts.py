@@ -127,7 +127,7 @@ class _Stage:
         self._teacher = ScriptedTeacher(task.symbols, task.relevant_groups, choice.seed)
         self._settings, self._tolerance = demonstration.settings, demonstration.view_tolerance
         # Of a demonstration that was cut off, a rollout is to be compared with what there is.
-        self._turns = len(demonstration.steps)
+        self._turns = demonstration.turns
         self._world = PerceivedWorld(choice.open())
         for turn in (1, *self._world.change_turns(self._turns)):
             self._world.scene(turn)

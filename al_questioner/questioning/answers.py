@@ -7,9 +7,13 @@ from collections.abc import Iterator, Sequence
 from al_questioner.domain import (
     NO_SYMBOL,
     SAYABLE_OUTCOMES,
+    Action,
     Answer,
     AnswerError,
     LateAnswerError,
+    Outcome,
+    Query,
+    QueryKind,
     Scene,
 )
 
@@ -18,19 +22,19 @@ class AnswerBook:
     """The answers of an episode, in the order in which they were heard.
 
     Attributes:
-        last: the one that was taken last; None before the first.
+        last: the one that was taken last, with its query; None before the first.
         late: those that came too late.
     """
 
     def __init__(self) -> None:
         self._taken: dict[str, dict[str, Answer]] = {}
-        self.last: Answer | None = None
+        self.last: tuple[Query, Answer] | None = None
         self.late: dict[Answer, None] = {}
 
-    def take(self, answer: Answer) -> None:
-        """Note an answer that counts."""
+    def take(self, answer: Answer, query: Query) -> None:
+        """Note an answer that counts, and the query that it is to."""
         self._taken.setdefault(answer.query_id, {})[answer.answer_id] = answer
-        self.last = answer
+        self.last = (query, answer)
 
     def keep_late(self, answer: Answer) -> None:
         """Note an answer to a query that another one had settled."""
@@ -80,24 +84,36 @@ class AnswerBook:
             )
 
 
-def check_outcome(answer: Answer) -> None:
-    """Make sure that an answer is of a kind that somebody can give.
+def content_of(
+    answer: Answer, action: Action, symbols: Sequence[str], groups: Sequence[str], scene: Scene
+) -> tuple[int | None, str | None, tuple[str, ...]]:
+    """Object, symbol and feature groups that a question and its answer speak of.
+
+    Args:
+        answer: what was said.
+        action: what was asked.
+        symbols: the concepts.
+        groups: the feature groups.
+        scene: of the turn in which it was asked.
 
     Raises:
-        AnswerError: it says that there is none, or has a content although it does not answer.
+        AnswerError: the answer does not fit the question.
     """
     if answer.outcome not in SAYABLE_OUTCOMES:
         raise AnswerError(f'nobody can say that a question is {answer.outcome.value}')
-    if answer.outcome is not SAYABLE_OUTCOMES[0] and answer.content is not None:
-        raise AnswerError(f'an answer with outcome {answer.outcome.value!r} has no content')
+    if answer.outcome is not Outcome.ANSWERED:
+        if answer.content is not None:
+            raise AnswerError(f'an answer with outcome {answer.outcome.value!r} has no content')
+        return action.object_id, action.symbol, ()
+    if action.kind is QueryKind.LABEL:
+        return action.object_id, _named_symbol(answer, symbols), ()
+    if action.kind is QueryKind.DEMONSTRATION:
+        return _shown_object(answer, scene), action.symbol, ()
+    return None, None, _named_groups(answer, groups)
 
 
-def named_symbol(answer: Answer, symbols: Sequence[str]) -> str:
-    """The symbol, or `NO_SYMBOL`, that an answer to a label query names.
-
-    Raises:
-        AnswerError: it names none of them.
-    """
+def _named_symbol(answer: Answer, symbols: Sequence[str]) -> str:
+    """The symbol, or `NO_SYMBOL`, that an answer to a label query names."""
     known = (*symbols, NO_SYMBOL)
     if not isinstance(answer.content, str):
         raise AnswerError(f'a label is one of {", ".join(known)}, not {answer.content!r}')
@@ -106,12 +122,8 @@ def named_symbol(answer: Answer, symbols: Sequence[str]) -> str:
     return answer.content
 
 
-def shown_object(answer: Answer, scene: Scene) -> int | None:
-    """The object of the scene that an answer to a demonstration query shows; None if there is none to show.
-
-    Raises:
-        AnswerError: it names no object of the scene.
-    """
+def _shown_object(answer: Answer, scene: Scene) -> int | None:
+    """The object of the scene that an answer to a demonstration query shows; None if there is none to show."""
     if answer.content == NO_SYMBOL:
         return None
     if not isinstance(answer.content, int) or isinstance(answer.content, bool):
@@ -121,12 +133,8 @@ def shown_object(answer: Answer, scene: Scene) -> int | None:
     return answer.content
 
 
-def named_groups(answer: Answer, groups: Sequence[str]) -> tuple[str, ...]:
-    """The feature groups that an answer to a feature subset query names, each once.
-
-    Raises:
-        AnswerError: it names none, or an unknown one.
-    """
+def _named_groups(answer: Answer, groups: Sequence[str]) -> tuple[str, ...]:
+    """The feature groups that an answer to a feature subset query names, each once."""
     if not isinstance(answer.content, tuple) or not answer.content:
         raise AnswerError(f'a feature subset is some of {", ".join(groups)}, not {answer.content!r}')
     for group in answer.content:

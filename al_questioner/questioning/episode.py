@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Collection, Mapping
+from collections.abc import Mapping
 
 import numpy as np
 from numpy.typing import NDArray
@@ -22,7 +22,7 @@ from al_questioner.domain import (
     QueryRecord,
     Scene,
 )
-from al_questioner.questioning.answers import AnswerBook, check_outcome, named_groups, named_symbol, shown_object
+from al_questioner.questioning.answers import AnswerBook, content_of
 from al_questioner.questioning.candidates import choices, question_text
 from al_questioner.questioning.choice import Strategy, ask_nothing
 from al_questioner.questioning.reliability import TeacherRecord, label_beliefs, teacher_records
@@ -44,6 +44,11 @@ class Episode:
         view_tolerance: when two views of an object are the same, see `Knowledge`.
         strategy: who decides in the place of the strategy that the settings name.
 
+    Attributes:
+        settings: what was given to the learner.
+        knowledge: what it knows now.
+        answers: what was said to the queries.
+
     Raises:
         SettingsError: an unknown strategy, or weights that do not fit it.
     """
@@ -64,7 +69,7 @@ class Episode:
         self._beliefs: dict[int, NDArray[np.float64]] = {}
         self._pending: Query | None = None
         self._queries: dict[str, Query] = {}
-        self._book = AnswerBook()
+        self.answers = AnswerBook()
         self._non_query_turns = 0
         self._passed_turn = 0
         self._unanswered_turns = 0
@@ -104,9 +109,14 @@ class Episode:
         return self._pending
 
     @property
+    def awaited(self) -> Query | None:
+        """The query without whose answer, or `let_pass`, the present turn does not go on; None if it does."""
+        return self._pending if self._passed_turn < self.turn else None
+
+    @property
     def awaits_answer(self) -> bool:
         """Whether the present turn goes on only with the answer to the pending query, or by `let_pass`."""
-        return self._pending is not None and self._passed_turn < self.turn
+        return self.awaited is not None
 
     @property
     def unanswered_turns(self) -> int:
@@ -141,8 +151,8 @@ class Episode:
             SceneError: the scene's features are not those of the scenes before.
             RuntimeError: the present turn waits for an answer, or the episode is over.
         """
-        if self._pending is not None and self.awaits_answer:
-            raise RuntimeError(f'query {self._pending.query_id} has not been answered yet')
+        if self.awaited is not None:
+            raise RuntimeError(f'query {self.awaited.query_id} has not been answered yet')
         if self.turns_left == 0:
             raise RuntimeError(f'the episode is over: all {self.settings.turns} turns have passed')
         self.knowledge.observe(scene)
@@ -191,12 +201,13 @@ class Episode:
         Raises:
             RuntimeError: the turn does not wait for an answer.
         """
-        if self._pending is None or not self.awaits_answer:
+        query = self.awaited
+        if query is None:
             raise RuntimeError('no query waits for its answer')
         self._passed_turn = self.turn
         self._unanswered_turns += 1
         if self.turns_left == 0:
-            self._withdraw(self._pending)
+            self._withdraw(query)
 
     def tell(self, answer: Answer) -> QueryRecord:
         """Take in the answer to the pending query, or to one that was withdrawn since nobody had answered.
@@ -213,8 +224,9 @@ class Episode:
             self._pending = None
         self._unanswered_turns = 0
         self._records[record.turn] = record
-        self._book.take(answer)
-        if record.turn == self.turn:
+        self.answers.take(answer, self._queries[answer.query_id])
+        # After it was tuned, a turn's answer comes too late for the order in which everything else is learnt.
+        if record.turn == self.turn and self.turn not in self._tuned_turns:
             self._learn(self.knowledge, record)
         else:
             self._learn_anew()
@@ -235,7 +247,7 @@ class Episode:
             raise AnswerError(f'the answer to query {answer.query_id!r} does not say what it replaces')
         record = self.check(answer)
         self._records[record.turn] = record
-        self._book.take(answer)
+        self.answers.take(answer, self._queries[answer.query_id])
         self._learn_anew()
         return record
 
@@ -246,53 +258,27 @@ class Episode:
             AnswerError: the answer would be refused.
         """
         query = self._addressed(answer)
-        check_outcome(answer)
-        action = query.action
-        object_id, symbol = action.object_id, action.symbol
-        groups: tuple[str, ...] = ()
-        if answer.outcome is Outcome.ANSWERED:
-            if action.kind is QueryKind.LABEL:
-                symbol = named_symbol(answer, self.settings.symbols)
-            elif action.kind is QueryKind.DEMONSTRATION:
-                object_id = shown_object(answer, self._scene_of(query))
-            else:
-                groups = named_groups(answer, self.knowledge.groups)
+        object_id, symbol, groups = self._content(answer, query)
         before = self._records.get(query.turn)
         if answer.replaces is None or before is None:
             answered_in = None if query.turn == self.turn else self.turn
         else:
             answered_in = before.answered_in
         cost = self._charged(query, answer.outcome)
-        return QueryRecord(query.turn, action.kind, object_id, symbol, cost, answer.outcome, groups, answered_in)
+        return QueryRecord(query.turn, query.action.kind, object_id, symbol, cost, answer.outcome, groups, answered_in)
 
-    def has_taken(self, answer: Answer) -> bool:
-        """Whether this very answer was accepted before.
+    def check_late(self, answer: Answer) -> None:
+        """Make sure that an answer to a query that another one has settled would have been one.
 
         Raises:
-            AnswerError: another answer of the same ids was.
-            LateAnswerError: its query was settled by an answer of another id, which it does not replace.
+            AnswerError: it does not fit the question.
         """
-        return self._book.has_taken(answer)
-
-    def keep_late(self, answer: Answer) -> None:
-        """Note an answer to a query that another one has settled; it says something of its teacher alone."""
-        self._book.keep_late(answer)
-
-    @property
-    def late(self) -> Collection[Answer]:
-        """The answers that were noted by `keep_late`."""
-        return self._book.late
-
-    @property
-    def last_answer(self) -> tuple[Query, Answer] | None:
-        """The answer that was taken last, with its query."""
-        last = self._book.last
-        return None if last is None else (self._queries[last.query_id], last)
+        self._content(answer, self._queries[answer.query_id])
 
     @property
     def teachers(self) -> dict[str, TeacherRecord]:
         """What everybody who answered has said, and how far they can be relied on."""
-        return teacher_records(self._book, self._queries, self.settings.symbols, self._beliefs)
+        return teacher_records(self.answers, self._queries, self.settings.symbols, self._beliefs)
 
     @property
     def tune_is_due(self) -> bool:
@@ -308,8 +294,8 @@ class Episode:
         Raises:
             RuntimeError: the turn is not over: it waits for an answer.
         """
-        if self._pending is not None and self.awaits_answer:
-            raise RuntimeError(f'query {self._pending.query_id} has not been answered yet')
+        if self.awaited is not None:
+            raise RuntimeError(f'query {self.awaited.query_id} has not been answered yet')
         if not self.tune_is_due:
             return False
         self._tuned_turns.add(self.turn)
@@ -322,7 +308,7 @@ class Episode:
             AnswerError: there is none.
         """
         if answer.replaces is not None:
-            self._book.check_correction(answer)
+            self.answers.check_correction(answer)
             return self._queries[answer.query_id]
         query = self._queries.get(answer.query_id)
         if query is not None and query is self._pending:
@@ -333,6 +319,9 @@ class Episode:
         if self._pending is None:
             raise AnswerError(f'no query is pending; the answer was to {answer.query_id!r}')
         raise AnswerError(f'the answer is to query {answer.query_id!r}, the pending one is {self._pending.query_id!r}')
+
+    def _content(self, answer: Answer, query: Query) -> tuple[int | None, str | None, tuple[str, ...]]:
+        return content_of(answer, query.action, self.settings.symbols, self.knowledge.groups, self._scene_of(query))
 
     def _scene_of(self, query: Query) -> Scene:
         return self._scenes[query.turn - 1]
@@ -356,7 +345,7 @@ class Episode:
         """What a query costs in the end; once it was withdrawn or answered otherwise, no more than there is left."""
         price = query.cost * self.settings.costs.share(outcome)
         before = self._records.get(query.turn)
-        return price if before is None else min(price, max(before.cost, self.budget_left + before.cost))
+        return price if before is None else min(price, self.budget_left + before.cost)
 
     def _learn(self, knowledge: Knowledge, record: QueryRecord) -> None:
         """Learn what came of a query, after a note of what was believed of the thing before."""

@@ -33,6 +33,7 @@ from al_questioner.domain import (
 )
 from al_questioner.messages import documents
 from al_questioner.messages.clouds import cloud_of_decision, scene_of_cloud
+from al_questioner.messages.documents import Document
 from al_questioner.messages.pictures import markers
 from al_questioner.messages.stamps import nanoseconds, stamp_members
 from al_questioner.questioning import make_strategy
@@ -55,6 +56,8 @@ from al_questioner.telling import episode_members, state_members
 from al_questioner.throttle import Throttle
 from al_questioner.world import Task, load_task
 
+SECONDS_OF_A_RIVAL = 60.0
+"""For which another learner is a concern after it was heard."""
 SECONDS_FOR_ANSWER = 60.0
 """After which the lack of an answer is worth a warning."""
 SECONDS_FOR_OBJECTS = 10.0
@@ -80,7 +83,8 @@ class LearnerNode(QuestionerNode):
     def __init__(self, yields: bool = False, **node_arguments: Any) -> None:
         super().__init__('learner', **node_arguments)
         self._yields = yields
-        self._is_over = False
+        self._is_over = self._has_failed = False
+        self._rival_at = -math.inf
         world = declare_world(self)
         self._given = declare(self, learner_settings(world.task))
         self._settings = _episode_settings(world.task, self._given)
@@ -108,6 +112,7 @@ class LearnerNode(QuestionerNode):
         self._markers = self.create_publisher(MarkerArray, 'scene_markers', qos.LATCHED)
         self.on_message(PointCloud2, 'objects', self._perceive, qos.LATCHED)
         self.on_message(String, 'answer', self._hear, qos.EVENTS)
+        self.on_document('turn', self._hear_turn)
         self.does('preparing the models, some ten seconds the first time ever')
         self.submit(compile_models)
         if self._given['wait_for_recorder']:
@@ -137,6 +142,8 @@ class LearnerNode(QuestionerNode):
 
     def _begin_turn(self) -> None:
         """Ask perception for the scene of the next turn."""
+        if self._has_failed:
+            return
         stamp = self._stamps.begin(self._now())
         self._last_turn_start = time.monotonic()
         self._awaits_scene = True
@@ -148,7 +155,7 @@ class LearnerNode(QuestionerNode):
 
     def _perceive(self, cloud: PointCloud2) -> None:
         """Decide, once the scene of this turn is there: see `TurnStamps`."""
-        if not self._awaits_scene:
+        if not self._awaits_scene or self._has_failed:
             return
         if not self._stamps.is_of_turn(nanoseconds(cloud.header.stamp), self._now()):
             self._ignore_stale()
@@ -187,9 +194,11 @@ class LearnerNode(QuestionerNode):
 
     def _go_on_without(self) -> None:
         """Let the turn pass without its answer."""
-        episode = self._session.episode
-        if episode.pending is not None and episode.awaits_answer:
-            self.get_logger().info(f'turn {episode.turn}: going on without the answer to {episode.pending.query_id}')
+        query = self._session.episode.awaited
+        if query is not None:
+            self.get_logger().info(
+                f'turn {self._session.episode.turn}: going on without the answer to {query.query_id}'
+            )
             self._session.let_pass()
             self._end_turn()
 
@@ -304,19 +313,24 @@ class LearnerNode(QuestionerNode):
         return f'nobody has answered for {missed} turn{"" if missed == 1 else "s"}' if missed else ''
 
     def _rival(self) -> str:
-        others = ', '.join(self.other_publishers('turn'))
-        if not others:
+        if time.monotonic() > self._rival_at + SECONDS_OF_A_RIVAL:
             return ''
+        return 'another learner publishes turn, too: end one of the two, or give it a namespace of its own'
+
+    def _hear_turn(self, document: Document) -> None:
+        """Notice another learner on the same topics; make room for it if this episode is over."""
+        if document['episode_id'] == self.episode_id:
+            return
         if not self._is_over:
-            return f'{others} publishes turn, too: end one of the two, or give it a namespace of its own'
-        if self._yields:
-            self.get_logger().info(f'this episode is over and {others} begins another: ending')
+            self._rival_at = time.monotonic()
+        elif self._yields:
+            self.get_logger().info(f'this episode is over, and {document["episode_id"]} begins: ending')
             self.context.try_shutdown()
-        return ''
 
     def _failed(self, error: Exception) -> None:
         # An episode that cannot go on asks for nothing.
         if isinstance(error, EpisodeError):
+            self._has_failed = True
             self._request.stop()
             self._question.stop()
             self._patience.clear()

@@ -1,4 +1,4 @@
-"""A session as a bag: what a recorder beside the learner would have written."""
+"""A session as a bag: what a recorder beside the learner would have written, each message once."""
 
 from __future__ import annotations
 

@@ -21,7 +21,19 @@ ANSWER_COLUMNS = (
     *('time', 'turn', 'query_id', 'kind', 'object_id', 'symbol', 'cost'),
     *('answer_id', 'teacher_id', 'outcome', 'content', 'replaces', 'status'),
 )
-TURN_COLUMNS = ('turn', 'stamp', 'objects', 'kind', 'object_id', 'symbol', 'query_id', 'cost', 'outcome', 'groups')
+TURN_COLUMNS = (
+    'turn',
+    'stamp',
+    'objects',
+    'kind',
+    'object_id',
+    'symbol',
+    'query_id',
+    'cost',
+    'outcome',
+    'groups',
+    'answered_in',
+)
 
 
 def session_document(account: Account) -> dict[str, Any]:
@@ -137,9 +149,10 @@ def _turn_rows(account: Account) -> list[list[object]]:
                 object_id,
                 symbol,
                 query and query.query_id,
-                query and query.cost,
+                record and record.cost,
                 record and record.outcome.value,
                 groups,
+                record and record.answered_in,
             ]
         )
     return rows

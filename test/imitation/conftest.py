@@ -29,7 +29,7 @@ def synthetic(weights, seed, n_steps=400, features=None):
         table[:, 5] = 1 - turn / (n_steps + 1)
         chosen = int(rng.choice(len(ACTIONS), p=softmax(table @ weights)))
         steps.append(Step(turn, ACTIONS, table, chosen))
-    return Demonstration(f'synthetic {seed}', SETTINGS, None, tuple(steps))
+    return Demonstration(f'synthetic {seed}', SETTINGS, None, len(steps), tuple(steps))
 
 
 def expert(seed, budget=6.0, turns=10):

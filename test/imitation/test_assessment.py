@@ -14,7 +14,9 @@ LABELS = (Action(QueryKind.LABEL, 1), Action(QueryKind.LABEL, 2), Action(QueryKi
 def demonstration(*chosen):
     table = np.zeros((3, 7))
     table[:, 0] = [1.0, 0.0, 1.0]
-    return Demonstration('x', None, None, tuple(Step(i + 1, LABELS, table, c) for i, c in enumerate(chosen)))
+    return Demonstration(
+        'x', None, None, len(chosen), tuple(Step(i + 1, LABELS, table, c) for i, c in enumerate(chosen))
+    )
 
 
 def test_agreement_by_hand():

@@ -68,7 +68,7 @@ def test_two_candidates_are_a_logistic_regression():
     tables = rng.normal(size=(200, 2, 7))
     chosen = (rng.random(200) < 1 / (1 + np.exp(-(tables[:, 1] - tables[:, 0]) @ TRUE))).astype(int)
     steps = tuple(Step(i + 1, actions, t, int(c)) for i, (t, c) in enumerate(zip(tables, chosen, strict=True)))
-    demonstration = Demonstration('two', None, None, steps)
+    demonstration = Demonstration('two', None, None, len(steps), steps)
     found = fit_choices([demonstration], importance=np.ones(200), ridge=0.05)
     scale = feature_scale([demonstration])
     oracle = LogisticRegression(C=1 / (0.05 * 200), fit_intercept=False, tol=1e-10, max_iter=10_000)
@@ -89,7 +89,7 @@ def test_separable_choices_give_finite_weights(made):
     """An expert who always asks the same would make the weights grow without bound."""
     step = made.synthetic(TRUE, 0, 1).steps[0]
     always = tuple(Step(turn, step.actions, step.features, 9) for turn in range(1, 20))
-    found = fit_choices([Demonstration('always', None, None, always)])
+    found = fit_choices([Demonstration('always', None, None, len(always), always)])
     assert np.isfinite(found).all()
     assert (step.features @ found).argmax() == 9
 
@@ -98,7 +98,7 @@ def test_without_a_choice_nothing_can_be_learnt():
     """Weights of nothing would be taken for an expert's."""
     step = Step(1, (Action(QueryKind.NO_QUERY),), np.zeros((1, 7)), 0)
     with pytest.raises(InputError, match='more than one candidate'):
-        fit_choices([Demonstration('idle', None, None, (step,))])
+        fit_choices([Demonstration('idle', None, None, 1, (step,))])
 
 
 def test_the_temperature_gives_back_a_lost_scale(made):

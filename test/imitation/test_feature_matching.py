@@ -131,7 +131,7 @@ def test_the_window_with_the_smallest_validation_gap_is_kept():
 
 def test_a_demonstration_that_was_cut_off_is_compared_with_as_many_turns(experts):
     """Ten recorded turns would be held against the thirty of a whole rollout."""
-    cut = dataclasses.replace(experts[0], steps=experts[0].steps[:4])
+    cut = dataclasses.replace(experts[0], turns=4, steps=experts[0].steps[:4])
     with Simulator([cut]) as simulator:
         ((rollout,),) = simulator.roll_out(np.zeros(7), 1, 'z')
     assert rollout.features.shape == rollout.scores.shape == (4, 7)

@@ -65,7 +65,7 @@ def test_a_corrected_episode_is_that_of_the_right_answer(toy, data, strategy):
         expected[query.turn] = episode.amend(answer)
         last_ids[query.query_id].append(answer_id)
         assert before == (episode.turn, episode.spent, episode.pending, [(r.turn, r.cost) for r in episode.records])
-        assert episode.has_taken(answer)
+        assert episode.answers.has_taken(answer)
         check()
 
     def check():
@@ -187,13 +187,13 @@ def test_what_was_taken_is_known_again(answered, toy):
     """A teacher that resends would be refused, or counted twice; another's late answer would be learnt."""
     episode, queries = answered
     taken = toy.reply(queries[0], episode.records[0].symbol)
-    assert episode.has_taken(taken)
-    assert not episode.has_taken(toy.reply(queries[2], 'snack'))
+    assert episode.answers.has_taken(taken)
+    assert not episode.answers.has_taken(toy.reply(queries[2], 'snack'))
     other = 'fruit' if episode.records[0].symbol != 'fruit' else 'snack'
     with pytest.raises(AnswerError, match="another answer 'a1' to query 'q1' was taken already"):
-        episode.has_taken(toy.reply(queries[0], other))
+        episode.answers.has_taken(toy.reply(queries[0], other))
     with pytest.raises(LateAnswerError, match="query 'q1' was answered already, by 'a1'"):
-        episode.has_taken(Answer('q1', 'b1', 'bert', Outcome.ANSWERED, 'snack'))
+        episode.answers.has_taken(Answer('q1', 'b1', 'bert', Outcome.ANSWERED, 'snack'))
 
 
 def test_the_strategy_sees_the_corrected_past(toy):

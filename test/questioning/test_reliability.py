@@ -88,9 +88,36 @@ def test_the_record_of_each_teacher(toy):
             episode.tell(Answer(query.query_id, 'a', 'bert', Outcome.SKIP))
         else:
             episode.tell(Answer(query.query_id, 'a', 'anna', Outcome.ANSWERED, 'snack'))
-            episode.keep_late(Answer(query.query_id, 'late', 'bert', Outcome.ANSWERED, 'fruit'))
+            episode.answers.keep_late(Answer(query.query_id, 'late', 'bert', Outcome.ANSWERED, 'fruit'))
     episode.amend(Answer(query.query_id, 'b', 'anna', Outcome.ANSWERED, 'fruit', replaces='a'))
     anna, bert = episode.teachers['anna'], episode.teachers['bert']
     assert (anna.answered, anna.unknown, anna.skipped, anna.corrected, anna.late) == (4, 1, 0, 1, 0)
     assert (bert.answered, bert.unknown, bert.skipped, bert.corrected, bert.late) == (0, 0, 1, 0, 3)
     assert 0 < bert.reliability < anna.reliability < 1
+
+
+def test_what_stands_counts_and_only_what_is_about_the_same_thing(toy):
+    """A corrected answer, or a late demonstration of another thing, would tell against its teacher."""
+    own = toy.settings('rarest_demo', budget=40.0, turns=20, change_interval=1)
+    episode, world = Episode(own, generator(2, 'learner')), toy.world(3, change_interval=1)
+    asked = []
+    while not episode.done:
+        query = episode.ask(world.scene(episode.turn + 1)).query
+        if query is None:
+            continue
+        truth = world.answer(query)
+        asked.append((query, truth))
+        episode.tell(Answer(query.query_id, 'a', 'anna', truth.outcome, truth.content))
+    shown = [(q, t) for q, t in asked if q.action.kind is QueryKind.DEMONSTRATION and isinstance(t.content, int)]
+    before = episode.teachers['anna'].reliability
+    assert before != pytest.approx(0.9, abs=1e-6)
+    for query, truth in shown:
+        episode.answers.keep_late(Answer(query.query_id, 'b', 'bert', truth.outcome, truth.content))
+    assert episode.teachers['bert'].reliability == 0.9
+    assert episode.teachers['anna'].reliability == before
+    # A standing `unknown` says nothing of a thing.
+    for query, truth in asked:
+        if truth.outcome is Outcome.ANSWERED and query.action.kind is not QueryKind.FEATURE_SUBSET:
+            episode.amend(Answer(query.query_id, 'c', 'anna', Outcome.UNKNOWN, replaces='a'))
+    assert episode.teachers['anna'].reliability == 0.9
+    assert episode.teachers['anna'].unknown == len(shown) + sum(t.content == 'none' for _, t in asked)

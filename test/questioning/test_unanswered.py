@@ -154,6 +154,30 @@ def test_each_outcome_is_charged_its_share(start, toy, scene, outcome, spent):
     assert (episode.spent, episode.budget_left) == (spent, 4.0 - spent)
 
 
+def test_what_nobody_answered_is_charged_its_share(start, toy, scene):
+    """A question that was withdrawn would be free, or cost all, whatever the configuration says."""
+    episode = start(DEMONSTRATION, turns=1, costs=Costs(unanswered=0.25))
+    query = episode.ask(scene).query
+    assert episode.spent == 2.0
+    episode.let_pass()
+    assert (episode.spent, episode.records[0].cost) == (0.5, 0.5)
+    assert episode.tell(toy.reply(query, 1)).cost == 2.0
+
+
+def test_a_late_answer_can_be_corrected(start, toy, scene):
+    """A correction would forget when the answer came, or a first answer pass for a correction."""
+    episode = start(LABEL)
+    query = episode.ask(scene).query
+    episode.let_pass()
+    episode.ask(scene)
+    episode.tell(toy.reply(query, 'snack'))
+    correction = Answer('q1', 'b1', 'toy', Outcome.ANSWERED, 'fruit', replaces='a1')
+    with pytest.raises(AnswerError, match='it corrects, and does not answer'):
+        episode.tell(correction)
+    record = episode.amend(correction)
+    assert (record.turn, record.answered_in, record.symbol) == (1, 2, 'fruit')
+
+
 def test_a_late_answer_never_exceeds_the_budget(start, toy, scene):
     """Answers to questions that were withdrawn, and corrections, would overspend."""
     other = toy.scene(np.random.default_rng(4).normal(size=(4, 5)), [5, 6, 7, 8])
@@ -223,6 +247,11 @@ def test_however_answers_come_what_is_known_is_what_was_said(toy, data, strategy
         if episode.awaits_answer:
             episode.let_pass()
         episode.tune()
+        # Between the turns, too.
+        for waiting in list(open_queries):
+            if data.draw(st.booleans()):
+                open_queries.remove(waiting)
+                answer(waiting)
         assert episode.spent <= own.budget + 1e-9
     oracle, by_turn = new_knowledge(own), {record.turn: record for record in episode.records}
     for turn, scene in enumerate(scenes, start=1):

@@ -81,7 +81,7 @@ def test_a_teacher_who_was_away_leaves_a_session_like_any_other(
     assert recorded.records == asked
     assert first_divergence(recorded) is None
     (demonstration,) = read_demonstrations([tmp_path / 'bag'])
-    assert len(demonstration.steps) < BEGUN.settings.turns
+    assert len(demonstration.steps) < demonstration.turns == BEGUN.settings.turns
     assert [q['outcome'] for q in json.loads((tmp_path / 'json').read_text())['queries']] == [
         record.outcome.value for record in asked
     ]
@@ -210,3 +210,16 @@ def test_nothing_usable_ends_with_status_2_and_one_line(
         error = capsys.readouterr().err
         assert reason in error
         assert error.count('\n') == 1
+
+
+def test_an_episode_in_which_nothing_could_be_chosen_is_no_demonstration(
+    tmp_path: Path, world: PerceivedWorld, capsys: pytest.CaptureFixture[str]
+) -> None:
+    """Training would end with a traceback where nobody ever answered, or there was no budget."""
+    begun = dataclasses.replace(
+        BEGUN, settings=dataclasses.replace(BEGUN.settings, strategy='farthest_fsq', weights={}, budget=0.0)
+    )
+    write_session(tmp_path / 'log', world, begun=begun)
+    assert main(['session', str(tmp_path / 'log'), '--bag', str(tmp_path / 'bag')]) == 0
+    assert main(['train_weights', str(tmp_path / 'bag'), '--out', str(tmp_path / 'w.yaml')]) == 2
+    assert 'in no turn was there anything to choose' in capsys.readouterr().err

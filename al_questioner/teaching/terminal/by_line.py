@@ -94,14 +94,14 @@ class ByLine:
             if board.notice != self._noticed:
                 self._noticed = board.notice
                 self._tell(board.notice)
-            if board.phase is Phase.OVER:
+            if board.phase is Phase.OVER and not (board.can_undo and self._takes_back()):
                 return
             here = about(board)
             if here and board.moment is not None and here != self._asked:
                 self._asked = here
                 self._write(self._out, question_line(board.moment.query, board.phase is Phase.CORRECTING))
             line = self._lines.peek(LOOK_PERIOD)
-            if line is not None and (here or read_line(line) in (Wish.HELP, Wish.QUIT)):
+            if line is not None and (here or read_line(line) in (Wish.HELP, Wish.QUIT, Wish.UNDO)):
                 self._lines.take()
                 if not self._heed(line):
                     return
@@ -114,6 +114,11 @@ class ByLine:
                 self._stopped.wait(LOOK_PERIOD)
             elif line is not None:
                 self._stopped.wait(LOOK_PERIOD)
+
+    def _takes_back(self) -> bool:
+        """Whether the next line, if there is one already, takes the last answer of the episode back."""
+        line = self._lines.peek(LOOK_PERIOD)
+        return line is not None and read_line(line) is Wish.UNDO
 
     def _heed(self, line: str) -> bool:
         """Do what a line asks for; whether to go on."""

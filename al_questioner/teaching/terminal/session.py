@@ -3,7 +3,9 @@
 from __future__ import annotations
 
 import dataclasses
+import math
 import threading
+import time
 import uuid
 from collections.abc import Callable
 
@@ -14,6 +16,8 @@ from al_questioner.teaching.plain_words import read_plain_answer
 from al_questioner.teaching.terminal.board import Board, Moment, Phase, Picture, Progress, Said
 from al_questioner.teaching.terminal.sentences import said_in_words
 
+SECONDS_TO_NOTICE = 0.5
+"""For so long after a question was replaced by another, an answer is not believed to be meant for that one."""
 MOVED_M = 0.02
 """By which an object may move and still be where its picture shows it, in metres."""
 
@@ -35,18 +39,24 @@ class Session:
         teacher_id: who answers.
         send: given an episode's id and an answer, brings it to the learner until it is acknowledged.
         new_id: makes the part of an answer's id that tells it from all others.
+        clock: seconds of a steady clock.
 
     Attributes:
         on_change: called, with nothing else going on, whenever there may be something new on the board.
     """
 
     def __init__(
-        self, teacher_id: str, send: Callable[[str, Answer], None], new_id: Callable[[], str] = random_id
+        self,
+        teacher_id: str,
+        send: Callable[[str, Answer], None],
+        new_id: Callable[[], str] = random_id,
+        clock: Callable[[], float] = time.monotonic,
     ) -> None:
         self.on_change: Callable[[], None] = lambda: None
         self._teacher_id = teacher_id
         self._send = send
         self._new_id = new_id
+        self._clock = clock
         self._changed = threading.Condition(threading.RLock())
         self._episode_id = ''
         self._scene: Scene | None = None
@@ -60,6 +70,7 @@ class Session:
         self._progress: Progress | None = None
         self._answered: set[str] = set()
         self._on_its_way: Said | None = None
+        self._replaced_at = -math.inf
         self._last: Said | None = None
         self._corrected: Said | None = None
         self._notice = ''
@@ -73,14 +84,23 @@ class Session:
             self._tell()
 
     def ask(self, query: Query) -> None:
-        """Hear a question."""
+        """Hear a question; one of an earlier turn than the last comes too late to be one."""
         with self._changed:
+            if self._query is not None and query.turn < self._query.turn:
+                return
+            if self._open() not in (None, query):
+                self._replaced_at = self._clock()
             self._query = query
             self._tell()
 
     def follow(self, progress: Progress) -> None:
-        """Hear how far the episode is."""
+        """Hear how far the episode is; what tells of an earlier turn than the last comes too late."""
         with self._changed:
+            if self._progress is not None and (progress.turn, progress.done) < (
+                self._progress.turn,
+                self._progress.done,
+            ):
+                return
             self._progress = progress
             if self._last is None and progress.last is not None and progress.last[1].teacher_id == self._teacher_id:
                 # What was said before this program began.
@@ -118,6 +138,8 @@ class Session:
             moment = self._shown()
             if moment is None or self._on_its_way is not None:
                 raise AnswerError('nothing is asked at the moment')
+            if self._clock() < self._replaced_at + SECONDS_TO_NOTICE:
+                raise AnswerError('the robot has just asked something else: see what it is')
             answer = read_plain_answer(text, moment.query, self._teacher_id)
             replaces = None if self._corrected is None else self._corrected.answer.answer_id
             answer_id = f'{answer.answer_id}/{self._new_id()}'

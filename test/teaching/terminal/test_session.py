@@ -8,7 +8,7 @@ from typing import Any
 import pytest
 
 from al_questioner.domain import Answer, AnswerError, Outcome
-from al_questioner.teaching.terminal import Phase
+from al_questioner.teaching.terminal import Phase, Session
 
 
 def test_an_answer_is_on_its_way_until_it_is_taken(person: Any, made: Any) -> None:
@@ -181,3 +181,26 @@ def test_what_was_said_before_the_program_began_can_be_taken_back(person: Any, m
     assert (correction.query_id, correction.replaces, correction.content) == ('q4', 'a7', 'fruit')
     person.taken()
     assert person.session.board().phase is Phase.OVER
+
+
+def test_what_was_said_of_an_earlier_turn_comes_too_late(person: Any, made: Any) -> None:
+    """A message that took another way would hide the question that is open, or bring an old one back."""
+    person.asked(made.label(4))
+    person.progress(4, made.record(2))
+    assert person.asked(made.label(3)).moment.query.query_id == 'q4'
+    person.progress(2, done=False)
+    assert person.session.board().progress.turn == 4
+
+
+def test_a_key_pressed_for_one_question_does_not_answer_the_next(made: Any) -> None:
+    """What a person says of one thing would be learnt of another, as the question changed under their hands."""
+    times = iter([10.0, 10.2, 10.6])
+    sent: list[Any] = []
+    session = Session('anna', lambda *one: sent.append(one), clock=lambda: next(times))
+    session.enter('episode')
+    session.ask(made.label(1))
+    session.ask(made.label(2, object_id=8))
+    with pytest.raises(AnswerError, match='just asked something else'):
+        session.say('fruit')
+    session.say('fruit')
+    assert [answer.query_id for _, answer in sent] == ['q2']
