@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 import signal
 from collections.abc import Callable, Sequence
 from typing import Any
@@ -14,6 +15,9 @@ from rclpy.utilities import remove_ros_args, try_shutdown
 
 from al_questioner.domain import InputError
 
+TRANSPORTS = ('FASTDDS_BUILTIN_TRANSPORTS', 'UDPv4')
+"""Environment variable and our value: a process that is killed may leave a lock of Fast DDS's shared memory behind, on
+which all others hang for ever. Whoever sets the variable decides."""
 ONCE_A_SECOND = {'throttle_duration_sec': 1.0}
 
 
@@ -42,6 +46,7 @@ def run_nodes(
     previous = signal.signal(signal.SIGINT, lambda *_: None)
     try:
         _refuse_stray(arguments)
+        os.environ.setdefault(*TRANSPORTS)
         rclpy.init(args=list(arguments))
     except InputError:
         raise
