@@ -1,12 +1,23 @@
-"""A terminal for the programs under test: what they show is read from it, and keys are pressed in it."""
+"""How the nodes under test talk, and a terminal for the programs under test.
+
+ROS's range LOCALHOST talks to itself by shared memory, in which a process that is killed can leave a lock that hangs
+every later node. So the nodes get the range SUBNET, on a transport of Fast DDS that has the loopback interface alone.
+"""
 
 from __future__ import annotations
 
 import os
 import time
 from collections.abc import Callable, Iterator, Mapping
+from pathlib import Path
 
 import pytest
+
+if os.environ.get('RMW_IMPLEMENTATION', 'rmw_fastrtps_cpp') == 'rmw_fastrtps_cpp':
+    os.environ['FASTRTPS_DEFAULT_PROFILES_FILE'] = str(Path(__file__).with_name('loopback.xml'))
+    os.environ['ROS_AUTOMATIC_DISCOVERY_RANGE'] = 'SUBNET'
+else:
+    os.environ['ROS_AUTOMATIC_DISCOVERY_RANGE'] = 'LOCALHOST'
 
 DEADLINE = 90.0
 """Seconds after which a test gives up; far more than anything here takes."""

@@ -26,9 +26,6 @@ from std_msgs.msg import String
 from al_questioner.ros import qos
 from al_questioner.ros.learner import LearnerNode
 from al_questioner.ros.perception import PerceptionNode
-from al_questioner.ros.running import TRANSPORTS
-
-os.environ.setdefault('ROS_AUTOMATIC_DISCOVERY_RANGE', 'LOCALHOST')
 
 ROOT = Path(__file__).resolve().parents[2]
 DEADLINE = 60.0
@@ -155,13 +152,6 @@ def kill(process: subprocess.Popen[bytes]) -> None:
     with contextlib.suppress(ProcessLookupError):
         os.killpg(process.pid, signal.SIGKILL)
     process.wait()
-
-
-@pytest.fixture
-def without_shared_memory(monkeypatch: pytest.MonkeyPatch) -> None:
-    """Before `graph`, where processes are killed: see `TRANSPORTS`. With LOCALHOST, ROS would use it nevertheless."""
-    monkeypatch.setenv(*TRANSPORTS)
-    monkeypatch.setenv('ROS_AUTOMATIC_DISCOVERY_RANGE', 'SUBNET')
 
 
 @pytest.fixture

@@ -23,7 +23,6 @@ from al_questioner.simulation import WorldChoice, episode_settings, run_episode
 from al_questioner.teaching import ScriptedTeacher
 from al_questioner.world import load_task
 
-pytestmark = pytest.mark.usefixtures('without_shared_memory')
 DEADLINE = 90.0
 WORLD = {'task': 'prepare_lunch', 'seed': 4}
 RATES = {'wrong_rate': 0.1, 'unknown_rate': 0.1}

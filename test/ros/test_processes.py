@@ -39,7 +39,7 @@ STRATEGIES = [
 def environment() -> dict[str, str]:
     """Of a child: this checkout, and topics that stay on this machine."""
     path = os.pathsep.join(filter(None, (str(ROOT), os.environ.get('PYTHONPATH'))))
-    return {**os.environ, 'PYTHONPATH': path, 'ROS_AUTOMATIC_DISCOVERY_RANGE': 'LOCALHOST'}
+    return {**os.environ, 'PYTHONPATH': path}
 
 
 def al_questioner(*arguments: str) -> list[str]:

@@ -88,7 +88,7 @@ def test_unusable_arguments_end_with_status_2_and_one_line(tmp_path: Path, capsy
 def terminal_replay(*arguments: str) -> Iterator[tuple[subprocess.Popen[bytes], int, int]]:
     """A replay at a terminal: its process, our end of the terminal, and its own."""
     ours, theirs = pty.openpty()
-    environment = {**os.environ, 'ROS_AUTOMATIC_DISCOVERY_RANGE': 'LOCALHOST', 'COLUMNS': '120', 'TERM': 'xterm'}
+    environment = {**os.environ, 'COLUMNS': '120', 'TERM': 'xterm'}
     command = [sys.executable, '-m', 'al_questioner', 'replay', str(BAG), *arguments]
     command += ['--ros-args', '-r', f'__ns:=/keys_{os.getpid()}']
     process = subprocess.Popen(command, stdin=theirs, stdout=theirs, stderr=theirs, env=environment)

@@ -21,7 +21,6 @@ from al_questioner.ros import qos
 from al_questioner.ros.perception import PerceptionNode
 from al_questioner.ros.teacher import TeacherNode
 
-pytestmark = pytest.mark.usefixtures('without_shared_memory')
 DEADLINE = 90.0
 EPISODE = {'task': 'prepare_lunch', 'seed': 4, 'budget': 7.0, 'turns': 6, 'strategy': 'random_fsq', 'tune_every': 2}
 WRITE_POINTS = 4 * (1 + 6 + 6 + 3)

@@ -25,7 +25,7 @@ OVER = 'The episode is over: 5 of 5 spent on 4 questions.'
 def environment() -> dict[str, str]:
     """Of a child: this checkout, and topics that stay on this machine."""
     path = os.pathsep.join(filter(None, (str(ROOT), os.environ.get('PYTHONPATH'))))
-    return {**os.environ, 'PYTHONPATH': path, 'ROS_AUTOMATIC_DISCOVERY_RANGE': 'LOCALHOST'}
+    return {**os.environ, 'PYTHONPATH': path}
 
 
 def node(name: str, namespace: str, **parameters: object) -> list[str]:
