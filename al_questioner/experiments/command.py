@@ -35,11 +35,13 @@ from al_questioner.experiments.progress import Progress
 from al_questioner.experiments.report import Page, report
 from al_questioner.experiments.results import Results, read_results
 from al_questioner.experiments.running import run
+from al_questioner.experiments.statistics import mean_and_deviation
 from al_questioner.experiments.storing import Store
 from al_questioner.experiments.studies import STUDIES, Study, make_studies
 from al_questioner.files import make_folder, write_text
 from al_questioner.questioning import read_weights
 from al_questioner.simulation import WorldChoice
+from al_questioner.wording import number_of
 from al_questioner.world import load_task
 
 
@@ -150,7 +152,7 @@ def main(arguments: Sequence[str]) -> int:
     for path in paths:
         console.print(f'  {path}', highlight=False, soft_wrap=True)
     before = f' ({progress.before} from before)' if progress.before else ''
-    console.print(f'{total} episodes{before}, {len(failed)} failed, {time.monotonic() - began:.0f} s')
+    console.print(f'{number_of(total, "episode")}{before}, {len(failed)} failed, {time.monotonic() - began:.0f} s')
     if failed:
         raise EpisodeError(f'{len(failed)} of {total} episodes failed; the same command tries them again')
     return 0
@@ -219,10 +221,10 @@ def _write_page(page: Page, path: Path) -> list[Path]:
 
 
 def _summary(results: Results, task: str) -> Table:
-    """Mean accuracies at the end of the time."""
+    """Mean and standard deviation of the accuracies at the end of the time."""
     conditions = results.conditions(task)
     table = Table(task, *(condition_name(limits) for limits in conditions))
     for name in results.strategies:
         accuracies = [results.final_accuracies(task, limits) for limits in conditions]
-        table.add_row(name, *(f'{found[name].mean():.3f}' if name in found else '' for found in accuracies))
+        table.add_row(name, *(mean_and_deviation(found[name]) if name in found else '' for found in accuracies))
     return table

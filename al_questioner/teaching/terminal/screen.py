@@ -13,6 +13,7 @@ from al_questioner.teaching.terminal.safe_text import counted, printable
 from al_questioner.teaching.terminal.sentences import HELP, recorded_in_words, said_in_words
 from al_questioner.teaching.terminal.table_map import position_in_words, table_map
 from al_questioner.teaching.terminal.thumbnail import cut_out, thumbnail
+from al_questioner.wording import number_of
 
 KEYS = 'n none · u unknown · s skip · z undo · : word · h help · q quit'
 GAP = 2
@@ -89,7 +90,7 @@ def _meanwhile(board: Board) -> str:
     if board.progress is None:
         return 'The robot looks at the table and thinks.'
     left = max(0, board.progress.turns - board.progress.turn)
-    return f'The robot looks at the table and thinks. {left} turn{"" if left == 1 else "s"} left.'
+    return f'The robot looks at the table and thinks. {number_of(left, "turn")} left.'
 
 
 def _table(board: Board, pad: Pad, look: Look, rows: int) -> list[Text]:

@@ -5,6 +5,7 @@ from __future__ import annotations
 from al_questioner.domain import NO_SYMBOL, Action, Answer, Outcome, Query, QueryKind, QueryRecord
 from al_questioner.teaching.terminal.board import Board, Phase
 from al_questioner.teaching.terminal.safe_text import counted, printable
+from al_questioner.wording import number_of
 
 HELP = (
     'You teach a robot what things are. It asks; every question costs it something of its budget.',
@@ -56,8 +57,7 @@ def farewell(board: Board) -> str:
     """The last words: how the episode ended, or what is left to do."""
     progress = board.progress
     if board.phase is Phase.OVER and progress is not None:
-        count = len(progress.records)
-        questions = f'{count} question' + ('' if count == 1 else 's')
+        questions = number_of(len(progress.records), 'question')
         return f'The episode is over: {progress.spent:g} of {progress.budget:g} spent on {questions}. Thank you.'
     if board.moment is None:
         return 'The robot goes on; start this program again to answer what it asks next.'
