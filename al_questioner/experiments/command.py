@@ -16,6 +16,7 @@ from rich.table import Table
 
 from al_questioner.arguments import Parser, number
 from al_questioner.concepts import compile_models
+from al_questioner.configuration import shipped_names
 from al_questioner.domain import EpisodeError, SettingsError
 from al_questioner.experiments.ceilings import CEILINGS
 from al_questioner.experiments.figures import condition_name, draw_figures
@@ -63,7 +64,8 @@ def parser() -> Parser:
     """The arguments of `experiment`."""
     result = Parser(prog='experiment', description="Play the paper's comparison, test it, draw it, and write it down.")
     result.add_argument('--out', type=Path, default=Path('out/experiment'), help='folder of the tables (%(default)s)')
-    result.add_argument('--task', nargs='+', default=list(PAPER_TASKS), help='names in config/tasks (%(default)s)')
+    task_help = f'{", ".join(shipped_names("tasks"))}, or YAML files (%(default)s)'
+    result.add_argument('--task', nargs='+', default=list(PAPER_TASKS), help=task_help)
     result.add_argument(
         '--condition',
         nargs='+',
@@ -116,7 +118,7 @@ def main(arguments: Sequence[str]) -> int:
     variants = [(study, _variant_stores(study, given)) for study in studies]
     stores = [store, *(found for _, by_label in variants for found in by_label.values())]
     console = Console()
-    with console.status('preparing the models, some ten seconds the first time ever'):
+    with console.status('preparing the models (compiling them, if need be, takes some ten seconds)'):
         compile_models()
     began = time.monotonic()
     total = sum(len(each.plan.cells()) for each in stores)

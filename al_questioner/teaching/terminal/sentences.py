@@ -59,6 +59,8 @@ def farewell(board: Board) -> str:
     if board.phase is Phase.OVER and progress is not None:
         questions = number_of(len(progress.records), 'question')
         return f'The episode is over: {progress.spent:g} of {progress.budget:g} spent on {questions}. Thank you.'
+    if board.phase is Phase.ALONE:
+        return 'No robot was heard; start this program again when its learner runs.'
     if board.moment is None:
         return 'The robot goes on; start this program again to answer what it asks next.'
     query = board.moment.query

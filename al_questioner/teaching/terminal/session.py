@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import dataclasses
 import threading
+import time
 import uuid
 from collections.abc import Callable
 
@@ -16,6 +17,9 @@ from al_questioner.teaching.terminal.sentences import said_in_words
 
 MOVED_M = 0.02
 """By which an object may move and still be where its picture shows it, in metres."""
+
+PATIENCE_S = 5.0
+"""Within which a learner that runs replies to an answer."""
 
 
 def random_id() -> str:
@@ -35,18 +39,25 @@ class Session:
         teacher_id: who answers.
         send: given an episode's id and an answer, brings it to the learner until it is acknowledged.
         new_id: makes the part of an answer's id that tells it from all others.
+        clock: steady, in seconds.
 
     Attributes:
         on_change: called, with nothing else going on, whenever there may be something new on the board.
     """
 
     def __init__(
-        self, teacher_id: str, send: Callable[[str, Answer], None], new_id: Callable[[], str] = random_id
+        self,
+        teacher_id: str,
+        send: Callable[[str, Answer], None],
+        new_id: Callable[[], str] = random_id,
+        clock: Callable[[], float] = time.monotonic,
     ) -> None:
         self.on_change: Callable[[], None] = lambda: None
         self._teacher_id = teacher_id
         self._send = send
         self._new_id = new_id
+        self._clock = clock
+        self._sent_at = 0.0
         self._changed = threading.Condition(threading.RLock())
         self._episode_id = ''
         self._scene: Scene | None = None
@@ -122,7 +133,7 @@ class Session:
             replaces = None if self._corrected is None else self._corrected.answer.answer_id
             answer_id = f'{answer.answer_id}/{self._new_id()}'
             answer = dataclasses.replace(answer, answer_id=answer_id, replaces=replaces)
-            self._on_its_way = Said(moment, answer)
+            self._on_its_way, self._sent_at = Said(moment, answer), self._clock()
             self._notice = ''
             self._tell()
             self._send(self._episode_id, answer)
@@ -172,7 +183,7 @@ class Session:
                 self._corrected,
                 self._progress,
                 self._last is not None,
-                self._notice,
+                self._notice or self._no_reply(),
                 self._teacher_id,
             )
 
@@ -198,6 +209,10 @@ class Session:
     def _tell(self) -> None:
         self._changed.notify_all()
         self.on_change()
+
+    def _no_reply(self) -> str:
+        late = self._on_its_way is not None and self._clock() - self._sent_at > PATIENCE_S
+        return 'No reply so far; is the learner running?' if late else ''
 
     def _phase(self) -> Phase:
         if self._on_its_way is not None:

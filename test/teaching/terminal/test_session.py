@@ -8,7 +8,8 @@ from typing import Any
 import pytest
 
 from al_questioner.domain import Answer, AnswerError, Outcome
-from al_questioner.teaching.terminal import Phase
+from al_questioner.teaching.terminal import Phase, Session
+from al_questioner.teaching.terminal.sentences import farewell
 
 
 def test_an_answer_is_on_its_way_until_it_is_taken(person: Any, made: Any) -> None:
@@ -181,3 +182,26 @@ def test_what_was_said_before_the_program_began_can_be_taken_back(person: Any, m
     assert (correction.query_id, correction.replaces, correction.content) == ('q4', 'a7', 'fruit')
     person.taken()
     assert person.session.board().phase is Phase.OVER
+
+
+def test_an_answer_that_nobody_replies_to_is_said_to_be_so(made: Any) -> None:
+    """The person would wait for ever before a learner that has died."""
+    now = [100.0]
+    session = Session('anna', lambda *_: None, clock=lambda: now[0])
+    session.enter('episode')
+    session.ask(made.label(1))
+    session.say('fruit')
+    now[0] += 4.0
+    assert session.board().notice == ''
+    now[0] += 2.0
+    assert session.board().notice == 'No reply so far; is the learner running?'
+    session.enter('another')
+    assert session.board().notice == ''
+
+
+def test_the_last_words_fit_what_was_heard(person: Any, made: Any) -> None:
+    """Of a robot that never was, one would read that it goes on."""
+    assert farewell(Session('anna', lambda *_: None).board()).startswith('No robot was heard')
+    assert farewell(person.session.board()).startswith('The robot goes on')
+    person.progress(8, made.record(1), done=True)
+    assert 'spent on 1 question. Thank you.' in farewell(person.session.board())
