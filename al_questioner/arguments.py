@@ -3,8 +3,9 @@
 from __future__ import annotations
 
 import argparse
+import re
 from collections.abc import Callable
-from typing import NoReturn
+from typing import Any, NoReturn
 
 from al_questioner.domain import InputError
 
@@ -13,7 +14,12 @@ LARGEST_SEED = 2**63 - 1
 
 
 class Parser(argparse.ArgumentParser):
-    """A parser whose complaints are one line."""
+    """A parser whose complaints are one line, and to which what begins like a negative number is no option."""
+
+    def __init__(self, **settings: Any) -> None:
+        super().__init__(**settings)
+        # Of argparse itself; it would take -5/40 for an option and complain of a missing value.
+        self._negative_number_matcher = re.compile(r'-[\d.]')
 
     def error(self, message: str) -> NoReturn:
         """Raise an InputError instead of printing the usage."""

@@ -44,8 +44,15 @@ def named_file(folder: str, name_or_path: str, what: str) -> Path:
         if path.is_file():
             return path
         raise InputError(f'{what} file {name_or_path} does not exist')
-    known = ', '.join(sorted(p.stem for p in (config_dir() / folder).glob('*.yaml')))
+    if path.is_file():
+        raise InputError(f'{name_or_path} is no {what} file: the name of one ends in .yaml')
+    known = ', '.join(shipped_names(folder))
     raise InputError(f'unknown {what} {name_or_path!r}; known: {known}, or the path of a YAML file')
+
+
+def shipped_names(folder: str) -> list[str]:
+    """The names in `config/FOLDER`."""
+    return sorted(path.stem for path in (config_dir() / folder).glob('*.yaml'))
 
 
 def read_yaml(path: Path) -> Mapping[str, Any]:
@@ -56,7 +63,9 @@ def read_yaml(path: Path) -> Mapping[str, Any]:
     """
     try:
         content = yaml.safe_load(path.read_text(encoding='utf-8'))
-    except (OSError, UnicodeDecodeError) as error:
+    except OSError as error:
+        raise InputError(f'{path}: cannot be read ({error.strerror})') from error
+    except UnicodeDecodeError as error:
         raise InputError(f'{path}: cannot be read ({error})') from error
     except yaml.YAMLError as error:
         raise InputError(f'{path}: not valid YAML ({" ".join(str(error).split())})') from error

@@ -3,9 +3,8 @@
 from __future__ import annotations
 
 import contextlib
-from collections.abc import Iterator, Mapping
-from typing import Any
 
+from al_questioner.differences import differences
 from al_questioner.domain import Answer, Decision, InputError, LateAnswerError, generator
 from al_questioner.questioning import Episode, Human, Remembered
 from al_questioner.recording.session_events import (
@@ -310,23 +309,8 @@ def _same_episode(log: SessionLog, first: SessionEvent, wanted: Begun) -> Begun:
     """The episode that a log begins with, if it is the one that is wanted."""
     if not isinstance(first, Begun):
         raise SessionLogError(f'{log.folder}: its first event is not the beginning of an episode')
-    theirs, ours = dict(_flat(first.members())), dict(_flat(wanted.members()))
-    if not wanted.episode_id:
-        del ours['episode_id']
-    differences = [
-        f'{name} {theirs.get(name)!r}, not {ours.get(name)!r}'
-        for name in {**theirs, **ours}
-        if (name in ours or name != 'episode_id') and theirs.get(name) != ours.get(name) and name not in NOT_SETTINGS
-    ]
-    if differences:
-        raise SessionLogError(f'{log.folder}: the session there has {"; ".join(differences)}')
+    ignored = NOT_SETTINGS if wanted.episode_id else NOT_SETTINGS | {'episode_id'}
+    differing = differences(first.members(), wanted.members(), ignored)
+    if differing:
+        raise SessionLogError(f'{log.folder}: the session there has {"; ".join(differing)}')
     return first
-
-
-def _flat(members: Mapping[str, Any], prefix: str = '') -> Iterator[tuple[str, Any]]:
-    """Names and values, those of inner objects as `outer.name`."""
-    for name, value in members.items():
-        if isinstance(value, Mapping):
-            yield from _flat(value, f'{prefix}{name}.')
-        else:
-            yield f'{prefix}{name}', value

@@ -16,7 +16,7 @@ PACKAGE = 'al_questioner'
 
 LAYERS = (
     {'domain'},
-    {'arguments', 'configuration', 'files', 'plotting', 'throttle'},
+    {'arguments', 'configuration', 'differences', 'files', 'plotting', 'throttle', 'wording'},
     {'concepts', 'messages', 'perception', 'world'},
     {'questioning', 'recording', 'teaching'},
     {'rerun', 'resuming', 'simulation', 'telling'},

@@ -42,6 +42,14 @@ def test_broken_yaml_is_one_line(tmp_path: Path, content: bytes, reason: str) ->
     assert '\n' not in str(caught.value)
 
 
+def test_a_file_that_is_no_yaml_is_told_from_an_unknown_name() -> None:
+    """Whoever gives the path of a file that is there would be told that it is not known."""
+    with pytest.raises(InputError, match=r'^/etc/passwd is no task file: the name of one ends in .yaml$'):
+        named_file('tasks', '/etc/passwd', 'task')
+    with pytest.raises(InputError, match=r'^/no/such.yaml: cannot be read \(No such file or directory\)$'):
+        read_yaml(Path('/no/such.yaml'))
+
+
 def test_every_task_has_parameters_for_its_nodes() -> None:
     """`ros2 launch` would find no parameter file for a task."""
     tasks = {path.name for path in (config_dir() / 'tasks').glob('*.yaml')}

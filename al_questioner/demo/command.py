@@ -12,6 +12,7 @@ from rich.console import Console
 
 from al_questioner.arguments import LARGEST_SEED, Parser, number
 from al_questioner.concepts import compile_models
+from al_questioner.configuration import shipped_names
 from al_questioner.demo.pictures import draw_pictures
 from al_questioner.demo.progress import Progress
 from al_questioner.demo.report import episode_document, summary
@@ -36,7 +37,9 @@ PATIENCE = 30.0
 def parser() -> Parser:
     """The arguments of `demo`."""
     result = Parser(prog='demo', description='Play one learning episode, show how it goes, and draw how it went.')
-    result.add_argument('--task', default='kitchen_table', help='a name in config/tasks, or a YAML file (%(default)s)')
+    tasks = ', '.join(shipped_names('tasks'))
+    task_help = f'{tasks}, or a YAML file (%(default)s)'
+    result.add_argument('--task', default='kitchen_table', help=task_help)
     result.add_argument('--dataset', type=Path, help='root of a directory of RGB-D crops, for tasks that read one')
     result.add_argument('--strategy', help=f"one of {', '.join(STRATEGIES)}, or of an installed package (the task's)")
     result.add_argument('--weights-file', help='YAML file with weights of the decision features')
@@ -71,6 +74,8 @@ def main(arguments: Sequence[str]) -> int:
             raise InputError(f'--{option} is of no use --offline: there is no ROS graph')
     if given.record and given.one_process:
         raise InputError('--record needs a process for each node: leave --one-process out')
+    if given.record and given.record.exists():
+        raise InputError(f'--record: {given.record} exists already; a bag is never overwritten')
     if given.strategy == 'human' and not (given.offline or given.one_process):
         raise InputError('strategy human reads this terminal: use --offline or --one-process with it')
     choice = WorldChoice(
@@ -94,7 +99,7 @@ def main(arguments: Sequence[str]) -> int:
         write_text(given.json, '', mode='a')
     console = Console()
     _tell(console, evaluation.world.report())
-    with console.status('preparing the models, some ten seconds the first time ever'):
+    with console.status('preparing the models (compiling them, if need be, takes some ten seconds)'):
         compile_models()
     with Progress(console, choice.task, settings) as progress:
         if given.offline:

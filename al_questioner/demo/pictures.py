@@ -10,9 +10,10 @@ from matplotlib.colors import to_rgb
 from matplotlib.figure import Figure
 from matplotlib.ticker import MaxNLocator
 
-from al_questioner.domain import Outcome, QueryKind, QueryRecord
+from al_questioner.domain import Outcome, QueryRecord
 from al_questioner.plotting import KIND_COLOURS, STYLE, kind_name, mark_changes, mark_query, save
 from al_questioner.simulation import EpisodeResult, PerceivedWorld
+from al_questioner.wording import number_of
 from al_questioner.world.table_image import Mark, draw_scene
 
 
@@ -32,7 +33,9 @@ def draw_pictures(result: EpisodeResult, world: PerceivedWorld, folder: Path) ->
 def _learning_curve(result: EpisodeResult) -> Figure:
     figure, axes = plt.subplots(figsize=(7, 4.2))
     turns = range(1, len(result.accuracy) + 1)
-    axes.plot(turns, result.accuracy, color='black', linewidth=1.8, zorder=2)
+    # From turn to turn it stays as it is, and a single turn is seen too.
+    edges = [turn - 0.5 for turn in (*turns, turns[-1] + 1)]
+    axes.stairs(result.accuracy, edges, baseline=None, color='black', linewidth=1.8, zorder=2)
     chance = 1 / len(result.settings.symbols)
     axes.axhline(chance, color='gray', linestyle=':', linewidth=1.2)
     axes.annotate('chance', (turns[-1], chance), xytext=(0, 4), textcoords='offset points', ha='right', color='gray')
@@ -42,10 +45,10 @@ def _learning_curve(result: EpisodeResult) -> Figure:
             heights = [result.accuracy[turn - 1] for turn in asked]
             axes.scatter(asked, heights, color=colour, s=26, zorder=3, label=f'{kind_name(kind)} query')
     axes.set(xlabel='turn', ylabel='accuracy on held-out images', ylim=(0, 1.02), xlim=(0.5, turns[-1] + 0.5))
-    axes.xaxis.set_major_locator(MaxNLocator(integer=True))
+    axes.xaxis.set_major_locator(MaxNLocator(integer=True, min_n_ticks=1))
     axes.set_title(_title(result), loc='left', fontsize=11)
     if result.queries:
-        axes.legend(frameon=False, loc='upper center', bbox_to_anchor=(0.5, -0.14), ncols=len(KIND_COLOURS))
+        figure.legend(frameon=False, loc='outside lower center', ncols=len(KIND_COLOURS))
     return figure
 
 
@@ -65,7 +68,7 @@ def _timeline(result: EpisodeResult, world: PerceivedWorld) -> Figure:
     for turn in range(1, turns + 1):
         spent.append(spent[-1] + by_turn.get(turn, 0.0))
     left = [result.settings.budget - amount for amount in spent]
-    budget.xaxis.set_major_locator(MaxNLocator(integer=True))
+    budget.xaxis.set_major_locator(MaxNLocator(integer=True, min_n_ticks=1))
     budget.step(range(turns + 1), left, where='post', color='black', linewidth=1.6)
     budget.set(xlabel='turn', ylabel='budget left', xlim=(0, turns + 1), ylim=(0, result.settings.budget * 1.05 or 1))
     return figure
@@ -84,12 +87,20 @@ def _scene(result: EpisodeResult, world: PerceivedWorld) -> Figure:
     marks = {record.object_id: _mark(record) for record in about[best] if record.object_id is not None}
     picture = draw_scene(world.observations(starts[best]), marks).image
     height, width, _ = picture.shape
-    figure, axes = plt.subplots(figsize=(9, 9 * height / width + 0.3))
+    figure, axes = plt.subplots(figsize=(9, 9 * height / width + 0.5))
     axes.imshow(picture)
     axes.set_axis_off()
     count = Counter(record.kind for record in about[best])
-    told = ', '.join(_counted(count[kind], kind) for kind in KIND_COLOURS if count[kind]) or 'nothing was asked'
-    axes.set_title(f'turns {starts[best]} to {ends[best]}: {told}', loc='left', fontsize=11)
+    told = (
+        ', '.join(
+            number_of(count[kind], f'{kind_name(kind)} query', f'{kind_name(kind)} queries')
+            for kind in KIND_COLOURS
+            if count[kind]
+        )
+        or 'nothing was asked'
+    )
+    shown = f'turn {ends[best]}' if starts[best] == ends[best] else f'turns {starts[best]} to {ends[best]}'
+    axes.set_title(f'{_title(result)}\n{shown}: {told}', loc='left', fontsize=11)
     return figure
 
 
@@ -99,11 +110,7 @@ def _mark(record: QueryRecord) -> Mark:
     return Mark((red, green, blue), told)
 
 
-def _counted(count: int, kind: QueryKind) -> str:
-    return f'{count} {kind_name(kind)} {"query" if count == 1 else "queries"}'
-
-
 def _title(result: EpisodeResult) -> str:
     settings = result.settings
-    limits = f'budget {settings.budget:g}, {settings.turns} turns'
+    limits = f'budget {settings.budget:g}, {number_of(settings.turns, "turn")}'
     return f'{result.choice.task.name}, {settings.strategy}, {limits}, seed {result.choice.seed}'

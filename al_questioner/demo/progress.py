@@ -9,6 +9,7 @@ from rich.console import Console
 
 from al_questioner.domain import NO_SYMBOL, Action, EpisodeSettings, Outcome, QueryKind, QueryRecord
 from al_questioner.questioning.candidates import question_text
+from al_questioner.wording import number_of
 from al_questioner.world import Task
 
 
@@ -21,7 +22,7 @@ class Progress:
         self._spent = 0.0
         console.print(
             f'[bold]{task.name}[/bold]: learning {", ".join(settings.symbols)} by asking'
-            f' ({settings.strategy}, budget {settings.budget:g}, {settings.turns} turns)',
+            f' ({settings.strategy}, budget {settings.budget:g}, {number_of(settings.turns, "turn")})',
             soft_wrap=True,
         )
         self._bar = bars.Progress(

@@ -13,6 +13,7 @@ from al_questioner.domain import QueryKind
 from al_questioner.messages.documents import record_members
 from al_questioner.simulation import EpisodeResult, PerceivedWorld
 from al_questioner.teaching import ScriptedTeacher
+from al_questioner.wording import number_of
 
 
 def episode_document(result: EpisodeResult, teacher: ScriptedTeacher, world: PerceivedWorld) -> dict[str, Any]:
@@ -70,7 +71,8 @@ def summary(result: EpisodeResult) -> Table:
         f'[bold]{result.final_accuracy:.2f}[/bold] on {result.test_size} images (chance {chance:.2f})',
     )
     table.add_row('mean accuracy over the turns', f'{sum(result.accuracy) / len(result.accuracy):.2f}')
-    table.add_row('budget spent', f'{result.spent:g} of {settings.budget:g}, in {settings.turns} turns')
+    turns = number_of(settings.turns, 'turn')
+    table.add_row('budget spent', f'{result.spent:g} of {settings.budget:g}, in {turns}')
     table.add_row('queries', f'{len(result.queries)}: {asked}' if asked else 'none')
     if settings.tune_every:
         kernel = f'amplitude {result.kernel.amplitude:.3g}, length scale {result.kernel.length_scale:.3g}'

@@ -9,19 +9,17 @@ import re
 import shlex
 import time
 from collections.abc import Mapping, Sequence
-from datetime import timedelta
 from pathlib import Path
 
-from rich import progress as bars
 from rich.console import Console
 from rich.table import Table
 
 from al_questioner.arguments import Parser, number
 from al_questioner.concepts import compile_models
+from al_questioner.configuration import shipped_names
 from al_questioner.domain import EpisodeError, SettingsError
 from al_questioner.experiments.ceilings import CEILINGS
 from al_questioner.experiments.figures import condition_name, draw_figures
-from al_questioner.experiments.forecast import Forecast
 from al_questioner.experiments.plan import (
     CONTROLS,
     PAPER_CONDITIONS,
@@ -34,13 +32,18 @@ from al_questioner.experiments.plan import (
     shipped_weights,
 )
 from al_questioner.experiments.playing import Played
+from al_questioner.experiments.progress import Progress
 from al_questioner.experiments.report import Page, report
 from al_questioner.experiments.results import Results, read_results
 from al_questioner.experiments.running import run
+from al_questioner.experiments.statistics import mean_and_deviation
 from al_questioner.experiments.storing import Store
 from al_questioner.experiments.studies import STUDIES, Study, make_studies
 from al_questioner.files import make_folder, write_text
 from al_questioner.questioning import read_weights
+from al_questioner.simulation import WorldChoice
+from al_questioner.wording import number_of
+from al_questioner.world import load_task
 
 
 def condition(text: str) -> Condition:
@@ -61,7 +64,8 @@ def parser() -> Parser:
     """The arguments of `experiment`."""
     result = Parser(prog='experiment', description="Play the paper's comparison, test it, draw it, and write it down.")
     result.add_argument('--out', type=Path, default=Path('out/experiment'), help='folder of the tables (%(default)s)')
-    result.add_argument('--task', nargs='+', default=list(PAPER_TASKS), help='names in config/tasks (%(default)s)')
+    task_help = f'{", ".join(shipped_names("tasks"))}, or YAML files (%(default)s)'
+    result.add_argument('--task', nargs='+', default=list(PAPER_TASKS), help=task_help)
     result.add_argument(
         '--condition',
         nargs='+',
@@ -109,18 +113,26 @@ def main(arguments: Sequence[str]) -> int:
     plan = _plan(given, {name: found.values for name, found in weights.items()})
     names = list(STUDIES) if given.studies == [] else given.studies or []
     studies = make_studies(names, plan.variation, plan.samples)
+    _check_worlds([plan, *(variant for study in studies for variant in study.plans.values())], given)
     store = Store(given.out, plan, given.dataset)
     variants = [(study, _variant_stores(study, given)) for study in studies]
     stores = [store, *(found for _, by_label in variants for found in by_label.values())]
     console = Console()
-    with console.status('preparing the models, some ten seconds the first time ever'):
+    with console.status('preparing the models (compiling them, if need be, takes some ten seconds)'):
         compile_models()
     began = time.monotonic()
-    failed = _run(stores, given, console)
-    for played in failed:
-        console.print(f'failed: {played.cell}: {played.error}', highlight=False, soft_wrap=True)
+    total = sum(len(each.plan.cells()) for each in stores)
+    try:
+        with Progress(console, total) as progress:
+            failed = run(stores, given.jobs, given.scheduler, progress.begin, progress.watch)
+    except KeyboardInterrupt:
+        finished = sum(each.finished() for each in stores)
+        console.print(f'interrupted, {finished} of {total} episodes are finished; the same command goes on')
+        raise
+    for line in _failures(failed):
+        console.print(line, highlight=False, markup=False, soft_wrap=True)
     tables = [path for each in stores for path in each.write_tables()]
-    if store.is_empty():
+    if not store.finished():
         raise EpisodeError('every episode of the comparison failed')
     page = Page(
         f'python -m al_questioner experiment {shlex.join(arguments)}'.strip(),
@@ -129,7 +141,7 @@ def main(arguments: Sequence[str]) -> int:
         (),
         {name: weights[name] for name in plan.strategies if name in weights},
         [
-            (study, {label: read_results(each.folder) for label, each in by_label.items() if not each.is_empty()})
+            (study, {label: read_results(each.folder) for label, each in by_label.items() if each.finished()})
             for study, by_label in variants
         ],
         _varied(given),
@@ -141,8 +153,8 @@ def main(arguments: Sequence[str]) -> int:
         console.print(_summary(page.results, task))
     for path in paths:
         console.print(f'  {path}', highlight=False, soft_wrap=True)
-    total = sum(len(each.plan.cells()) for each in stores)
-    console.print(f'{total} episodes, {len(failed)} failed, {time.monotonic() - began:.0f} s')
+    before = f' ({progress.before} from before)' if progress.before else ''
+    console.print(f'{number_of(total, "episode")}{before}, {len(failed)} failed, {time.monotonic() - began:.0f} s')
     if failed:
         raise EpisodeError(f'{len(failed)} of {total} episodes failed; the same command tries them again')
     return 0
@@ -168,6 +180,20 @@ def _variant_stores(study: Study, given: argparse.Namespace) -> dict[str, Store]
     return {label: Store(folder / names[label], plan, given.dataset) for label, plan in study.plans.items()}
 
 
+def _check_worlds(plans: Sequence[Plan], given: argparse.Namespace) -> None:
+    """See before anything is written whether the worlds can be opened.
+
+    Raises:
+        InputError: a task and the dataset do not belong together, or the dataset cannot be used.
+    """
+    dataset = Path(given.dataset) if given.dataset else None
+    for name in dict.fromkeys(name for plan in plans for name in plan.tasks):
+        task = load_task(name)
+        # What workers elsewhere will read need not be here.
+        if task.source == 'simulated' or dataset is None or given.scheduler is None:
+            WorldChoice(task, given.first_sample, given.first_sample, dataset).open()
+
+
 def _varied(given: argparse.Namespace) -> str:
     """What the arguments change in the tasks and the teacher, in words."""
     parts = {
@@ -178,32 +204,15 @@ def _varied(given: argparse.Namespace) -> str:
     return ', '.join(text.format(value) for text, value in parts.items() if value is not None)
 
 
-def _run(stores: Sequence[Store], given: argparse.Namespace, console: Console) -> list[Played]:
-    total = sum(len(store.plan.cells()) for store in stores)
-    with bars.Progress(
-        bars.TextColumn('{task.completed:.0f} of {task.total:.0f} episodes'),
-        bars.BarColumn(),
-        bars.TextColumn('{task.description}'),
-        bars.TimeElapsedColumn(),
-        bars.TextColumn('{task.fields[left]}'),
-        console=console,
-        transient=True,
-    ) as progress:
-        bar = progress.add_task('looking what is there already', total=total, left='')
-        forecast = Forecast(())
-
-        def begin(cells: Sequence[Cell]) -> None:
-            nonlocal forecast
-            forecast = Forecast(cells)
-            progress.update(bar, completed=total - len(cells), description='playing')
-
-        def watch(played: Played) -> None:
-            forecast.played(played.cell, played.seconds)
-            seconds = forecast.seconds_left()
-            left = '' if seconds is None else f'about {timedelta(seconds=round(seconds))} left'
-            progress.update(bar, advance=1, description=f'{played.cell.task} {played.cell.strategy}', left=left)
-
-        return run(stores, given.jobs, given.scheduler, begin, watch)
+def _failures(failed: Sequence[Played]) -> list[str]:
+    """A line for each reason, with its first episode: a thousand may fail for one."""
+    by_reason: dict[str, list[Cell]] = {}
+    for played in failed:
+        by_reason.setdefault(played.error, []).append(played.cell)
+    return [
+        f'failed: {reason} ({cells[0]}{f", and {len(cells) - 1} more" if len(cells) > 1 else ""})'
+        for reason, cells in by_reason.items()
+    ]
 
 
 def _write_page(page: Page, path: Path) -> list[Path]:
@@ -214,10 +223,10 @@ def _write_page(page: Page, path: Path) -> list[Path]:
 
 
 def _summary(results: Results, task: str) -> Table:
-    """Mean accuracies at the end of the time."""
+    """Mean and standard deviation of the accuracies at the end of the time."""
     conditions = results.conditions(task)
     table = Table(task, *(condition_name(limits) for limits in conditions))
     for name in results.strategies:
         accuracies = [results.final_accuracies(task, limits) for limits in conditions]
-        table.add_row(name, *(f'{found[name].mean():.3f}' if name in found else '' for found in accuracies))
+        table.add_row(name, *(mean_and_deviation(found[name]) if name in found else '' for found in accuracies))
     return table

@@ -19,6 +19,7 @@ from al_questioner.experiments.results import Results
 from al_questioner.experiments.statistics import mean_and_error
 from al_questioner.files import make_folder
 from al_questioner.plotting import KIND_COLOURS, STYLE, kind_name, mark_changes, save
+from al_questioner.wording import number_of
 
 COLOURS = {
     'dt_task_env': '#c1272d',
@@ -65,7 +66,7 @@ def draw_figures(results: Results, change_intervals: Mapping[str, int], folder: 
 def condition_name(condition: Condition) -> str:
     """The condition in words, with the paper's number if it has one."""
     numbered = {value: name for name, value in PAPER_CONDITIONS.items()}
-    limits = f'budget {condition.budget:g}, {condition.turns} turns'
+    limits = f'budget {condition.budget:g}, {number_of(condition.turns, "turn")}'
     return f'{numbered[condition]}: {limits}' if condition in numbered else limits
 
 
@@ -88,7 +89,7 @@ def _panels(
     panels = list(zip(axes.flat, conditions, strict=False))
     for panel, condition in panels:
         panel.set_title(condition_name(condition), loc='left', fontsize=10)
-    figure.suptitle(f'{task}, {len(results.samples)} samples', x=0.01, ha='left', fontsize=11)
+    figure.suptitle(f'{task}, {number_of(len(results.samples), "sample")}', x=0.01, ha='left', fontsize=11)
     return figure, panels
 
 
@@ -115,10 +116,11 @@ def _learning_curves(results: Results, task: str, path: Path) -> Path:
                 continue
             mean, error = mean_and_error(curves)
             turns = np.arange(1, len(mean) + 1)
-            (line,) = panel.plot(turns, mean, **_line(strategy))
+            (line,) = panel.plot(turns, mean, marker='o' if len(mean) == 1 else None, **_line(strategy))
             if strategy in PAPER_STRATEGIES:
                 panel.fill_between(turns, mean - error, mean + error, color=line.get_color(), alpha=0.15, linewidth=0)
-        panel.set(xlabel='turn', ylabel='accuracy', ylim=(0, 1), xlim=(0, condition.turns))
+        panel.set(xlabel='turn', ylabel='accuracy', ylim=(0, 1), xlim=(0, max(condition.turns, 2)))
+        panel.xaxis.set_major_locator(MaxNLocator(integer=True))
     return _finish(figure, 4, path)
 
 
@@ -128,30 +130,26 @@ def _behaviour(results: Results, task: str, change_interval: int, path: Path) ->
     conditions = [condition for condition in conditions if condition.turns > LONG] or conditions[-1:]
     strategies = _askers(results)
     height = 0.34 * len(strategies) + 0.9
-    figure, axes = plt.subplots(len(conditions), 1, figsize=(10, height * len(conditions) + 0.4), squeeze=False)
+    figure, axes = plt.subplots(len(conditions), 1, figsize=(10, height * len(conditions) + 0.7), squeeze=False)
     for panel, condition in zip(axes.flat, conditions, strict=True):
         for row, strategy in enumerate(strategies):
             cell = Cell(task, condition.budget, condition.turns, strategy, results.samples[0])
             _draw_queries(panel, results, cell, -row)
         mark_changes(panel, list(range(1 + change_interval, condition.turns + 1, change_interval)))
         panel.set_yticks([-row for row in range(len(strategies))], strategies, fontsize=9)
-        panel.set(xlim=(0, condition.turns + 1), xlabel='turn')
+        panel.set(xlim=(0, condition.turns + 1), ylim=(0.6 - len(strategies), 0.6), xlabel='turn')
+        panel.xaxis.set_major_locator(MaxNLocator(integer=True))
         panel.set_title(condition_name(condition), loc='left', fontsize=10)
     figure.suptitle(f'{task}, sample {results.samples[0]}', x=0.01, ha='left', fontsize=11)
-    _kind_legend(axes.flat[-1])
-    return save(figure, path)
+    for kind, colour in KIND_COLOURS.items():
+        axes.flat[0].scatter([], [], color=colour, s=24, label=f'{kind_name(kind)} query')
+    return _finish(figure, len(KIND_COLOURS), path)
 
 
 def _draw_queries(axes: Axes, results: Results, cell: Cell, height: float) -> None:
     for kind, colour in KIND_COLOURS.items():
         turns = [turn.turn for turn in results.turns_of(cell) if turn.kind == kind.value]
         axes.scatter(turns, [height] * len(turns), color=colour, s=16, zorder=3, linewidth=0)
-
-
-def _kind_legend(axes: Axes) -> None:
-    for kind, colour in KIND_COLOURS.items():
-        axes.scatter([], [], color=colour, s=24, label=f'{kind_name(kind)} query')
-    axes.legend(frameon=False, loc='upper center', bbox_to_anchor=(0.5, -0.16), ncols=3, fontsize=9)
 
 
 def _kinds(results: Results, task: str, path: Path) -> Path:

@@ -111,6 +111,9 @@ class Cell:
     strategy: str
     sample: int
 
+    def __str__(self) -> str:
+        return f'{self.task}, {self.condition}, {self.strategy}, sample {self.sample}'
+
     @property
     def condition(self) -> Condition:
         """The limits of the episode."""

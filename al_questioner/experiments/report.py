@@ -13,9 +13,17 @@ from al_questioner.experiments.claims import BASELINES, OURS, Verdict, verdicts
 from al_questioner.experiments.figures import condition_name
 from al_questioner.experiments.plan import CONTROLS, Condition
 from al_questioner.experiments.results import Results
-from al_questioner.experiments.statistics import compare, control_test, p_text
+from al_questioner.experiments.statistics import (
+    LEAST_FOR_INTERVAL,
+    Comparison,
+    compare,
+    control_test,
+    mean_and_deviation,
+    p_text,
+)
 from al_questioner.experiments.studies import Study
 from al_questioner.questioning import Weights
+from al_questioner.wording import number_of
 
 PAPER_SAMPLES = 5
 
@@ -40,6 +48,12 @@ One-tailed tests that it is more accurate: Mann-Whitney U, Holm-corrected within
 this table, and, since all strategies share samples, scenes and seeds, the paired Wilcoxon signed-rank test,
 uncorrected. Superiority is the probability that a sample of it is above one of the other, with a 95 % bootstrap
 interval."""
+
+ABOUT_NO_INTERVAL = f"""\
+There is no interval here: fewer than {LEAST_FOR_INTERVAL} samples cannot tell how much they vary."""
+
+ABOUT_BANDS = """\
+The bands in the learning curves are the mean and one standard error, of the paper's strategies."""
 
 ABOUT_STUDIES = """\
 One thing at a time, as it was and otherwise. What was tried to make the simulated tables neither too easy nor hopeless
@@ -94,9 +108,11 @@ def report(page: Page, folder: Path) -> str:
     parts += [ABOUT_CEILINGS if any(name in CEILINGS for name in results.strategies) else '']
     parts += [_accuracies(results, task) for task in results.tasks]
     if OURS in results.strategies:
-        parts += [f'## {OURS} against each other strategy', ABOUT_TESTS]
+        few = len(results.samples) < LEAST_FOR_INTERVAL
+        about = f'{ABOUT_TESTS} {ABOUT_NO_INTERVAL}' if few else ABOUT_TESTS
+        parts += [f'## {OURS} against each other strategy', about]
         parts += [_comparisons(results, task) for task in results.tasks]
-    parts += ['## Figures']
+    parts += ['## Figures', ABOUT_BANDS if len(results.samples) > 1 else '']
     parts += [f'![{path.stem.replace("_", " ")}]({_relative(path, folder)})' for path in page.figures]
     if page.studies:
         parts += ['## What the paper does not tell', ABOUT_STUDIES]
@@ -139,8 +155,10 @@ def _first_paragraph(results: Results) -> str:
     if not cells:
         return 'No control was played beside the strategies of the paper.'
     if not beaten:
-        return f'In none of the {cells} cells is a control more accurate, in the mean, than {OURS}.'
-    how_often = f'**A simple control is more accurate, in the mean, than {OURS} in {len(beaten)} of {cells} cells**'
+        where = 'In the only cell no control is' if cells == 1 else f'In none of the {cells} cells is a control'
+        return f'{where} more accurate, in the mean, than {OURS}.'
+    where = f'{len(beaten)} of {number_of(cells, "cell")}'
+    how_often = f'**A simple control is more accurate, in the mean, than {OURS} in {where}**'
     how = 'the best control of each; one-tailed Mann-Whitney U tests, Holm-corrected for the number of controls'
     parts = [f'{how_often} ({how}):', '\n'.join(f'- {line}' for line in beaten)]
     if others:
@@ -184,7 +202,7 @@ def _word(verdict: Verdict) -> str:
 
 
 def _count(samples: Sequence[int]) -> str:
-    return 'One sample' if len(samples) == 1 else f'{len(samples)} samples'
+    return 'One sample' if len(samples) == 1 else number_of(len(samples), 'sample')
 
 
 def _weights(weights: Mapping[str, Weights]) -> str:
@@ -211,9 +229,8 @@ def _mean_and_deviation(results: Results, task: str, condition: Condition, strat
     if not group:
         return ''
     values = np.array([row.final_accuracy for row in group])
-    deviation = values.std(ddof=1) if len(values) > 1 else 0.0
     asked = '' if strategy == 'all_labels' else f' ({np.mean([row.queries for row in group]):.0f})'
-    return f'{values.mean():.3f} ± {deviation:.3f}{asked}'
+    return f'{mean_and_deviation(values)}{asked}'
 
 
 def _comparisons(results: Results, task: str) -> str:
@@ -223,20 +240,26 @@ def _comparisons(results: Results, task: str) -> str:
         if not len(accuracies.get(OURS, ())):
             continue
         others = {name: values for name, values in accuracies.items() if name != OURS and name not in CEILINGS}
-        for c in compare(accuracies[OURS], others):
-            low, high = c.interval
-            rows.append(
-                (
-                    condition_name(condition),
-                    f'`{c.other}`',
-                    f'{c.mean - c.other_mean:+.3f}',
-                    _short(c.p),
-                    _short(c.p_holm),
-                    f'{c.superiority:.2f} [{low:.2f}, {high:.2f}]',
-                    _short(c.p_paired),
-                )
+        rows += [
+            (
+                condition_name(condition),
+                f'`{c.other}`',
+                f'{c.mean - c.other_mean:+.3f}',
+                _short(c.p),
+                _short(c.p_holm),
+                _superiority(c),
+                _short(c.p_paired),
             )
+            for c in compare(accuracies[OURS], others)
+        ]
     return _table((task, 'against', 'difference', 'p', 'Holm', 'superiority', 'paired p'), rows)
+
+
+def _superiority(comparison: Comparison) -> str:
+    if comparison.interval is None:
+        return f'{comparison.superiority:.2f}'
+    low, high = comparison.interval
+    return f'{comparison.superiority:.2f} [{low:.2f}, {high:.2f}]'
 
 
 def _short(p: float) -> str:

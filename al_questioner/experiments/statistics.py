@@ -12,6 +12,8 @@ from scipy.stats import bootstrap, mannwhitneyu, wilcoxon
 Array = NDArray[np.float64]
 
 RESAMPLES = 2000
+LEAST_FOR_INTERVAL = 5
+"""Samples below which resampling them says nothing of others: two that differ would give [1, 1]."""
 
 
 @dataclass(frozen=True)
@@ -24,7 +26,7 @@ class Comparison:
         p: of the one-tailed Mann-Whitney U test that the first is larger: the paper's test.
         p_holm: the same, corrected by Holm's method for the number of comparisons.
         superiority: probability that a sample of the first is above one of the other, ties counting half: U / (n m).
-        interval: its 95 % bootstrap interval.
+        interval: its 95 % bootstrap interval; None of too few samples.
         p_paired: of Wilcoxon's one-tailed signed-rank test over the samples, which both strategies share.
     """
 
@@ -34,7 +36,7 @@ class Comparison:
     p: float
     p_holm: float
     superiority: float
-    interval: tuple[float, float]
+    interval: tuple[float, float] | None
     p_paired: float
 
 
@@ -114,10 +116,10 @@ def superiority(first: Array, other: Array, axis: int = -1) -> Array:
     return np.asarray(np.mean((difference > 0) + 0.5 * (difference == 0), axis=(-2, -1)))
 
 
-def superiority_interval(first: Array, other: Array, seed: int) -> tuple[float, float]:
-    """95 % percentile bootstrap interval of `superiority`; of a single sample just its value, twice."""
-    if min(len(first), len(other)) < 2:
-        return (float(superiority(first, other)),) * 2
+def superiority_interval(first: Array, other: Array, seed: int) -> tuple[float, float] | None:
+    """95 % percentile bootstrap interval of `superiority`; None of fewer samples than `LEAST_FOR_INTERVAL`."""
+    if min(len(first), len(other)) < LEAST_FOR_INTERVAL:
+        return None
     found = bootstrap(
         (first, other),
         superiority,
@@ -127,6 +129,12 @@ def superiority_interval(first: Array, other: Array, seed: int) -> tuple[float, 
         rng=np.random.default_rng(seed),
     )
     return float(found.confidence_interval.low), float(found.confidence_interval.high)
+
+
+def mean_and_deviation(values: Array) -> str:
+    """(n,) values for readers, '0.512 ± 0.034': mean and standard deviation; of a single one just the value."""
+    mean = f'{values.mean():.3f}'
+    return f'{mean} ± {values.std(ddof=1):.3f}' if len(values) > 1 else mean
 
 
 def mean_and_error(values: Array) -> tuple[Array, Array]:

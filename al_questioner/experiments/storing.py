@@ -17,6 +17,7 @@ import scipy
 
 import al_questioner
 from al_questioner import __version__
+from al_questioner.differences import differences
 from al_questioner.domain import InputError, SettingsError
 from al_questioner.experiments.plan import Cell, Plan, task_label
 from al_questioner.experiments.playing import EPISODE_COLUMNS, TURN_COLUMNS, Played, Row
@@ -55,22 +56,25 @@ class Store:
         self._cells = folder / 'cells'
         make_folder(self._cells)
         manifest = folder / 'manifest.json'
-        variation = plan.document()['variation']
-        determining = {'version': __version__, 'code': code_digest(), 'variation': variation, 'dataset': dataset}
-        before = _read_manifest(manifest) if manifest.is_file() else {}
-        if before:
-            _check_same(folder, before, determining)
-        worlds = {name: json.loads(json.dumps(plan.task_document(name))) for name in plan.tasks}
-        _check_same(
-            folder, before.get('worlds', {}), {k: v for k, v in worlds.items() if k in before.get('worlds', {})}
+        # Where nothing was played yet, nothing can be mixed up.
+        is_begun = manifest.is_file() and any(self._cells.rglob('*.json'))
+        before = _read_manifest(manifest) if is_begun else {}
+        document = json.loads(
+            json.dumps(
+                {
+                    'version': __version__,
+                    'code': code_digest(),
+                    'dataset': dataset,
+                    **plan.document(),
+                    'seeds': list(plan.samples),
+                    'worlds': {name: plan.task_document(name) for name in plan.tasks},
+                }
+            )
         )
-        document = {
-            **determining,
-            **plan.document(),
-            'seeds': list(plan.samples),
-            'worlds': {**before.get('worlds', {}), **worlds},
-            'runs': [*before.get('runs', []), _machine()],
-        }
+        if before:
+            _check_same(folder, before, document)
+        document['worlds'] = {**before.get('worlds', {}), **document['worlds']}
+        document['runs'] = [*before.get('runs', []), _machine()]
         write_text(manifest, json.dumps(document, indent=1) + '\n')
 
     def load(self, cell: Cell) -> Played | None:
@@ -81,9 +85,9 @@ class Store:
         except (OSError, ValueError, KeyError, TypeError):
             return None
 
-    def is_empty(self) -> bool:
-        """Whether nothing is stored of the plan."""
-        return all(self.load(cell) is None for cell in self.plan.cells())
+    def finished(self) -> int:
+        """How many cells of the plan are stored."""
+        return sum(self.load(cell) is not None for cell in self.plan.cells())
 
     def missing(self) -> list[tuple[Cell, ...]]:
         """The cells that nothing is stored of, together those that share a world."""
@@ -138,17 +142,18 @@ def _read_manifest(path: Path) -> dict[str, Any]:
 
 
 def _check_same(folder: Path, before: Mapping[str, Any], now: Mapping[str, Any]) -> None:
-    for name, value in now.items():
-        was = json.dumps(before.get(name), sort_keys=True)
-        if was != (now_is := json.dumps(value, sort_keys=True)):
-            raise SettingsError(
-                f'{folder} holds an experiment with {name} {_shorten(was)}, this one has {_shorten(now_is)}:'
-                ' choose another folder'
-            )
-
-
-def _shorten(text: str, length: int = 200) -> str:
-    return text if len(text) <= length else f'{text[: length - 1]}…'
+    """Hold two manifests against each other; an experiment may grow by tasks, conditions, strategies and samples."""
+    tasks = before.get('worlds', {}).keys() & now['worlds'].keys()
+    theirs, ours = (
+        {
+            **{name: document.get(name) for name in ('version', 'code', 'dataset')},
+            **document.get('variation', {}),
+            **{name: document['worlds'][name] for name in sorted(tasks)},
+        }
+        for document in (before, now)
+    )
+    if differing := differences(theirs, ours):
+        raise SettingsError(f'{folder} holds an experiment with {"; ".join(differing)}: choose another folder')
 
 
 def _machine() -> dict[str, Any]:

@@ -25,6 +25,7 @@ from al_questioner.imitation.training import METHODS, Training, TrainingSettings
 from al_questioner.recording import digest
 from al_questioner.recording.bags import STORAGE_SUFFIXES
 from al_questioner.simulation import PerceivedWorld
+from al_questioner.wording import number_of
 
 MOST = 10_000
 
@@ -69,11 +70,10 @@ def main(arguments: Sequence[str]) -> int:
         raise InputError(f'{picture} cannot be the weights and the picture: name one of them otherwise')
     for path in (given.out, picture):
         check_writable(path)
-    paths = _without_other_files(given.bags, console)
+    paths = _without_other_files(given.bags)
     if len({path.resolve() for path in paths}) < len(paths):
         raise InputError('a bag is named twice')
     demonstrations = read_demonstrations(paths)
-    console.print(f'{len(demonstrations)} demonstrations, {sum(d.turns for d in demonstrations)} turns')
     matching = MatchingSettings(given.iterations, given.rollouts, seed=given.seed, jobs=given.jobs)
     settings = TrainingSettings(given.method, given.validation, given.ridge, matching)
     with bars.Progress(
@@ -91,6 +91,11 @@ def main(arguments: Sequence[str]) -> int:
             progress.update(bar, completed=iteration, description=f'gap {gap:.2f}, validation {held_out:.2f}')
 
         training = train(demonstrations, settings, watch)
+    # Only now, as it is no use to anybody whose bags cannot be learnt from.
+    for path in (path for path in given.bags if path not in paths):
+        console.print(f'{path} is passed over: it is no bag', highlight=False, soft_wrap=True)
+    played = number_of(sum(d.turns for d in demonstrations), 'turn')
+    console.print(f'{number_of(len(demonstrations), "demonstration")}, {played}')
     bags = [{'name': path.name, 'sha256': digest(path)} for path in paths]
     for path in (given.out, picture):
         make_folder(path.parent)
@@ -105,12 +110,9 @@ def main(arguments: Sequence[str]) -> int:
     return 0
 
 
-def _without_other_files(paths: Sequence[Path], console: Console) -> list[Path]:
+def _without_other_files(paths: Sequence[Path]) -> list[Path]:
     """The paths without files that are no bags, such as a README that `bags/*` names too; all if nothing is left."""
     kept = [path for path in paths if not path.is_file() or path.suffix in STORAGE_SUFFIXES.values()]
-    for path in paths:
-        if kept and path not in kept:
-            console.print(f'{path} is passed over: it is no bag', highlight=False, soft_wrap=True)
     return kept or list(paths)
 
 

@@ -8,6 +8,7 @@ from pathlib import Path
 import numpy as np
 from matplotlib import pyplot as plt
 from matplotlib.axes import Axes
+from matplotlib.figure import Figure
 from matplotlib.ticker import MaxNLocator
 
 from al_questioner.domain import QueryRecord
@@ -37,7 +38,7 @@ def draw_training(
         grid = figure.add_gridspec(2, 2, height_ratios=(3.2, height - 3.2))
         _draw_convergence(figure.add_subplot(grid[0, 0]), training)
         _draw_weights(figure.add_subplot(grid[0, 1]), training)
-        _draw_timelines(figure.add_subplot(grid[1, :]), demonstrations, learner)
+        _draw_timelines(figure, figure.add_subplot(grid[1, :]), demonstrations, learner)
         return save(figure, path)
 
 
@@ -70,7 +71,7 @@ def _draw_weights(axes: Axes, training: Training) -> None:
     rows = np.arange(len(named))
     free = training.free.unidentified
     axes.barh(rows, list(named.values()), color=['lightgray' if name in free else 'black' for name in named])
-    labels = [name.replace('_', ' ') + (' (free)' if name in free else '') for name in named]
+    labels = [name.replace('_', ' ') + (' (not identified)' if name in free else '') for name in named]
     axes.set_yticks(rows, labels, fontsize=9)
     axes.invert_yaxis()
     axes.axvline(0, color='gray', linewidth=0.8)
@@ -78,7 +79,7 @@ def _draw_weights(axes: Axes, training: Training) -> None:
 
 
 def _draw_timelines(
-    axes: Axes, demonstrations: Sequence[Demonstration], learner: Sequence[Sequence[QueryRecord]]
+    figure: Figure, axes: Axes, demonstrations: Sequence[Demonstration], learner: Sequence[Sequence[QueryRecord]]
 ) -> None:
     """Two rows for each demonstration, the expert's above the learner's."""
     ticks: list[tuple[float, str]] = []
@@ -97,4 +98,5 @@ def _draw_timelines(
         xlabel='turn', xlim=(0, max(d.settings.turns for d in demonstrations) + 1), ylim=(-len(demonstrations), 0.5)
     )
     axes.xaxis.set_major_locator(MaxNLocator(integer=True))
-    axes.legend(frameon=False, loc='upper center', bbox_to_anchor=(0.5, -0.22), ncols=3, fontsize=9)
+    handles, labels = axes.get_legend_handles_labels()
+    figure.legend(handles, labels, loc='outside lower center', ncols=len(KIND_COLOURS), frameon=False, fontsize=9)

@@ -16,6 +16,12 @@ from al_questioner.questioning.expected_utility import expected_features
 from al_questioner.questioning.situation import Situation
 
 HELP = 'a number asks what that object is, a symbol to be shown one, f which properties matter; Enter asks nothing'
+HELP_TABLE = """\
+  12       asks what object 12 is
+  snack    asks to be shown a snack; the beginning of the symbol does
+  f        asks which properties matter
+  Enter    asks nothing in this turn
+  h        shows this"""
 MOST_BELIEFS = 2
 """Symbols that the menu tells of an object: the most probable ones."""
 
@@ -129,10 +135,19 @@ def pick_from_menu(situation: Situation, source: LineSource, screen: TextIO) -> 
         line = source.readline()
         if not line:
             raise EpisodeError('strategy human: the input has ended, so nobody chooses; start it in a terminal')
+        if _asks_for_help(line, situation.symbols):
+            print(HELP_TABLE, file=screen)
+            continue
         try:
             return chosen_candidate(line, situation)
         except InputError as error:
             print(f'  {error}', file=screen)
+
+
+def _asks_for_help(line: str, symbols: Sequence[str]) -> bool:
+    """Whether a line is `h`, `help` or `?`, and not the beginning of a symbol."""
+    word = line.strip().lower()
+    return word in ('h', 'help', '?') and not any(symbol.lower().startswith(word) for symbol in symbols)
 
 
 def chosen_candidate(line: str, situation: Situation) -> int:
@@ -177,7 +192,7 @@ def menu(situation: Situation) -> str:
         )
     if QueryKind.FEATURE_SUBSET in kinds and Action(QueryKind.FEATURE_SUBSET) not in settled:
         lines.append(f'Which properties matter? (cost {costs.feature_subset:g}): f')
-    lines.append('Nothing: Enter')
+    lines.append('Nothing: Enter; help: h')
     return '\n'.join(lines)
 
 

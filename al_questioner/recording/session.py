@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import contextlib
 import math
 from collections import defaultdict
 from collections.abc import Mapping, Sequence
@@ -60,6 +61,7 @@ class Session:
         world: the simulated world, as `task`, `seed`, `sample` and `dataset`; None if it was another one.
         feature_names: m names.
         turns: from the first on, without a gap.
+        corrected: turns the answers to whose questions were replaced by others later.
     """
 
     source: Path
@@ -70,6 +72,7 @@ class Session:
     world: Document | None
     feature_names: tuple[str, ...]
     turns: tuple[RecordedTurn, ...]
+    corrected: tuple[int, ...] = ()
 
     @property
     def records(self) -> tuple[QueryRecord, ...]:
@@ -83,8 +86,13 @@ class Session:
         return tuple(after.turn for before, after in pairs if _differ(before.scene, after.scene))
 
 
-def read_sessions(path: Path) -> list[Session]:
+def read_sessions(path: Path, too_short: list[str] | None = None) -> list[Session]:
     """All episodes of a bag, in the order in which they began.
+
+    Args:
+        path: of the bag.
+        too_short: takes the ids of episodes of which not even one turn was recorded whole, beside others of which one
+            was; if not given, there must be none.
 
     Raises:
         BagError: not a bag, a broken one, or one whose messages are not those of an episode; the text names the bag.
@@ -105,9 +113,16 @@ def read_sessions(path: Path) -> list[Session]:
             except InputError as error:
                 raise BagError(f'{path}: {message.topic}: {error}') from error
     sessions = [session for recorded in by_namespace.values() for session in _sessions(bag, recorded)]
+    whole = [session for session in sessions if session.turns]
+    for session in sessions:
+        if not session.turns and whole and too_short is not None:
+            too_short.append(session.episode_id)
+        elif not session.turns:
+            what = f'the first turn of episode {session.episode_id} did'
+            raise BagError(f'{path}: the recording ended before {what}')
     if not sessions:
         raise BagError(f'{path}: no episode was recorded in it (no message on a topic named episode)')
-    return sessions
+    return whole
 
 
 @dataclass
@@ -119,6 +134,9 @@ class _Recorded:
     states: list[BagMessage] = field(default_factory=list)
     clouds: list[tuple[int, BagMessage]] = field(default_factory=list)
     decisions: dict[int, BagMessage] = field(default_factory=dict)
+    asked_in: dict[tuple[str, str], int] = field(default_factory=dict)
+    replacing: dict[tuple[str, str], str] = field(default_factory=dict)
+    accepted: set[tuple[str, str]] = field(default_factory=set)
 
     def take(self, name: str, message: BagMessage) -> None:
         """Sort one message in; clouds are kept as they are until it is known which ones matter."""
@@ -137,6 +155,30 @@ class _Recorded:
                 self.stamps[episode_id][document['turn']] = stamp_of(document['stamp'])
             else:
                 self.episodes[episode_id] = document
+        else:
+            # Anything at all may have been said; what is no document corrects nothing.
+            with contextlib.suppress(InputError):
+                self._take_talk(name, documents.read(name, content.data))
+
+    def _take_talk(self, name: str, document: Document) -> None:
+        episode_id = document['episode_id']
+        if name == 'query':
+            self.asked_in[episode_id, document['query_id']] = document['turn']
+        elif name == 'answer' and document.get('replaces') is not None:
+            self.replacing[episode_id, document['answer_id']] = document['query_id']
+        elif name == 'answer_ack' and document['accepted']:
+            self.accepted.add((episode_id, document['answer_id']))
+
+    def corrected(self, episode_id: str) -> tuple[int, ...]:
+        """Turns of the questions the answers to which were replaced."""
+        queries = {
+            query_id
+            for (of, answer_id), query_id in self.replacing.items()
+            if of == episode_id and (of, answer_id) in self.accepted
+        }
+        return tuple(
+            sorted({turn for (of, query_id), turn in self.asked_in.items() if of == episode_id and query_id in queries})
+        )
 
     def last_states(self) -> dict[str, Document]:
         """The last state of the learner, by episode: it tells all that came before, so the others are not read."""
@@ -177,8 +219,6 @@ def _session(path: Path, recorded: _Recorded, document: Document, state: Documen
                 f'{path}: the objects of turn {turn.turn} have other features than the episode announces'
                 f' ({len(turn.scene.feature_names)}, announced {len(names)})'
             )
-    if not turns:
-        raise BagError(f'{path}: the recording ended before the first turn of episode {episode_id} did')
     return Session(
         source=path,
         episode_id=episode_id,
@@ -188,6 +228,7 @@ def _session(path: Path, recorded: _Recorded, document: Document, state: Documen
         world=document['world'],
         feature_names=names,
         turns=turns,
+        corrected=recorded.corrected(episode_id),
     )
 
 

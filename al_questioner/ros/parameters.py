@@ -59,11 +59,13 @@ class Setting:
             if not math.isfinite(value):
                 raise InputError(f'parameter {self.name} must be a finite number, not {value}')
             if not self.lower <= value <= self.upper:
-                unit = f' {self.unit}' if self.unit else ''
-                raise InputError(
-                    f'parameter {self.name} must lie in [{self.lower:g}, {self.upper:g}]{unit}, not {value}'
-                )
+                raise InputError(f'parameter {self.name} must {self._range()}, not {value}')
         return value
+
+    def _range(self) -> str:
+        if math.isinf(self.upper):
+            return f'be {self.lower:g} or more'
+        return f'lie in [{self.lower:g}, {self.upper:g}]' + (f' {self.unit}' if self.unit else '')
 
     def descriptor(self) -> ParameterDescriptor:
         """What `ros2 param describe` shows."""

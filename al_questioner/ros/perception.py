@@ -9,7 +9,7 @@ from typing import Any
 from sensor_msgs.msg import Image, PointCloud2
 from std_msgs.msg import Header
 
-from al_questioner.domain import Observation, Scene
+from al_questioner.domain import InputError, Observation, Scene
 from al_questioner.messages.clouds import cloud_of_scene
 from al_questioner.messages.documents import Document
 from al_questioner.messages.pictures import image
@@ -37,6 +37,8 @@ class PerceptionNode(QuestionerNode):
         self._choice = declare_world(self)
         self._given = declare(self, PERCEPTION_SETTINGS)
         refuse_unknown(self, all_names())
+        if not str(self._given['frame_id']).strip():
+            raise InputError('parameter frame_id must not be empty: nothing could say where the objects are')
         self._world = PerceivedWorld(self._choice.open())
         self._pictured: Scene | None = None
         self._painter = Worker('painter', self._failed)

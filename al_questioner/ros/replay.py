@@ -17,6 +17,7 @@ from al_questioner.recording import read_bag, read_sessions
 from al_questioner.recording.playback import Playback
 from al_questioner.recording.scenes import scenes_of
 from al_questioner.rerun import first_divergence
+from al_questioner.wording import number_of
 
 if TYPE_CHECKING:
     from al_questioner.ros.replayer import ReplayNode
@@ -153,13 +154,18 @@ def _check(path: Path, console: Console) -> int:
     Raises:
         EpisodeError: a decision differs; the text names the first.
     """
-    for session in read_sessions(path):
+    too_short: list[str] = []
+    for session in read_sessions(path, too_short):
+        where = f'{path}: {session.episode_id}'
         divergence = first_divergence(session)
         if divergence is not None:
-            raise EpisodeError(f'{path}: {session.episode_id}: turn {divergence.turn}: {divergence.what}')
-        console.print(
-            f'{path}: {session.episode_id}: {len(session.turns)} decisions, all as recorded',
-            highlight=False,
-            soft_wrap=True,
-        )
+            corrected = [str(turn) for turn in session.corrected if turn <= divergence.turn]
+            # Bags hold what came of each query in the end, so the decisions before the correction differ.
+            expected = f'; the answer to turn {", ".join(corrected)} was corrected later, so this is to be expected'
+            raise EpisodeError(f'{where}: turn {divergence.turn}: {divergence.what}{expected if corrected else ""}')
+        decisions = number_of(len(session.turns), 'decision')
+        console.print(f'{where}: {decisions}, all as recorded', highlight=False, soft_wrap=True)
+    for episode_id in too_short:
+        unchecked = 'cannot be checked: the recording ended before its first turn did'
+        console.print(f'{path}: {episode_id}: {unchecked}', highlight=False, soft_wrap=True)
     return 0

@@ -16,6 +16,7 @@ from al_questioner.recording import read_log, repair_log
 from al_questioner.session.account import Account, Said, account_of
 from al_questioner.session.bag import write_bag
 from al_questioner.session.export import session_document, spoken, write_tables
+from al_questioner.wording import number_of
 
 
 def parser() -> Parser:
@@ -70,7 +71,7 @@ def _show(console: Console, account: Account) -> None:
     spent = f'{episode.spent:g} of {begun.settings.budget:g} spent'
     _say(console, f'turn {episode.turn} of {begun.settings.turns}, {spent}{", over" if episode.done else ""}')
     table = Table(show_header=True)
-    for column in ('turn', 'query', 'asked', 'said', 'by', 'answer', ''):
+    for column in ('turn', 'query', 'asked', 'said', 'by', 'answer', 'what became of it'):
         table.add_column(column)
     for said in account.said:
         table.add_row(*map(Text, _row(said)))
@@ -80,13 +81,12 @@ def _show(console: Console, account: Account) -> None:
         table.add_row(*map(Text, (str(query.turn), query.query_id, query.text, '', '', '', status)))
     if table.rows:
         console.print(table)
-    counts = {
-        'taken': sum(said.status != 'late' and said.answer.replaces is None for said in account.said),
-        'corrections': sum(said.status != 'late' and said.answer.replaces is not None for said in account.said),
-        'late': sum(said.status == 'late' for said in account.said),
-        'refused': sum(refused.count for _, refused in account.refused),
-    }
-    _say(console, 'answers: ' + ', '.join(f'{count} {name}' for name, count in counts.items()))
+    taken = sum(said.status != 'late' and said.answer.replaces is None for said in account.said)
+    corrections = sum(said.status != 'late' and said.answer.replaces is not None for said in account.said)
+    late = sum(said.status == 'late' for said in account.said)
+    refused = sum(refused.count for _, refused in account.refused)
+    counts = f'{taken} taken, {number_of(corrections, "correction")}, {late} late, {refused} refused'
+    _say(console, f'answers: {counts}')
     for name, record in episode.teachers.items():
         told = f'{record.answered} answered, {record.unknown} unknown, {record.skipped} skipped'
         others = f'{record.corrected} corrected, {record.late} late'

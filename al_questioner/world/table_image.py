@@ -15,6 +15,7 @@ from al_questioner.world.drawing.texture import TABLE_TILE_M, table_top
 
 RGB = tuple[int, int, int]
 Extent = tuple[int, int, int, int]
+Pixel = tuple[int, int]
 
 TABLE_M = (1.4, 0.8)
 WIDTH_PX = 1280
@@ -22,6 +23,9 @@ RIM_M = 0.14
 """What is seen of the ground left and right of the table."""
 SQUASH = 0.82
 """Height of a square metre of the table that is one wide: the picture is taken from above and in front."""
+
+LEADER_PX = 20
+"""From a number to its thing, in a picture of full width, above which a line leads from one to the other."""
 
 
 @dataclass(frozen=True)
@@ -99,13 +103,16 @@ def draw_scene(
     image = _backdrop(projection.height_px, width_px, projection.scale, SQUASH)
     order = sorted(observations, key=lambda o: -o.position[1])
     pixels = {o.object_id: projection.pixel(o.position[0], o.position[1]) for o in order}
-    extents = {o.object_id: _paste(image, o.view, pixels[o.object_id], projection.scale) for o in order}
+    pasted = {o.object_id: _paste(image, o.view, pixels[o.object_id], projection.scale) for o in order}
+    extents = {object_id: extent for object_id, (extent, _) in pasted.items()}
     canvas = np.clip(image, 0, 255).astype(np.uint8)
     zoom = width_px / 1280
     marked = {o.object_id: mark for o in order if (mark := (marks or {}).get(o.object_id)) is not None}
     # Plates last, and those of the answers after all others: nothing may hide what the picture is about.
     for object_id, mark in marked.items():
         _ring(canvas, extents[object_id], mark, zoom)
+    for extent, nearest in pasted.values():
+        _leader(canvas, extent, nearest, zoom)
     for o in order:
         _number(canvas, o.object_id, extents[o.object_id], marked.get(o.object_id), zoom)
     for object_id, mark in marked.items():
@@ -124,11 +131,15 @@ def _backdrop(height: int, width: int, scale: float, squash: float) -> FloatArra
     return picture * light[..., None].astype(np.float32)
 
 
-def _paste(image: FloatArray, view: View, middle: tuple[int, int], scale: float) -> tuple[int, int, int, int]:
-    """Put a view on the table, middle on middle, with a soft shadow; returns left, top, right, bottom of the thing."""
+def _paste(image: FloatArray, view: View, middle: Pixel, scale: float) -> tuple[Extent, Pixel]:
+    """Put a view on the table, middle on middle, with a soft shadow.
+
+    Returns:
+        Left, top, right, bottom of the thing, and its point that is nearest to the top left of these.
+    """
     rows, columns = np.flatnonzero(view.mask.any(axis=1)), np.flatnonzero(view.mask.any(axis=0))
     if len(rows) == 0:
-        return middle[0], middle[1], middle[0], middle[1]
+        return (*middle, *middle), middle
     readings = view.depth[view.mask & (view.depth > 0)]
     distance = float(np.median(readings)) / 1000 if len(readings) else 1.0
     zoom = scale * distance / view.camera.fx
@@ -144,7 +155,9 @@ def _paste(image: FloatArray, view: View, middle: tuple[int, int], scale: float)
     x, y = middle[0] - w // 2, middle[1] - h // 2
     _darken(image, alpha, x + max(2, w // 14), y + max(2, h // 14))
     _blend(image, color.astype(np.float32), alpha, x, y)
-    return x, y, x + w, y + h
+    inside = np.argwhere(alpha > 0.5)
+    row, column = inside[(inside**2).sum(axis=1).argmin()] if len(inside) else (h // 2, w // 2)
+    return (x, y, x + w, y + h), (x + int(column), y + int(row))
 
 
 def _darken(image: FloatArray, alpha: FloatArray, x: int, y: int) -> None:
@@ -179,8 +192,19 @@ def _ring(canvas: NDArray[np.uint8], extent: Extent, mark: Mark, zoom: float) ->
 def _number(canvas: NDArray[np.uint8], object_id: int, extent: Extent, mark: Mark | None, zoom: float) -> None:
     color = (250, 250, 250) if mark is None else mark.color
     ink = (30, 30, 30) if mark is None else (255, 255, 255)
-    corner = extent[0] + round(4 * zoom), extent[1] + round(6 * zoom)
-    _tag(canvas, str(object_id), corner, color, ink, 0.46 * zoom)
+    _tag(canvas, str(object_id), _number_at(extent, zoom), color, ink, 0.46 * zoom)
+
+
+def _number_at(extent: Extent, zoom: float) -> Pixel:
+    return extent[0] + round(4 * zoom), extent[1] + round(6 * zoom)
+
+
+def _leader(canvas: NDArray[np.uint8], extent: Extent, nearest: Pixel, zoom: float) -> None:
+    """A thin line from a number to its thing where the thing, lying aslant, does not reach up to it."""
+    begin = _number_at(extent, zoom)
+    if np.hypot(nearest[0] - begin[0], nearest[1] - begin[1]) > LEADER_PX * zoom:
+        cv2.line(canvas, begin, nearest, (60, 60, 60), max(1, round(3 * zoom)), cv2.LINE_AA)
+        cv2.line(canvas, begin, nearest, (250, 250, 250), max(1, round(1.5 * zoom)), cv2.LINE_AA)
 
 
 def _label(canvas: NDArray[np.uint8], extent: Extent, mark: Mark, zoom: float) -> None:

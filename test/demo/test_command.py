@@ -102,6 +102,14 @@ def test_unusable_input_ends_with_status_2_and_one_line(
     assert error.count('\n') == 1
 
 
+def test_help_names_the_tasks(capsys: pytest.CaptureFixture[str]) -> None:
+    """One would have to look into the folder of the package."""
+    for executable in ('demo', 'experiment'):
+        with pytest.raises(SystemExit):
+            main([executable, '--help'])
+        assert 'kitchen_table, pack_lunchbox, prepare_lunch' in ' '.join(capsys.readouterr().out.split())
+
+
 def test_unknown_executable_lists_the_known(capsys: pytest.CaptureFixture[str]) -> None:
     """A mistyped executable would be met with silence."""
     assert main(['lerner']) == 2
@@ -120,9 +128,12 @@ def test_help_lists_the_executables(capsys: pytest.CaptureFixture[str]) -> None:
         (['--offline', '--record', 'bag'], '--record is of no use --offline'),
         (['--offline', '--namespace', 'robot'], '--namespace is of no use --offline'),
         (['--one-process', '--record', 'bag'], '--record needs a process for each node'),
+        (['--record', '/'], '--record: / exists already; a bag is never overwritten'),
     ],
 )
 def test_options_that_would_be_ignored_are_refused(tmp_path, capsys, options, reason):
     """A user would wait for a recording that nobody makes."""
     assert main(['demo', *options, '--out', str(tmp_path)]) == 2
-    assert reason in capsys.readouterr().err
+    printed = capsys.readouterr()
+    assert reason in printed.err
+    assert printed.out == ''

@@ -17,7 +17,8 @@ import pytest
 from scipy.stats import mannwhitneyu, wilcoxon
 
 from al_questioner.cli import main
-from al_questioner.experiments.plan import Condition, Plan, Variation
+from al_questioner.experiments import playing
+from al_questioner.experiments.plan import Cell, Condition, Plan, Variation
 from al_questioner.experiments.studies import STUDIES, Study
 
 SMALL = ['--task', 'prepare_lunch', '--condition', '4/6', '--samples', '3', '--jobs', '1']
@@ -127,6 +128,8 @@ def test_unusable_arguments_end_with_status_2_and_one_line(tmp_path: Path, capsy
     for arguments, reason in (
         (['--condition', 'C9'], 'C1, C2, C3, C4, or BUDGET/TURNS'),
         (['--condition', '5'], 'C1, C2, C3, C4, or BUDGET/TURNS'),
+        (['--condition', '-5/40'], 'BUDGET/TURNS, not -5/40'),
+        (['--samples', '-3'], 'at most 100000, not -3'),
         (['--samples', '0'], 'must be at least 1'),
         (['--strategy', 'clever'], 'unknown strategy'),
         (['--studies', 'magic'], 'unknown study'),
@@ -134,8 +137,54 @@ def test_unusable_arguments_end_with_status_2_and_one_line(tmp_path: Path, capsy
         (['--weights-file', 'missing.yaml'], 'cannot be read'),
         (['--backend', 'dask'], 'belong together'),
         (['--scheduler', 'tcp://127.0.0.1:1'], 'belong together'),
+        (['--dataset', '/no/such/folder'], 'task prepare_lunch is simulated: it takes no dataset'),
+        (['--task', 'uw_lunchbox'], 'needs a dataset'),
+        (['--task', 'uw_lunchbox', '--dataset', '/no/such/folder'], '/no/such/folder'),
+        (['--task', 'uw_lunchbox', '--dataset', str(tmp_path), '--studies', 'repeats'], str(tmp_path)),
     ):
         assert main(['experiment', *arguments, '--out', str(tmp_path / 'x')]) == 2
         error = capsys.readouterr().err
         assert reason in error
         assert error.count('\n') == 1
+        assert not (tmp_path / 'x').exists()
+
+
+def test_episodes_that_fail_alike_are_one_line(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """A full disk would print a line for each of a thousand episodes."""
+
+    def failing(cell: Cell, *_: object) -> None:
+        raise RuntimeError('broken' if cell.sample else 'other')
+
+    monkeypatch.setattr(playing, 'play_episode', failing)
+    assert main(['experiment', *SMALL, '--strategy', 'random_fsq', 'dt_iros', '--out', str(tmp_path)]) == 1
+    lines = [line for line in capsys.readouterr().out.splitlines() if line.startswith('failed')]
+    assert lines == [
+        'failed: RuntimeError: other (prepare_lunch, 4/6, random_fsq, sample 0, and 1 more)',
+        'failed: RuntimeError: broken (prepare_lunch, 4/6, random_fsq, sample 1, and 3 more)',
+    ]
+
+
+def test_an_interruption_says_what_is_there_and_the_next_run_too(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Who stops a long run would not know whether anything of it is left."""
+    original = playing.play_episode
+
+    def interrupted(cell: Cell, *others: object) -> object:
+        if cell.sample == 1:
+            raise KeyboardInterrupt
+        return original(cell, *others)  # type: ignore[arg-type]
+
+    command = ['experiment', *SMALL, '--strategy', 'random_fsq', 'rarest_demo', '--out', str(tmp_path)]
+    monkeypatch.setattr(playing, 'play_episode', interrupted)
+    assert main(command) == 130
+    printed = capsys.readouterr().out
+    assert printed.endswith('interrupted, 2 of 6 episodes are finished; the same command goes on\n')
+    monkeypatch.undo()
+    assert main(command) == 0
+    printed = capsys.readouterr().out
+    assert '6 episodes (2 from before), 0 failed' in printed
+    # Not in a terminal, so a plain line now and then.
+    assert '4 of 6 episodes, about 0:00:0' in printed

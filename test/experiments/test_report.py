@@ -41,7 +41,7 @@ def test_the_first_paragraph_says_where_a_control_is_better() -> None:
     controls = {'random_fsq': WORSE, 'farthest_fsq': BETTER, 'u_sampling_fsq': [value + 0.01 for value in OURS]}
     page = page_of(made({'dt_task_env': OURS, 'dt_iros': BETTER, 'dt_task': WORSE, **controls}))
     p = mannwhitneyu(BETTER, OURS, alternative='greater').pvalue
-    assert 'in 1 of 1 cells' in page
+    assert 'in 1 of 1 cell' in page
     assert f'farthest_fsq 0.825, dt_task_env 0.725 (p = {3 * p:.3f})' in page
     assert 'Other strategies of the paper are more accurate' in page
     assert '- kitchen_table, C1: budget 25, 40 turns: dt_iros 0.825\n' in page
@@ -50,7 +50,7 @@ def test_the_first_paragraph_says_where_a_control_is_better() -> None:
 def test_the_first_paragraph_says_where_none_is() -> None:
     """The paper's method would be said to lose where it wins."""
     page = page_of(made({'dt_task_env': OURS, 'random_fsq': WORSE}))
-    assert 'In none of the 1 cells is a control more accurate' in page
+    assert 'In the only cell no control is more accurate, in the mean, than dt_task_env.' in page
     assert 'Other strategies' not in page
     assert 'No control was played' in page_of(made({'dt_task_env': OURS}))
 
@@ -61,6 +61,15 @@ def test_means_deviations_and_tests_are_those_of_the_tables() -> None:
     assert f'| `random_fsq` | {np.mean(WORSE):.3f} ± {np.std(WORSE, ddof=1):.3f} (3) |' in page
     p = mannwhitneyu(OURS, WORSE, alternative='greater').pvalue
     assert f'| `random_fsq` | +0.200 | {p:.4f} | {p:.4f} | 1.00 [1.00, 1.00] |' in page
+
+
+def test_few_samples_give_no_interval() -> None:
+    """Two samples would be printed as certainty."""
+    page = page_of(made({'dt_task_env': OURS[:2], 'random_fsq': WORSE[:2]}))
+    assert '| 1.00 |' in page
+    assert '[1.00, 1.00]' not in page
+    assert 'fewer than 5 samples cannot tell' in page
+    assert 'cannot tell' not in page_of(made({'dt_task_env': OURS, 'random_fsq': WORSE}))
 
 
 def test_what_was_not_played_has_no_section() -> None:

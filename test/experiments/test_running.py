@@ -14,7 +14,7 @@ from al_questioner.configuration import config_dir
 from al_questioner.domain import EpisodeError, InputError, SettingsError
 from al_questioner.experiments import forecast, playing, running, storing
 from al_questioner.experiments.plan import Cell, Condition, Plan, Variation
-from al_questioner.experiments.playing import play_cells, play_episode
+from al_questioner.experiments.playing import Played, play_cells, play_episode
 from al_questioner.experiments.results import read_results
 from al_questioner.experiments.running import run
 from al_questioner.experiments.storing import Store
@@ -34,6 +34,10 @@ def played(folder: Path, plan: Plan = PLAN, **options: object) -> tuple[str, str
     assert run([store], **options) == []
     store.write_tables()
     return tables(folder)
+
+
+def a_cell_is_finished(store: Store) -> None:
+    store.save(Played(store.plan.cells()[0], {}, ()))
 
 
 @pytest.fixture(scope='module')
@@ -138,26 +142,38 @@ def test_a_failed_cell_is_told_and_the_rest_goes_on(tmp_path: Path, monkeypatch:
 def test_another_experiment_is_not_mixed_in(reference) -> None:
     """Half of the table would be with erring teachers."""
     other = dataclasses.replace(PLAN, variation=Variation(wrong_rate=0.1))
-    with pytest.raises(SettingsError, match='choose another folder'):
+    with pytest.raises(SettingsError, match=r'with wrong_rate 0.0, not 0.1: choose another folder$'):
         Store(reference[0], other)
+    other = dataclasses.replace(PLAN, variation=Variation(weights={'dt_task': {'class_uniformity': 0.5}}))
+    with pytest.raises(SettingsError, match=r'with weights.dt_task.class_uniformity None, not 0.5: choose'):
+        Store(reference[0], other)
+
+
+def test_a_folder_in_which_nothing_was_played_is_free(tmp_path: Path) -> None:
+    """A command that was mistyped would bar the folder from the right one."""
+    Store(tmp_path, PLAN, '/some/crops')
+    store = Store(tmp_path, PLAN)
+    a_cell_is_finished(store)
+    with pytest.raises(SettingsError, match="dataset '', not '/some/crops'"):
+        Store(tmp_path, PLAN, '/some/crops')
 
 
 def test_other_code_or_another_world_is_not_mixed_in(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     """Half of the table would be from before a change that decides what an episode is."""
-    Store(tmp_path, PLAN)
+    a_cell_is_finished(Store(tmp_path, PLAN))
     Store(tmp_path, dataclasses.replace(PLAN, tasks=('pack_lunchbox',)))
     monkeypatch.setattr(storing, 'code_digest', lambda: 'other')
-    with pytest.raises(SettingsError, match='with code'):
+    with pytest.raises(SettingsError, match=r"with code '\w+', not 'other': choose"):
         Store(tmp_path, PLAN)
     monkeypatch.undo()
     monkeypatch.setattr(Plan, 'task_document', lambda plan, name: {'objects': 4})
-    with pytest.raises(SettingsError, match='with prepare_lunch'):
+    with pytest.raises(SettingsError, match=r'with prepare_lunch\.'):
         Store(tmp_path, PLAN)
 
 
 def test_every_run_is_told(reference, tmp_path: Path) -> None:
     """Nobody could say on which machine the first half was played."""
-    Store(tmp_path, PLAN)
+    a_cell_is_finished(Store(tmp_path, PLAN))
     Store(tmp_path, PLAN)
     manifest = json.loads((tmp_path / 'manifest.json').read_text())
     assert len(manifest['runs']) == 2

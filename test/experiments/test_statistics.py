@@ -10,7 +10,14 @@ from hypothesis import given
 from hypothesis import strategies as st
 from scipy.stats import mannwhitneyu, wilcoxon
 
-from al_questioner.experiments.statistics import compare, holm, mean_and_error, paired_p, superiority
+from al_questioner.experiments.statistics import (
+    compare,
+    holm,
+    mean_and_deviation,
+    mean_and_error,
+    paired_p,
+    superiority,
+)
 
 FIRST = np.array([0.9, 0.8, 0.7, 0.85, 0.95])
 OTHER = np.array([0.6, 0.5, 0.75, 0.55, 0.65])
@@ -44,6 +51,7 @@ def test_the_papers_test_by_counting_all_orders() -> None:
     assert found.p == pytest.approx(mannwhitneyu(FIRST, OTHER, alternative='greater').pvalue)
     assert found.superiority == pytest.approx(observed / 25) == superiority(FIRST, OTHER)
     assert found.p_paired == pytest.approx(wilcoxon(FIRST - OTHER, alternative='greater').pvalue)
+    assert found.interval is not None
     low, high = found.interval
     assert low <= found.superiority <= high <= 1
 
@@ -63,10 +71,19 @@ def test_holm_counts_all_comparisons() -> None:
     assert found[0].p_holm == pytest.approx(3 * found[0].p)
 
 
-def test_a_single_sample_gives_an_interval_of_nothing() -> None:
-    """A quick try with one sample would end in an error."""
-    (found,) = compare(np.array([0.5]), {'other': np.array([0.4])})
-    assert found.interval == (1.0, 1.0)
+@pytest.mark.parametrize('count', [1, 2, 4])
+def test_few_samples_give_no_interval(count: int) -> None:
+    """A quick try would end in an error, or claim to be certain."""
+    (found,) = compare(FIRST[:count], {'other': OTHER[:count]})
+    assert found.interval is None
+    (found,) = compare(FIRST, {'other': OTHER})
+    assert found.interval is not None
+
+
+def test_mean_and_deviation_by_hand() -> None:
+    """The tables would show another spread than they say."""
+    assert mean_and_deviation(np.array([0.4, 0.6])) == '0.500 ± 0.141'
+    assert mean_and_deviation(np.array([0.4])) == '0.400'
 
 
 def test_standard_error_by_hand() -> None:

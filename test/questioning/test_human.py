@@ -16,7 +16,7 @@ from al_questioner.concepts import Knowledge
 from al_questioner.domain import Action, Costs, EpisodeError, InputError, Outcome, QueryKind, QueryRecord, generator
 from al_questioner.questioning import Episode, Situation
 from al_questioner.questioning.expected_utility import expected_features
-from al_questioner.questioning.human import Human, Lines, chosen_candidate, menu, pick_from_menu
+from al_questioner.questioning.human import HELP_TABLE, Human, Lines, chosen_candidate, menu, pick_from_menu
 
 SYMBOLS = ('main_dish', 'snack', 'soup')
 
@@ -105,6 +105,20 @@ def test_wrong_input_is_asked_again_and_the_end_is_told(toy: Any) -> None:
     assert 'no such object' in screen.getvalue()
     with pytest.raises(EpisodeError, match='input has ended'):
         pick_from_menu(situation, io.StringIO('99\n'), screen)
+
+
+def test_help_is_the_table_of_inputs(toy: Any) -> None:
+    """An expert would guess what can be typed; but what a symbol begins with means that symbol."""
+    situation, screen = situation_of(toy), io.StringIO()
+    index = pick_from_menu(situation, io.StringIO('h\nHelp\n23\n'), screen)
+    assert situation.candidates[index].object_id == 23
+    assert screen.getvalue().count(HELP_TABLE) == 2
+    assert 'no question' not in screen.getvalue()
+    knowledge = Knowledge(('hot', 'cold'))
+    knowledge.observe(situation.scene)
+    hot = situation_of(toy, knowledge=knowledge)
+    found = pick_from_menu(hot, io.StringIO('h\n'), io.StringIO())
+    assert hot.candidates[found] == Action(QueryKind.DEMONSTRATION, symbol='hot')
 
 
 def test_the_menu_tells_what_there_is_to_choose(toy: Any) -> None:

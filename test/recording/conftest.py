@@ -50,7 +50,9 @@ class Writing:
         self.send(name, typestore().types[STRING](documents.write(name, episode_id, members)), stamp)
 
 
-def write_episode(path, storage='mcap', n_turns=8, missing=(), close=True, task='prepare_lunch', strategy='expert'):
+def write_episode(
+    path, storage='mcap', n_turns=8, missing=(), close=True, task='prepare_lunch', strategy='expert', then=None
+):
     """A bag of an episode of the scripted expert.
 
     Args:
@@ -61,6 +63,7 @@ def write_episode(path, storage='mcap', n_turns=8, missing=(), close=True, task=
         close: whether the bag is finished.
         task: of the episode.
         strategy: of the episode.
+        then: given the writing and the members of the episode's document, writes what comes after it.
     """
     loaded = load_task(task)
     choice = WorldChoice(loaded, 3, 3)
@@ -85,6 +88,8 @@ def write_episode(path, storage='mcap', n_turns=8, missing=(), close=True, task=
             writing.send('decision', cloud, stamp + 3)
         if 'learner_state' in kept:
             writing.say('learner_state', state_members(episode), stamp + 4)
+    if then is not None:
+        then(writing, episode_members(settings, world.scene(1), members))
     if close:
         writing.bag.close()
     else:

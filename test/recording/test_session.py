@@ -10,6 +10,7 @@ import pytest
 
 from al_questioner.imitation.bags import read_demonstrations
 from al_questioner.recording import BagError, BagWriter, read_bag, read_sessions, repair
+from al_questioner.recording.bags import typestore
 from al_questioner.rerun import first_divergence
 
 
@@ -51,6 +52,44 @@ def test_features_of_another_look_are_a_divergence(bags, tmp_path):
     assert found is not None
     assert found.turn == 1
     assert 'the features differ by up to 1e-09' in found.what
+
+
+@pytest.mark.parametrize('accepted', [True, False])
+def test_a_correction_is_known_by_the_turn_of_its_question(bags, tmp_path, accepted):
+    """Nobody could say why a replay of what came of the queries in the end decides otherwise before."""
+
+    def then(writing, _):
+        stamp = bags.START + 2 * 10**9
+        query = {'query_id': 'q3', 'turn': 3, 'kind': 'label', 'object_id': 1, 'symbol': None, 'choices': ['snack']}
+        more = {'cost': 1, 'budget_left': 1, 'turns_left': 5, 'model_version': 1, 'text': 'What is object 1?'}
+        writing.say('query', query | more, stamp)
+        answer = {'query_id': 'q3', 'answer_id': 'a2', 'teacher_id': 'anna', 'outcome': 'answered', 'content': 'snack'}
+        writing.send('answer', typestore().types[bags.STRING]('{"no": "answer"'), stamp + 1)
+        writing.say('answer', answer | {'answer_id': 'a1'}, stamp + 2)
+        writing.say('answer', answer | {'replaces': 'a1'}, stamp + 3)
+        ack = {'query_id': 'q3', 'answer_id': 'a2', 'accepted': accepted, 'reason': ''}
+        writing.say('answer_ack', ack, stamp + 4)
+
+    bags.write_episode(tmp_path / 'b', then=then)
+    (session,) = read_sessions(tmp_path / 'b')
+    assert session.corrected == ((3,) if accepted else ())
+
+
+def test_an_episode_without_a_whole_turn_is_told_of_beside_others(bags, tmp_path):
+    """What was recorded before it would be as good as lost; or its loss go unnoticed."""
+
+    def then(writing, episode):
+        stamp = bags.START + 2 * 10**9
+        told = {'sec': stamp // 10**9, 'nanosec': 0}
+        writing.say('turn', {'turn': 1, 'stamp': told, 'world': episode['world']}, stamp, 'e2')
+        writing.say('episode', episode, stamp + 1, 'e2')
+
+    bags.write_episode(tmp_path / 'b', then=then)
+    with pytest.raises(BagError, match='ended before the first turn of episode e2'):
+        read_sessions(tmp_path / 'b')
+    too_short: list[str] = []
+    (session,) = read_sessions(tmp_path / 'b', too_short)
+    assert (session.episode_id, too_short) == ('e1', ['e2'])
 
 
 def test_an_unfinished_recording_counts_as_far_as_it_goes(bags, tmp_path):

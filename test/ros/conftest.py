@@ -21,6 +21,7 @@ from rclpy.context import Context
 from rclpy.executors import ExternalShutdownException, SingleThreadedExecutor
 from rclpy.node import Node
 from rclpy.parameter import Parameter
+from rclpy.task import Future
 from std_msgs.msg import String
 
 from al_questioner.ros import qos
@@ -52,6 +53,7 @@ class Graph:
         self._changed = threading.Condition()
         self.ears = Node('ears', namespace=self.namespace, context=context)
         self.executor.add_node(self.ears)
+        self._ended = Future(executor=self.executor)
         self._thread = threading.Thread(target=self._spin, daemon=True)
         self._thread.start()
 
@@ -135,14 +137,16 @@ class Graph:
         """End everything."""
         for process in self.processes:
             kill(process)
-        self.executor.shutdown()
+        # The executor destroys in its shutdown what the thread that spins would still be waiting for.
+        self._ended.set_result(None)
         self._thread.join(5)
+        self.executor.shutdown()
         for node in (*self.nodes, self.ears):
             node.destroy_node()
 
     def _spin(self) -> None:
         try:
-            self.executor.spin()
+            self.executor.spin_until_future_complete(self._ended)
         except ExternalShutdownException:
             return
 

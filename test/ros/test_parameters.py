@@ -69,6 +69,12 @@ def test_help_names_every_parameter() -> None:
     assert '[cost of a label query]' in text
 
 
+def test_a_frame_without_a_name_is_refused(graph: Any) -> None:
+    """Nobody could say where the objects are."""
+    with pytest.raises(InputError, match='frame_id must not be empty'):
+        graph.start(PerceptionNode, task=TASK, frame_id=' ')
+
+
 def test_misspelt_parameters_are_refused(graph: Any) -> None:
     """`-p bugdet:=20` would be ignored in silence."""
     for node in (LearnerNode, PerceptionNode, TeacherNode, RecorderNode):
@@ -81,12 +87,12 @@ def test_misspelt_parameters_are_refused(graph: Any) -> None:
     [
         ({'task': 'prepare_luch'}, 'unknown task'),
         ({'strategy': 'clever'}, 'unknown strategy'),
-        ({'budget': -1.0}, 'budget must lie in'),
+        ({'budget': -1.0}, 'budget must be 0 or more, not -1.0$'),
         ({'budget': float('nan')}, 'budget must be a finite number'),
         ({'budget': 'much'}, 'budget must be of type float'),
         ({'turns': 0}, 'turns must lie in'),
         ({'turns': 2.5}, 'turns must be of type int'),
-        ({'seed': -3}, 'seed must lie in'),
+        ({'seed': -3}, 'seed must be 0 or more, not -3'),
         ({'weights_file': '/no/such/file.yaml'}, 'no/such/file'),
         ({'amplitude': 0.0}, 'amplitude must lie in'),
         ({'tune_every': -1}, 'tune_every must lie in'),

@@ -178,7 +178,7 @@ def test_nodes_end_cleanly_when_interrupted(processes: Processes, name: str, int
         ('learner', 'budget:=', 'unusable ROS arguments'),
         ('learner', 'budget', 'unusable ROS arguments'),
         ('learner', 'bugdet:=3', 'unknown parameter bugdet'),
-        ('learner', 'budget:=-1.0', 'budget must lie in [0, inf] cost of a label query, not -1.0'),
+        ('learner', 'budget:=-1.0', 'budget must be 0 or more, not -1.0'),
         ('teacher', 'wrong_rate:=.nan', 'wrong_rate must be a finite number'),
         ('perception', 'task:=prepare_luch', 'unknown task'),
     ],
@@ -278,7 +278,7 @@ def test_a_demo_overwrites_no_recording(tmp_path: Path) -> None:
     """A demonstration cannot be given twice."""
     done = run('demo', *SMALL, '--out', str(tmp_path / 'out'), '--record', str(tmp_path))
     assert done.returncode == 2
-    assert done.stderr == f'demo: record: {tmp_path}: exists already; a bag is never overwritten\n'
+    assert done.stderr == f'demo: --record: {tmp_path} exists already; a bag is never overwritten\n'
 
 
 @pytest.mark.parametrize(

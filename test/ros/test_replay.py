@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import dataclasses
 import os
 import pty
 import select
@@ -18,8 +19,8 @@ from typing import Any
 import pytest
 
 from al_questioner.cli import main
-from al_questioner.recording import BagWriter, Topic, read_bag
-from al_questioner.ros import qos
+from al_questioner.recording import BagWriter, Topic, read_bag, read_sessions
+from al_questioner.ros import qos, replay
 from al_questioner.ros.learner import LearnerNode
 
 BAG = Path(__file__).resolve().parents[2] / 'bags' / 'expert_0'
@@ -52,6 +53,30 @@ def test_checking_tells_of_the_first_divergence(tmp_path: Path, capsys: pytest.C
     """A change of the questioner would go unnoticed."""
     assert main(['replay', str(BAG), '--check']) == 0
     assert '30 decisions, all as recorded' in capsys.readouterr().out.replace('\n', ' ')
+
+
+def test_checking_says_what_is_to_be_expected(
+    capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """A recording in which a person corrected themselves would seem to be broken."""
+    (recorded,) = read_sessions(BAG)
+    other = dataclasses.replace(recorded.settings, strategy='random_fsq')
+    changed = dataclasses.replace(recorded, settings=other)
+    expected = 'the answer to turn 1 was corrected later, so this is to be expected\n'
+    for session, status, text in (
+        (recorded, 0, 'short: cannot be checked'),
+        (dataclasses.replace(changed, corrected=(30,)), 1, ' was recorded\n'),
+        (dataclasses.replace(changed, corrected=(1, 30)), 1, expected),
+    ):
+
+        def read(_: Path, too_short: list[str], session: Any = session) -> list[Any]:
+            too_short.append('short')
+            return [session]
+
+        monkeypatch.setattr(replay, 'read_sessions', read)
+        assert main(['replay', str(BAG), '--check']) == status
+        printed = capsys.readouterr()
+        assert text in printed.out + printed.err
 
 
 def test_unusable_arguments_end_with_status_2_and_one_line(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:

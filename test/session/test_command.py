@@ -108,7 +108,7 @@ def test_all_that_was_said_is_shown_and_exported(
     write_session(tmp_path / 'log', world, corrected=True)
     assert main(['session', str(tmp_path / 'log'), '--csv', str(tmp_path / 'csv')]) == 0
     shown = capsys.readouterr().out
-    assert '1 corrections, 1 late, 1 refused' in shown
+    assert '1 correction, 1 late, 1 refused' in shown
     assert 'taken, then replaced by c1' in shown
     assert 'whole, ' in shown
     with (tmp_path / 'csv' / 'answers.csv').open() as file:

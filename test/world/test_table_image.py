@@ -65,6 +65,20 @@ def test_things_are_drawn_to_scale() -> None:
     assert widths[1] == pytest.approx(widths[0], abs=2)
 
 
+def test_a_line_leads_from_a_number_to_a_thing_that_lies_aslant() -> None:
+    """In clutter, the number of a spoon would seem to belong to what lies beside it."""
+    lengths = []
+    for view in (flat_view(100, 100, 800), flat_view(100, 100, 800)):
+        if lengths:
+            # What is left of the square is its lower right corner.
+            view.mask[:] = np.add.outer(np.arange(100), np.arange(100)) > 150
+            view.mask[-1] = view.mask[:, -1] = True
+        o = Observation(1, (0.7, 0.4, 0.0), view, {})
+        image = draw_scene([o]).image.astype(int)
+        lengths.append(((image.min(axis=2) > 220) & (np.ptp(image, axis=2) < 10)).sum())
+    assert lengths[1] > lengths[0] + 40
+
+
 def test_the_picture_does_not_depend_on_the_order_of_the_scene(small: Task) -> None:
     scene = SimulatedWorld(small, 1).scene(1)
     assert (draw_scene(scene).image == draw_scene(scene[::-1]).image).all()

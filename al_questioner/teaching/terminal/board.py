@@ -75,7 +75,7 @@ class Board:
         corrected: the earlier answer that is being taken back, if any.
         progress: as last told by the learner; None before that.
         can_undo: whether there is an answer to take back.
-        notice: what came of the last answer.
+        notice: what came of the last answer, or that nothing does.
         teacher_id: who answers.
     """
 

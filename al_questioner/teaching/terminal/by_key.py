@@ -84,7 +84,9 @@ class ByKey:
         async def end_in_time() -> None:
             while not self._stopped.is_set() and not self._nothing_left():
                 await asyncio.sleep(LOOK_PERIOD)
-                if application.output.get_size() != self._size:
+                # That no reply comes is nothing that anybody tells.
+                waits = self._session.board().phase is Phase.SENDING
+                if waits or application.output.get_size() != self._size:
                     application.invalidate()
             if not application.is_done:
                 application.exit()

@@ -99,7 +99,9 @@ class ByLine:
             here = about(board)
             if here and board.moment is not None and here != self._asked:
                 self._asked = here
-                self._write(self._out, question_line(board.moment.query, board.phase is Phase.CORRECTING))
+                self._write(
+                    self._out, question_line(board.moment.query, board.phase is Phase.CORRECTING, board.progress)
+                )
             line = self._lines.peek(LOOK_PERIOD)
             if line is not None and (here or read_line(line) in (Wish.HELP, Wish.QUIT, Wish.UNDO)):
                 self._lines.take()

@@ -10,9 +10,10 @@ from al_questioner.teaching.terminal.board import Board, Moment, Phase, Progress
 from al_questioner.teaching.terminal.keypad import Pad, letters
 from al_questioner.teaching.terminal.look import Look
 from al_questioner.teaching.terminal.safe_text import counted, printable
-from al_questioner.teaching.terminal.sentences import HELP, recorded_in_words, said_in_words
+from al_questioner.teaching.terminal.sentences import HELP, present_turn, recorded_in_words, said_in_words
 from al_questioner.teaching.terminal.table_map import position_in_words, table_map
 from al_questioner.teaching.terminal.thumbnail import cut_out, thumbnail
+from al_questioner.wording import number_of
 
 KEYS = 'n none · u unknown · s skip · z undo · : word · h help · q quit'
 GAP = 2
@@ -21,7 +22,7 @@ SMALLEST_SCENE = 4
 MOST_CHOICES = 200
 """That are shown; no screen has room for more."""
 HISTORY = 4
-"""Earlier answers that are shown if there is room for map and picture as well."""
+"""Rows that map and picture leave to earlier answers, so that they stay where they are as there come more."""
 
 
 def screen(board: Board, pad: Pad, look: Look, in_help: bool = False) -> list[Text]:
@@ -37,11 +38,13 @@ def screen(board: Board, pad: Pad, look: Look, in_help: bool = False) -> list[Te
     if in_help:
         body = [line for paragraph in HELP for line in _wrapped(Text(paragraph), look)]
         return _fitted([*head, Text(), *body, Text(), Text('any key: back', style='dim')], look)
-    foot = _answers(board, pad, look) + _notice(board, pad, look) + _wrapped(Text(KEYS, style='dim'), look)
-    history = _history(board)
+    # A row for what there is to say is left free, and longer words take the room of the history: as long as a
+    # question is shown, nothing that may be looked at moves.
+    notice = _notice(board, pad, look) or [Text()]
+    foot = _answers(board, pad, look) + notice + _wrapped(Text(KEYS, style='dim'), look)
     room = look.height - len(head) - len(foot) - 1
-    table = _table(board, pad, look, max(room - min(len(history), HISTORY), 0))
-    shown = history[: max(0, room - len(table))]
+    table = _table(board, pad, look, max(min(room + len(notice) - 1 - HISTORY, room), 0))
+    shown = _history(board)[: max(0, room - len(table))]
     return _fitted([*head, *table, *foot, *([Text()] if shown else []), *shown], look)
 
 
@@ -53,12 +56,15 @@ def _head(board: Board, look: Look) -> Text:
 
 
 def _progress(board: Board) -> str:
-    query = None if board.moment is None or board.corrected is not None else board.moment.query
+    query = None if board.moment is None else board.moment.query
     progress = board.progress
     if query is not None:
+        of_all = f'of {counted(query.turn + query.turns_left)}'
+        if board.corrected is not None:
+            return f'turn {query.turn} {of_all} · correcting'
+        turn = f'turn {present_turn(query, progress)} {of_all}'
         budget = f'{query.budget_left:g}' + ('' if progress is None else f' of {progress.budget:g}')
-        turns = counted(query.turn + query.turns_left)
-        return f'turn {query.turn} of {turns} · budget {budget} left · costs {query.cost:g}'
+        return f'{turn} · budget {budget} left · costs {query.cost:g}'
     if progress is None:
         return ''
     return f'turn {counted(progress.turn)} of {progress.turns} · budget {_left(progress):g} of {progress.budget:g} left'
@@ -75,10 +81,7 @@ def _question(board: Board, look: Look) -> list[Text]:
     if board.corrected is not None:
         earlier = said_in_words(board.moment.query.action, board.corrected.answer)
         lines = _wrapped(Text(f'Correction of: {earlier} (z: leave it so)', style='yellow'), look)
-    lines += _wrapped(Text(printable(board.moment.query.text), style='bold'), look)[:4]
-    if board.phase is Phase.SENDING:
-        lines += _wrapped(Text('… telling the robot', style='italic'), look)
-    return lines
+    return lines + _wrapped(Text(printable(board.moment.query.text), style='bold'), look)[:4]
 
 
 def _meanwhile(board: Board) -> str:
@@ -89,7 +92,7 @@ def _meanwhile(board: Board) -> str:
     if board.progress is None:
         return 'The robot looks at the table and thinks.'
     left = max(0, board.progress.turns - board.progress.turn)
-    return f'The robot looks at the table and thinks. {left} turn{"" if left == 1 else "s"} left.'
+    return f'The robot looks at the table and thinks. {number_of(left, "turn")} left.'
 
 
 def _table(board: Board, pad: Pad, look: Look, rows: int) -> list[Text]:
@@ -101,7 +104,8 @@ def _table(board: Board, pad: Pad, look: Look, rows: int) -> list[Text]:
     if moment.query.action.kind is QueryKind.LABEL and focus not in moment.scene.object_ids:
         gone = f'Object {focus} is not in view any more.'
         return [*_wrapped(Text(gone, style='yellow'), look), *table_map(moment.scene, look.width, rows - 1, None)]
-    lines = []
+    # Where a number may be typed, the row is there before it is.
+    lines = [Text()] if moment.query.action.kind is QueryKind.DEMONSTRATION else []
     if focus is not None and focus in moment.scene.object_ids:
         lines = [Text(f'Object {focus}: {position_in_words(moment.scene, focus)}')]
         lines[0].truncate(look.width)
@@ -137,9 +141,16 @@ def _picture(moment: Moment, focus: int | None, look: Look, rows: int) -> list[T
 
 def _answers(board: Board, pad: Pad, look: Look) -> list[Text]:
     """What can be answered, with its keys."""
-    if board.moment is None or board.phase is Phase.SENDING:
+    if board.moment is None:
         return []
-    query = board.moment.query
+    lines = _choices(board.moment.query, pad, look)
+    if board.phase is not Phase.SENDING:
+        return lines
+    sending = _wrapped(Text('… telling the robot', style='italic'), look)
+    return [*sending, *(Text() for _ in lines[len(sending) :])]
+
+
+def _choices(query: Query, pad: Pad, look: Look) -> list[Text]:
     if pad.in_words:
         return _wrapped(Text(f'Your answer in words, then Enter: {printable(pad.typed)}_'), look)
     choices = query.choices[:MOST_CHOICES]

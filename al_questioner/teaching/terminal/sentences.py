@@ -3,8 +3,9 @@
 from __future__ import annotations
 
 from al_questioner.domain import NO_SYMBOL, Action, Answer, Outcome, Query, QueryKind, QueryRecord
-from al_questioner.teaching.terminal.board import Board, Phase
+from al_questioner.teaching.terminal.board import Board, Phase, Progress
 from al_questioner.teaching.terminal.safe_text import counted, printable
+from al_questioner.wording import number_of
 
 HELP = (
     'You teach a robot what things are. It asks; every question costs it something of its budget.',
@@ -41,13 +42,20 @@ def recorded_in_words(record: QueryRecord) -> str:
     return _shown(record.symbol, record.object_id)
 
 
-def question_line(query: Query, corrects: bool) -> str:
+def present_turn(query: Query, progress: Progress | None) -> int:
+    """The turn in which a question waits: a later one than its own if turns have passed without an answer."""
+    present = query.turn if progress is None else max(query.turn, progress.turn + 1)
+    return min(present, query.turn + query.turns_left)
+
+
+def question_line(query: Query, corrects: bool, progress: Progress | None = None) -> str:
     """One line that asks, with what would be an answer."""
     nothing = [] if query.action.kind is QueryKind.FEATURE_SUBSET else [NO_SYMBOL]
     choices = ','.join(query.choices) if not nothing else ' '.join(query.choices)
     words = ' '.join([choices, *nothing, '?', 'skip'])
     again = 'correction: ' if corrects else ''
-    left = f'budget left {query.budget_left:g}, turns left {counted(query.turns_left)}'
+    turns_left = query.turn + query.turns_left - present_turn(query, progress)
+    left = f'budget left {query.budget_left:g}, turns left {counted(turns_left)}'
     # A scene of a thousand objects is still one line that can be read.
     return f'{printable(query.query_id, 40)}: {again}{printable(query.text)} [{printable(words, 2000)}] ({left})'
 
@@ -56,9 +64,10 @@ def farewell(board: Board) -> str:
     """The last words: how the episode ended, or what is left to do."""
     progress = board.progress
     if board.phase is Phase.OVER and progress is not None:
-        count = len(progress.records)
-        questions = f'{count} question' + ('' if count == 1 else 's')
+        questions = number_of(len(progress.records), 'question')
         return f'The episode is over: {progress.spent:g} of {progress.budget:g} spent on {questions}. Thank you.'
+    if board.phase is Phase.ALONE:
+        return 'No robot was heard; start this program again when its learner runs.'
     if board.moment is None:
         return 'The robot goes on; start this program again to answer what it asks next.'
     query = board.moment.query

@@ -21,6 +21,9 @@ SECONDS_TO_NOTICE = 0.5
 MOVED_M = 0.02
 """By which an object may move and still be where its picture shows it, in metres."""
 
+PATIENCE_S = 5.0
+"""Within which a learner that runs replies to an answer."""
+
 
 def random_id() -> str:
     """Part of an answer's id that no other answer has."""
@@ -57,6 +60,7 @@ class Session:
         self._send = send
         self._new_id = new_id
         self._clock = clock
+        self._sent_at = 0.0
         self._changed = threading.Condition(threading.RLock())
         self._episode_id = ''
         self._scene: Scene | None = None
@@ -144,7 +148,7 @@ class Session:
             replaces = None if self._corrected is None else self._corrected.answer.answer_id
             answer_id = f'{answer.answer_id}/{self._new_id()}'
             answer = dataclasses.replace(answer, answer_id=answer_id, replaces=replaces)
-            self._on_its_way = Said(moment, answer)
+            self._on_its_way, self._sent_at = Said(moment, answer), self._clock()
             self._notice = ''
             self._tell()
             self._send(self._episode_id, answer)
@@ -194,7 +198,7 @@ class Session:
                 self._corrected,
                 self._progress,
                 self._last is not None,
-                self._notice,
+                self._notice or self._no_reply(),
                 self._teacher_id,
             )
 
@@ -220,6 +224,10 @@ class Session:
     def _tell(self) -> None:
         self._changed.notify_all()
         self.on_change()
+
+    def _no_reply(self) -> str:
+        late = self._on_its_way is not None and self._clock() - self._sent_at > PATIENCE_S
+        return 'No reply so far; is the learner running?' if late else ''
 
     def _phase(self) -> Phase:
         if self._on_its_way is not None:

@@ -151,7 +151,30 @@ def test_a_correction_says_what_it_corrects(person: Any, made: Any) -> None:
     person.session.say('fruit')
     person.taken()
     person.session.undo()
-    assert 'Correction of: object 7 is fruit' in shown(person.session.board(), Look())
+    text = shown(person.session.board(), Look())
+    assert 'Correction of: object 7 is fruit' in text
+    # Of the question that is shown, not how far the robot is meanwhile.
+    assert 'turn 1 of 6 · correcting' in text
+
+
+@pytest.mark.parametrize('kind', ['label', 'demonstration', 'feature_subset'])
+@pytest.mark.parametrize('look', [Look(80, 24), Look(80, 18), Look(60, 40)], ids=str)
+def test_the_map_stays_where_it_is_while_a_question_is_shown(made: Any, kind: str, look: Look) -> None:
+    """The number that somebody is about to point at would jump to another row."""
+    person = made.Person()
+    person.session.look(made.many_objects(20), 1)
+    board = person.asked(made.QUERIES[kind](5))
+    pads = (Pad(), Pad(about(board), '1'), Pad(notice='one line'), Pad(notice='words ' * (look.width // 4)))
+    screens = [shown(board, look, pad) for pad in pads]
+    person.progress(4, *(made.record(turn) for turn in range(1, 5)))
+    screens += [shown(person.session.board(), look, pad) for pad in pads]
+    person.session.say('?')
+    screens.append(shown(person.session.board(), look))
+    rows = {tuple(n for n, line in enumerate(text.split('\n')) if set('┌└') & set(line)) for text in screens}
+    assert len(rows) == 1
+    ((top, bottom),) = rows
+    assert bottom > top
+    assert 'telling the robot' in screens[-1]
 
 
 def test_numbers_beyond_all_measure_are_shown(person: Any, made: Any) -> None:
@@ -161,3 +184,12 @@ def test_numbers_beyond_all_measure_are_shown(person: Any, made: Any) -> None:
     board = person.asked(query)
     assert 'very many' in shown(board, Look())
     assert len(question_line(query, False)) < 3000
+
+
+def test_a_question_that_waits_tells_the_time_that_is_left_now(person: Any, made: Any) -> None:
+    """Who comes back would believe that there is more time than there is."""
+    person.asked(made.label(2))
+    person.progress(4)
+    board = person.session.board()
+    assert 'turn 5 of 7' in shown(board, Look())
+    assert 'turns left 2' in question_line(board.moment.query, False, board.progress)

@@ -9,6 +9,7 @@ import pytest
 
 from al_questioner.domain import Answer, AnswerError, Outcome
 from al_questioner.teaching.terminal import Phase, Session
+from al_questioner.teaching.terminal.sentences import farewell
 
 
 def test_an_answer_is_on_its_way_until_it_is_taken(person: Any, made: Any) -> None:
@@ -194,13 +195,37 @@ def test_what_was_said_of_an_earlier_turn_comes_too_late(person: Any, made: Any)
 
 def test_a_key_pressed_for_one_question_does_not_answer_the_next(made: Any) -> None:
     """What a person says of one thing would be learnt of another, as the question changed under their hands."""
-    times = iter([10.0, 10.2, 10.6])
-    sent: list[Any] = []
-    session = Session('anna', lambda *one: sent.append(one), clock=lambda: next(times))
+    now, sent = [10.0], []
+    session = Session('anna', lambda *one: sent.append(one), clock=lambda: now[0])
     session.enter('episode')
     session.ask(made.label(1))
     session.ask(made.label(2, object_id=8))
+    now[0] += 0.2
     with pytest.raises(AnswerError, match='just asked something else'):
         session.say('fruit')
+    now[0] += 0.4
     session.say('fruit')
     assert [answer.query_id for _, answer in sent] == ['q2']
+
+
+def test_an_answer_that_nobody_replies_to_is_said_to_be_so(made: Any) -> None:
+    """The person would wait for ever before a learner that has died."""
+    now = [100.0]
+    session = Session('anna', lambda *_: None, clock=lambda: now[0])
+    session.enter('episode')
+    session.ask(made.label(1))
+    session.say('fruit')
+    now[0] += 4.0
+    assert session.board().notice == ''
+    now[0] += 2.0
+    assert session.board().notice == 'No reply so far; is the learner running?'
+    session.enter('another')
+    assert session.board().notice == ''
+
+
+def test_the_last_words_fit_what_was_heard(person: Any, made: Any) -> None:
+    """Of a robot that never was, one would read that it goes on."""
+    assert farewell(Session('anna', lambda *_: None).board()).startswith('No robot was heard')
+    assert farewell(person.session.board()).startswith('The robot goes on')
+    person.progress(8, made.record(1), done=True)
+    assert 'spent on 1 question. Thank you.' in farewell(person.session.board())
