@@ -19,6 +19,9 @@ if os.environ.get('RMW_IMPLEMENTATION', 'rmw_fastrtps_cpp') == 'rmw_fastrtps_cpp
 else:
     os.environ['ROS_AUTOMATIC_DISCOVERY_RANGE'] = 'LOCALHOST'
 
+# So that nodes of other runs on this machine are not heard.
+os.environ['ROS_DOMAIN_ID'] = str(1 + os.getpid() % 100)
+
 DEADLINE = 90.0
 """Seconds after which a test gives up; far more than anything here takes."""
 

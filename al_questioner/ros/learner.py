@@ -113,7 +113,7 @@ class LearnerNode(QuestionerNode):
         self.on_message(PointCloud2, 'objects', self._perceive, qos.LATCHED)
         self.on_message(String, 'answer', self._hear, qos.EVENTS)
         self.on_document('turn', self._hear_turn)
-        self.does('preparing the models, some ten seconds the first time ever')
+        self.does('preparing the models; where they have to be compiled first, that takes some ten seconds')
         self.submit(compile_models)
         if self._given['wait_for_recorder']:
             self.await_recorder('episode', 'turn', 'query', 'answer_ack', 'decision', 'learner_state')
