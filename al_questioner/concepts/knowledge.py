@@ -231,11 +231,16 @@ class Knowledge:
 
     def times_labelled(self, scene: Scene) -> NDArray[np.intp]:
         """(n,) how often this view of each object has been labelled."""
-        labelled_ids = np.array([view.object_id for view in self.labelled_views], dtype=np.intp)
-        rows, named = np.nonzero(np.array(scene.object_ids)[:, None] == labelled_ids)
-        known = [self.labelled_views[i].features for i in named]
-        features = np.array(known, dtype=np.float32).reshape(len(named), len(self.feature_names))
-        return np.bincount(rows[self._same_views(features, scene.features[rows])], minlength=len(scene))
+        rows, _ = self._labels_in(scene)
+        return np.bincount(rows, minlength=len(scene))
+
+    def labels_of(self, scene: Scene) -> tuple[str | None, ...]:
+        """What this view of each object was labelled last; None where it was not."""
+        found: list[str | None] = [None] * len(scene)
+        rows, named = self._labels_in(scene)
+        for row, label in zip(rows, named, strict=True):
+            found[row] = self.labelled_views[label].label
+        return tuple(found)
 
     def is_unchanged(self, before: Scene, after: Scene) -> bool:
         """Whether two scenes show the same views of the same objects."""
@@ -255,6 +260,15 @@ class Knowledge:
         labelled = self._standardiser.transform(self._labelled_features())[:, self._active]
         squared: Array = np.mean((points[:, None] - labelled[None]) ** 2, axis=2)
         return np.asarray(np.sqrt(np.min(squared, axis=1)))
+
+    def _labels_in(self, scene: Scene) -> tuple[NDArray[np.intp], NDArray[np.intp]]:
+        """Rows of the scene that show a labelled view, and which of the labelled views, in order, each shows."""
+        labelled_ids = np.array([view.object_id for view in self.labelled_views], dtype=np.intp)
+        rows, named = np.nonzero(np.array(scene.object_ids)[:, None] == labelled_ids)
+        known = [self.labelled_views[i].features for i in named]
+        features = np.array(known, dtype=np.float32).reshape(len(named), len(self.feature_names))
+        same = self._same_views(features, scene.features[rows])
+        return rows[same], named[same]
 
     def _labelled_view(self, object_id: int, features: FloatArray, symbol: str, turn: int) -> LabelledView:
         if symbol not in self.symbols and symbol != NO_SYMBOL:

@@ -125,7 +125,7 @@ def main(arguments: Sequence[str]) -> int:
     page = Page(
         f'python -m al_questioner experiment {shlex.join(arguments)}'.strip(),
         read_results(store.folder),
-        {task: plan.variation.task(task).scenes.change_interval for task in plan.tasks},
+        {task: plan.variation.task(task).of_sample(plan.samples[0]).scenes.change_interval for task in plan.tasks},
         (),
         {name: weights[name] for name in plan.strategies if name in weights},
         [

@@ -16,7 +16,7 @@ from al_questioner.configuration import config_dir
 from al_questioner.domain import SettingsError
 from al_questioner.experiments.ceilings import CEILINGS
 from al_questioner.questioning import STRATEGIES, Strategy, UncertaintySampling, Weights, make_strategy, read_weights
-from al_questioner.world import Task, load_task
+from al_questioner.world import Interval, Task, load_task
 
 
 @dataclass(frozen=True)
@@ -87,7 +87,12 @@ class Variation:
             changes['change_interval'] = self.change_interval
         if self.synchrony is not None:
             changes['synchrony'] = self.synchrony
-        return dataclasses.replace(task, scenes=dataclasses.replace(task.scenes, **changes)) if changes else task
+        if not changes:
+            return task
+        variety = task.variety
+        if variety is not None and self.change_interval is not None:
+            variety = dataclasses.replace(variety, change_interval=Interval(self.change_interval, self.change_interval))
+        return dataclasses.replace(task, scenes=dataclasses.replace(task.scenes, **changes), variety=variety)
 
 
 def shipped_weights() -> Mapping[str, Weights]:
