@@ -2,12 +2,23 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from dataclasses import dataclass
 
 import numpy as np
 
-from al_questioner.domain import NO_SYMBOL, Answer, Content, Outcome, QueryKind, QueryRecord, generator
-from al_questioner.questioning import Episode, Human, Remembered
+from al_questioner.domain import (
+    NO_SYMBOL,
+    Answer,
+    Content,
+    Decision,
+    InputError,
+    Outcome,
+    QueryKind,
+    QueryRecord,
+    generator,
+)
+from al_questioner.questioning import Choice, Episode, FeatureSet, Human, Observed, Remembered, Situation
 from al_questioner.recording import RecordedTurn, Session
 
 
@@ -61,6 +72,40 @@ def first_divergence(session: Session) -> Divergence | None:
             episode.tell(_answer(decision.query.query_id, recorded))
         episode.tune()
     return None
+
+
+class _Follower:
+    """Chooses what was chosen then."""
+
+    selector = None
+
+    def __init__(self) -> None:
+        self.decision: Decision | None = None
+
+    def choose(self, situation: Situation, rng: np.random.Generator) -> Choice:
+        if self.decision is None or self.decision.candidates != situation.candidates:
+            raise InputError(f'turn {situation.turn}: other candidates than the settings and scenes make were recorded')
+        return Choice(self.decision.chosen, self.decision.utilities)
+
+
+def decisions_anew(session: Session, feature_set: FeatureSet) -> Iterator[Decision]:
+    """The decisions of a session as they were made, but with features that were not recorded.
+
+    Raises:
+        InputError: the recorded candidates are not those that the session's scenes and settings make.
+    """
+    follower = _Follower()
+    strategy = Observed(follower, feature_set)
+    episode = Episode(session.settings, generator(session.seed, 'learner'), session.view_tolerance, strategy)
+    for recorded in session.turns:
+        follower.decision = recorded.decision
+        decision = episode.ask(recorded.scene)
+        yield decision
+        if decision.query is not None:
+            if recorded.record is None:
+                return
+            episode.tell(_answer(decision.query.query_id, recorded))
+        episode.tune()
 
 
 def _answer(query_id: str, turn: RecordedTurn) -> Answer:

@@ -24,6 +24,7 @@ from al_questioner.experiments.figures import condition_name, draw_figures
 from al_questioner.experiments.forecast import Forecast
 from al_questioner.experiments.plan import (
     CONTROLS,
+    OWN,
     PAPER_CONDITIONS,
     PAPER_STRATEGIES,
     PAPER_TASKS,
@@ -69,7 +70,7 @@ def parser() -> Parser:
         default=list(PAPER_CONDITIONS.values()),
         help='C1 to C4, or BUDGET/TURNS',
     )
-    result.add_argument('--strategy', nargs='+', default=[*PAPER_STRATEGIES, *CONTROLS], help='(%(default)s)')
+    result.add_argument('--strategy', nargs='+', default=[*PAPER_STRATEGIES, *OWN, *CONTROLS], help='(%(default)s)')
     result.add_argument('--ceilings', action='store_true', help=f'play {" and ".join(CEILINGS)} too')
     result.add_argument(
         '--studies',
@@ -85,6 +86,12 @@ def parser() -> Parser:
     result.add_argument('--synchrony', type=number(float, 0, 1), help="how synchronously objects change (the task's)")
     result.add_argument(
         '--wrong-rate', type=number(float, 0, 1), default=0.0, help='share of wrong answers (%(default)s)'
+    )
+    result.add_argument(
+        '--unknown-rate',
+        type=number(float, 0, 1),
+        default=0.0,
+        help='share of questions without an answer (%(default)s)',
     )
     result.add_argument('--dataset', default='', help='root of a directory of crops, for tasks that read one')
     jobs = os.cpu_count() or 1
@@ -127,7 +134,7 @@ def main(arguments: Sequence[str]) -> int:
         read_results(store.folder),
         {task: plan.variation.task(task).of_sample(plan.samples[0]).scenes.change_interval for task in plan.tasks},
         (),
-        {name: weights[name] for name in plan.strategies if name in weights},
+        {name: weights[name] for name in plan.strategies if name in weights and name not in OWN},
         [
             (study, {label: read_results(each.folder) for label, each in by_label.items() if not each.is_empty()})
             for study, by_label in variants
@@ -157,7 +164,7 @@ def _plan(given: argparse.Namespace, weights: Mapping[str, Mapping[str, float]])
         tuple(given.condition),
         (*given.strategy, *ceilings),
         tuple(samples),
-        Variation(given.change_interval, given.synchrony, given.wrong_rate, weights),
+        Variation(given.change_interval, given.synchrony, given.wrong_rate, weights, unknown_rate=given.unknown_rate),
     )
 
 
@@ -174,6 +181,7 @@ def _varied(given: argparse.Namespace) -> str:
         'the scene changes every {} turns': given.change_interval,
         'synchrony {}': given.synchrony,
         'share of wrong answers {}': given.wrong_rate or None,
+        'share of questions without an answer {}': given.unknown_rate or None,
     }
     return ', '.join(text.format(value) for text, value in parts.items() if value is not None)
 

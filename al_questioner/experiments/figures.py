@@ -25,6 +25,7 @@ COLOURS = {
     'dt_task': '#2c6fbb',
     'dt_iros': '#3a923a',
     'u_sampling': '#000000',
+    'value_per_cost': '#e6007e',
     'u_sampling_fsq': '#777777',
     'random_fsq': '#b8860b',
     'farthest_fsq': '#8e44ad',

@@ -89,7 +89,7 @@ def value_features(situation: Situation) -> Array:
         factors[asks, PRICE] = np.maximum(costs, LEAST_COST)[asks]
     features = np.zeros((len(factors), len(VALUE_FEATURES)))
     features[:, :4] = np.log(np.maximum(factors, LEAST))
-    features[~asks, AHEAD] = float(is_ahead(situation))
+    features[~asks, AHEAD] = lead(situation)
     features[~asks, SILENCE] = 1.0
     return features
 
@@ -118,9 +118,9 @@ def novelties(situation: Situation) -> Array:
 
 
 def class_needs(situation: Situation) -> Array:
-    """(|Y| + 1,) what an example of each symbol, or of none, is worth.
+    """(|Y| + 1,) what an example of each symbol, or, last, of none, is worth.
 
-    If n examples leave an error of 1 / (1 + n), one more saves 1 / (1 + n) - 1 / (2 + n); in units of the first.
+    If n examples leave an error of 2 / (1 + n), one more saves 2 / (1 + n) - 2 / (2 + n): the first saves 1.
     """
     n = np.array(list(situation.knowledge.positives.values()), dtype=np.float64)
     needs = 2 / ((1 + n) * (2 + n))
@@ -141,10 +141,15 @@ def is_budget_short(situation: Situation) -> bool:
     return situation.budget_left + BUDGET_ROUNDING < situation.costs.label * (situation.turns_left + 1)
 
 
-def is_ahead(situation: Situation) -> bool:
-    """Whether a short budget has been spent faster than later scenes can spare."""
-    due = situation.budget * (situation.turn / situation.turns) ** FRONT_LOADING
-    return is_budget_short(situation) and situation.spent + BUDGET_ROUNDING >= due
+def lead(situation: Situation) -> float:
+    """Share of the budget by which more is spent than later scenes can spare; 0 where the budget is not short.
+
+    It is negative where less is spent.
+    """
+    if not is_budget_short(situation):
+        return 0.0
+    due = (situation.turn / situation.turns) ** FRONT_LOADING
+    return situation.spent / situation.budget - due if situation.budget > 0 else 0.0
 
 
 def _answered(situation: Situation, kind: QueryKind, symbol: str | None = None) -> float:
