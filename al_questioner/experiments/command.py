@@ -70,7 +70,7 @@ def parser() -> Parser:
         default=list(PAPER_CONDITIONS.values()),
         help='C1 to C4, or BUDGET/TURNS',
     )
-    result.add_argument('--strategy', nargs='+', default=[*PAPER_STRATEGIES, *OWN, *CONTROLS], help='(%(default)s)')
+    result.add_argument('--strategy', nargs='+', default=[*PAPER_STRATEGIES, *CONTROLS], help='(%(default)s)')
     result.add_argument('--ceilings', action='store_true', help=f'play {" and ".join(CEILINGS)} too')
     result.add_argument(
         '--studies',

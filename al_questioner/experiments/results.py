@@ -55,6 +55,10 @@ class Results:
     episodes: Sequence[EpisodeRow]
     turns: Sequence[TurnRow]
 
+    def beside(self, other: Results) -> Results:
+        """These and those of another experiment."""
+        return Results([*self.episodes, *other.episodes], [*self.turns, *other.turns])
+
     def of_samples(self, samples: Collection[int]) -> Results:
         """The part of it that is about these samples."""
         return Results(
