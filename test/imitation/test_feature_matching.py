@@ -141,8 +141,7 @@ def test_settled_questions_are_not_drawn():
     """The policy would ask the feature subset query again and again, as no learner does."""
     from al_questioner.domain import QueryKind
     from al_questioner.imitation.rollouts import SoftmaxQuestioner
-    from al_questioner.questioning import FEATURE_SETS
-    from al_questioner.questioning import Episode
+    from al_questioner.questioning import FEATURE_SETS, Episode
     from al_questioner.simulation import PerceivedWorld, WorldChoice, episode_settings, turns
     from al_questioner.teaching import ScriptedTeacher
     from al_questioner.world import load_task
