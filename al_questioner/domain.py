@@ -293,6 +293,12 @@ DECISION_FEATURES = (
 )
 """The seven decision features of the paper, in the order of every weight vector and every decision."""
 
+VALUE_FEATURES = ('novelty', 'need', 'chance', 'price', 'ahead', 'silence')
+"""The features of what a question is worth, see `questioning.value`, in the order of every weight vector of theirs."""
+
+WEIGHED = (*DECISION_FEATURES, *VALUE_FEATURES)
+"""All that a weights file may name; each strategy says which of them it uses."""
+
 
 @dataclass(frozen=True)
 class Costs:
@@ -381,8 +387,8 @@ class EpisodeSettings:
         if self.tune_every < 0:
             raise SettingsError(f'tune_every must be 0 or more, not {self.tune_every}')
         for name, weight in self.weights.items():
-            if name not in DECISION_FEATURES:
-                raise SettingsError(f'unknown decision feature {name!r}; known: {", ".join(DECISION_FEATURES)}')
+            if name not in WEIGHED:
+                raise SettingsError(f'unknown decision feature {name!r}; known: {", ".join(WEIGHED)}')
             if not np.isfinite(weight):
                 raise SettingsError(f'the weight of {name} is not finite ({weight})')
 

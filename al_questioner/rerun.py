@@ -3,14 +3,24 @@
 from __future__ import annotations
 
 from collections import defaultdict
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 
 import numpy as np
 
-from al_questioner.domain import NO_SYMBOL, Answer, Content, Outcome, QueryKind, QueryRecord, generator
-from al_questioner.questioning import Episode, Human, Remembered
-from al_questioner.recording import Session
+from al_questioner.domain import (
+    NO_SYMBOL,
+    Answer,
+    Content,
+    Decision,
+    InputError,
+    Outcome,
+    QueryKind,
+    QueryRecord,
+    generator,
+)
+from al_questioner.questioning import Choice, Episode, FeatureSet, Human, Observed, Remembered, Situation, Strategy
+from al_questioner.recording import RecordedTurn, Session
 
 
 @dataclass(frozen=True)
@@ -38,9 +48,7 @@ def first_divergence(session: Session) -> Divergence | None:
     choices = Remembered()
     strategy = Human(choices) if session.settings.strategy == 'human' else None
     episode = Episode(session.settings, generator(session.seed, 'learner'), session.view_tolerance, strategy)
-    queries: dict[int, str] = {}
-    told = _told(session)
-    for recorded in session.turns:
+    for recorded in _turns(session, episode):
         choices.action = recorded.decision.candidates[recorded.decision.chosen]
         decision = episode.ask(recorded.scene)
         theirs = recorded.decision
@@ -59,14 +67,50 @@ def first_divergence(session: Session) -> Divergence | None:
                 if not np.array_equal(np.isnan(ours), np.isnan(other)):
                     return Divergence(recorded.turn, f'the {name} of other candidates are missing')
                 return Divergence(recorded.turn, f'the {name} differ by up to {np.nanmax(np.abs(ours - other)):.3g}')
-        if decision.query is not None:
-            queries[recorded.turn] = decision.query.query_id
+    return None
+
+
+class _Follower:
+    """Chooses what was chosen then."""
+
+    selector = None
+
+    def __init__(self) -> None:
+        self.decision: Decision | None = None
+
+    def choose(self, situation: Situation, rng: np.random.Generator) -> Choice:
+        if self.decision is None or self.decision.candidates != situation.candidates:
+            raise InputError(f'turn {situation.turn}: other candidates than the settings and scenes make were recorded')
+        return Choice(self.decision.chosen, self.decision.utilities)
+
+
+def decisions_anew(session: Session, feature_set: FeatureSet) -> Iterator[Decision]:
+    """The decisions of a session as they were made, but with features that were not recorded.
+
+    Raises:
+        InputError: the recorded candidates are not those that the session's scenes and settings make.
+    """
+    follower = _Follower()
+    strategy: Strategy = Observed(follower, feature_set)
+    episode = Episode(session.settings, generator(session.seed, 'learner'), session.view_tolerance, strategy)
+    for recorded in _turns(session, episode):
+        follower.decision = recorded.decision
+        yield episode.ask(recorded.scene)
+
+
+def _turns(session: Session, episode: Episode) -> Iterator[RecordedTurn]:
+    """Each turn, to ask the episode about its scene; then the episode is told what was said, and the turn is ended."""
+    told = _told(session)
+    queries: dict[int, str] = {}
+    for recorded in session.turns:
+        yield recorded
+        if episode.pending is not None:
+            queries[episode.pending.turn] = episode.pending.query_id
         for record in (record for record in told[recorded.turn] if record.turn in queries):
             episode.tell(Answer(queries[record.turn], 'recorded', 'recorded', record.outcome, _content(record)))
         if episode.awaits_answer:
             episode.let_pass()
         episode.tune()
-    return None
 
 
 def _told(session: Session) -> Mapping[int, list[QueryRecord]]:

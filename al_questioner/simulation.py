@@ -40,7 +40,7 @@ class WorldChoice:
     """Which world an episode plays in.
 
     Attributes:
-        task: what is to be learnt, and where.
+        task: what is to be learnt, and where; as the sample has it, where samples differ.
         seed: of the scenes.
         sample: which sample of observations the scenes are drawn from.
         dataset: root of a directory of RGB-D crops, for tasks that read one.
@@ -50,6 +50,9 @@ class WorldChoice:
     seed: int
     sample: int
     dataset: Path | None = None
+
+    def __post_init__(self) -> None:
+        object.__setattr__(self, 'task', self.task.of_sample(self.sample))
 
     def open(self) -> World:
         """The world itself.

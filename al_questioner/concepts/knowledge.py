@@ -244,11 +244,21 @@ class Knowledge:
 
     def times_labelled(self, scene: Scene) -> NDArray[np.intp]:
         """(n,) how often this view of each object has been labelled."""
-        return self._times_among([(view.object_id, view.features) for view in self.labelled_views], scene)
+        rows, _ = self._views_among([(view.object_id, view.features) for view in self.labelled_views], scene)
+        return np.bincount(rows, minlength=len(scene))
+
+    def labels_of(self, scene: Scene) -> tuple[str | None, ...]:
+        """What this view of each object was labelled last; None where it was not."""
+        found: list[str | None] = [None] * len(scene)
+        rows, named = self._views_among([(view.object_id, view.features) for view in self.labelled_views], scene)
+        for row, label in zip(rows, named, strict=True):
+            found[row] = self.labelled_views[label].label
+        return tuple(found)
 
     def is_unnameable(self, scene: Scene) -> NDArray[np.bool_]:
         """(n,) whether a teacher, asked what this view of each object is, did not know."""
-        return self._times_among(self._unnamed_views, scene) > 0
+        rows, _ = self._views_among(self._unnamed_views, scene)
+        return np.bincount(rows, minlength=len(scene)) > 0
 
     def is_unchanged(self, before: Scene, after: Scene) -> bool:
         """Whether two scenes show the same views of the same objects."""
@@ -307,13 +317,19 @@ class Knowledge:
         rows = [view.features for view in self.labelled_views]
         return np.array(rows, dtype=np.float64).reshape(len(rows), len(self.feature_names))
 
-    def _times_among(self, views: Sequence[tuple[int, NDArray[np.float32]]], scene: Scene) -> NDArray[np.intp]:
-        """(n,) how many of these views, as object id and (m,) features, are that of each object."""
+    def _views_among(
+        self, views: Sequence[tuple[int, NDArray[np.float32]]], scene: Scene
+    ) -> tuple[NDArray[np.intp], NDArray[np.intp]]:
+        """Rows of the scene, and for each the number of one of the views, as object id and (m,) features, that it is.
+
+        In the order of the rows, and for each of them in that of the views.
+        """
         ids = np.array([object_id for object_id, _ in views], dtype=np.intp)
         rows, among = np.nonzero(np.array(scene.object_ids)[:, None] == ids)
         known = [views[int(i)][1] for i in among]
         features = np.array(known, dtype=np.float32).reshape(len(among), len(self.feature_names))
-        return np.bincount(rows[self._same_views(features, scene.features[rows])], minlength=len(scene))
+        same = self._same_views(features, scene.features[rows])
+        return rows[same], among[same]
 
     def _same_views(self, first: FloatArray, second: FloatArray) -> NDArray[np.bool_]:
         """(k,) whether each of (k, m) raw features shows the same view as its counterpart."""

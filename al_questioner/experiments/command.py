@@ -22,6 +22,7 @@ from al_questioner.experiments.ceilings import CEILINGS
 from al_questioner.experiments.figures import condition_name, draw_figures
 from al_questioner.experiments.plan import (
     CONTROLS,
+    OWN,
     PAPER_CONDITIONS,
     PAPER_STRATEGIES,
     PAPER_TASKS,
@@ -90,6 +91,12 @@ def parser() -> Parser:
     result.add_argument(
         '--wrong-rate', type=number(float, 0, 1), default=0.0, help='share of wrong answers (%(default)s)'
     )
+    result.add_argument(
+        '--unknown-rate',
+        type=number(float, 0, 1),
+        default=0.0,
+        help='share of questions without an answer (%(default)s)',
+    )
     result.add_argument('--dataset', default='', help='root of a directory of crops, for tasks that read one')
     jobs = os.cpu_count() or 1
     result.add_argument('--jobs', type=number(int, 1, 1024), default=jobs, help='local processes (%(default)s)')
@@ -137,9 +144,9 @@ def main(arguments: Sequence[str]) -> int:
     page = Page(
         f'python -m al_questioner experiment {shlex.join(arguments)}'.strip(),
         read_results(store.folder),
-        {task: plan.variation.task(task).scenes.change_interval for task in plan.tasks},
+        {task: plan.variation.task(task).of_sample(plan.samples[0]).scenes.change_interval for task in plan.tasks},
         (),
-        {name: weights[name] for name in plan.strategies if name in weights},
+        {name: weights[name] for name in plan.strategies if name in weights and name not in OWN},
         [
             (study, {label: read_results(each.folder) for label, each in by_label.items() if each.finished()})
             for study, by_label in variants
@@ -169,7 +176,7 @@ def _plan(given: argparse.Namespace, weights: Mapping[str, Mapping[str, float]])
         tuple(given.condition),
         (*given.strategy, *ceilings),
         tuple(samples),
-        Variation(given.change_interval, given.synchrony, given.wrong_rate, weights),
+        Variation(given.change_interval, given.synchrony, given.wrong_rate, weights, unknown_rate=given.unknown_rate),
     )
 
 
@@ -200,6 +207,7 @@ def _varied(given: argparse.Namespace) -> str:
         'the scene changes every {} turns': given.change_interval,
         'synchrony {}': given.synchrony,
         'share of wrong answers {}': given.wrong_rate or None,
+        'share of questions without an answer {}': given.unknown_rate or None,
     }
     return ', '.join(text.format(value) for text, value in parts.items() if value is not None)
 

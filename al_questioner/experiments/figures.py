@@ -1,4 +1,4 @@
-"""The figures of the paper, and two more: how well and how each strategy asks."""
+"""The figures of the paper, and three more: how well and how each strategy asks, and what accuracy costs."""
 
 from __future__ import annotations
 
@@ -14,7 +14,15 @@ from matplotlib.ticker import MaxNLocator
 
 from al_questioner.domain import QueryKind
 from al_questioner.experiments.ceilings import CEILINGS
-from al_questioner.experiments.plan import CONTROLS, PAPER_CONDITIONS, PAPER_STRATEGIES, Cell, Condition, task_label
+from al_questioner.experiments.plan import (
+    CONTROLS,
+    OWN,
+    PAPER_CONDITIONS,
+    PAPER_STRATEGIES,
+    Cell,
+    Condition,
+    task_label,
+)
 from al_questioner.experiments.results import Results
 from al_questioner.experiments.statistics import mean_and_error
 from al_questioner.files import make_folder
@@ -26,6 +34,7 @@ COLOURS = {
     'dt_task': '#2c6fbb',
     'dt_iros': '#3a923a',
     'u_sampling': '#000000',
+    'value_per_cost': '#e6007e',
     'u_sampling_fsq': '#777777',
     'random_fsq': '#b8860b',
     'farthest_fsq': '#8e44ad',
@@ -34,6 +43,9 @@ COLOURS = {
     'greedy_oracle': '#00838f',
 }
 
+
+BUDGET_ROUNDING = 1e-9
+"""Of what was spent, as a sum of costs."""
 
 LONG = 40
 """The paper shows the questioning behaviour where there are more turns than these."""
@@ -60,7 +72,22 @@ def draw_figures(results: Results, change_intervals: Mapping[str, int], folder: 
             paths.append(_behaviour(results, task, change_intervals[task], folder / f'behaviour_{name}.png'))
             paths.append(_kinds(results, task, folder / f'queries_{name}.png'))
             paths.append(_budget(results, task, folder / f'budget_{name}.png'))
+            paths.append(_cost_curves(results, task, folder / f'accuracy_by_cost_{name}.png'))
     return paths
+
+
+def draw_cost_curves(results: Results, folder: Path) -> list[Path]:
+    """Write how accurate the strategies of all tasks are for what they have spent, and return the pictures' paths.
+
+    Raises:
+        InputError: the folder cannot be made.
+        OSError: a picture cannot be written.
+    """
+    make_folder(folder)
+    with plt.rc_context(STYLE):
+        return [
+            _cost_curves(results, task, folder / f'accuracy_by_cost_{task_label(task)}.png') for task in results.tasks
+        ]
 
 
 def condition_name(condition: Condition) -> str:
@@ -101,9 +128,10 @@ def _finish(figure: Figure, columns: int, path: Path) -> Path:
 
 
 def _line(strategy: str) -> dict[str, Any]:
-    """How the line of a strategy looks: those of the paper drawn through, controls dashed, ceilings dotted."""
+    """How the line of a strategy looks: those of the paper and ours drawn through, controls dashed, ceilings dotted."""
     style = '--' if strategy in CONTROLS else ':' if strategy in CEILINGS else '-'
-    return {'color': COLOURS.get(strategy), 'linestyle': style, 'linewidth': 1.6, 'label': strategy}
+    width = 2.6 if strategy in OWN else 1.6
+    return {'color': COLOURS.get(strategy), 'linestyle': style, 'linewidth': width, 'label': strategy}
 
 
 def _learning_curves(results: Results, task: str, path: Path) -> Path:
@@ -186,6 +214,31 @@ def _budget(results: Results, task: str, path: Path) -> Path:
         panel.set(xlabel='turn', ylabel='share of budget spent', ylim=(0, 1.02), xlim=(0, condition.turns))
         panel.xaxis.set_major_locator(MaxNLocator(integer=True))
     return _finish(figure, 4, path)
+
+
+def _cost_curves(results: Results, task: str, path: Path) -> Path:
+    """Accuracy by what was spent, mean over the samples; a line ends at the mean of what is spent in the end."""
+    figure, panels = _panels(results, task, 3.6, same_scale=True)
+    for panel, condition in panels:
+        for strategy in _askers(results):
+            curves, spent = results.curves(task, condition, strategy), _spent(results, task, condition, strategy)
+            if len(curves):
+                costs = np.linspace(0, spent[:, -1].mean(), 101)
+                panel.plot(costs, accuracy_by_cost(curves, spent, costs).mean(axis=0), **_line(strategy))
+        panel.set(xlabel='spent', ylabel='accuracy', ylim=(0, 1), xlim=(0, None))
+    return _finish(figure, 4, path)
+
+
+def accuracy_by_cost(curves: np.ndarray, spent: np.ndarray, costs: np.ndarray) -> np.ndarray:
+    """(n, k) accuracy at the end of the last turn by which no more than each cost was spent; of the first, if none.
+
+    Args:
+        curves: (n, T) accuracy after each turn.
+        spent: (n, T) spent by the end of it.
+        costs: (k,) in ascending order.
+    """
+    turns = [np.searchsorted(row, costs + BUDGET_ROUNDING, side='right') for row in spent]
+    return np.array([row[np.maximum(turn - 1, 0)] for row, turn in zip(curves, turns, strict=True)])
 
 
 def _askers(results: Results) -> list[str]:

@@ -16,7 +16,7 @@ from al_questioner.configuration import config_dir
 from al_questioner.domain import SettingsError
 from al_questioner.experiments.ceilings import CEILINGS
 from al_questioner.questioning import STRATEGIES, Strategy, UncertaintySampling, Weights, make_strategy, read_weights
-from al_questioner.world import Task, load_task
+from al_questioner.world import Interval, Task, load_task
 
 
 @dataclass(frozen=True)
@@ -38,6 +38,8 @@ PAPER_CONDITIONS = {
 }
 """Section 4.3 of the paper."""
 PAPER_STRATEGIES = ('u_sampling', 'dt_iros', 'dt_task', 'dt_task_env')
+OWN = ('value_per_cost',)
+"""Ours, beside those of the paper."""
 CONTROLS = ('u_sampling_fsq', 'random_fsq', 'farthest_fsq', 'rarest_demo')
 PAPER_TASKS = ('prepare_lunch', 'pack_lunchbox')
 
@@ -59,7 +61,8 @@ class Variation:
         change_interval: turns between scene changes; None for the task's.
         synchrony: how synchronously the objects change their state, in [0, 1]; None for the task's.
         wrong_rate: share of the teacher's answers that are wrong.
-        weights: by strategy, weights of the decision features; those that ship for the others.
+        unknown_rate: share of the queries that the teacher has no answer to.
+        weights: by strategy, weights of its features; those that ship for the others.
         selector: of u_sampling, a key of `SELECTORS`.
         repeats: whether u_sampling may ask about a view that has been labelled.
     """
@@ -70,6 +73,7 @@ class Variation:
     weights: Mapping[str, Mapping[str, float]] = field(default_factory=dict)
     selector: str = 'anova'
     repeats: bool = True
+    unknown_rate: float = 0.0
 
     def strategy(self, name: str) -> Strategy | None:
         """The strategy of this name as it is varied; None for one that is as its settings say."""
@@ -87,12 +91,17 @@ class Variation:
             changes['change_interval'] = self.change_interval
         if self.synchrony is not None:
             changes['synchrony'] = self.synchrony
-        return dataclasses.replace(task, scenes=dataclasses.replace(task.scenes, **changes)) if changes else task
+        if not changes:
+            return task
+        variety = task.variety
+        if variety is not None and self.change_interval is not None:
+            variety = dataclasses.replace(variety, change_interval=Interval(self.change_interval, self.change_interval))
+        return dataclasses.replace(task, scenes=dataclasses.replace(task.scenes, **changes), variety=variety)
 
 
 def shipped_weights() -> Mapping[str, Weights]:
-    """The weights in `config/weights` of the paper's strategies that have some."""
-    paths = {name: config_dir() / 'weights' / f'{name}.yaml' for name in PAPER_STRATEGIES}
+    """The weights in `config/weights` of the strategies that have some."""
+    paths = {name: config_dir() / 'weights' / f'{name}.yaml' for name in (*PAPER_STRATEGIES, *OWN)}
     return {name: read_weights(path) for name, path in paths.items() if path.is_file()}
 
 

@@ -91,9 +91,11 @@ def _play(cell: Cell, variation: Variation, dataset: str) -> Played:
 
 def play_episode(cell: Cell, variation: Variation, dataset: str = '') -> EpisodeResult:
     """Play the episode of a cell."""
-    task = variation.task(cell.task)
+    task = variation.task(cell.task).of_sample(cell.sample)
     choice = WorldChoice(task, cell.seed, cell.sample, Path(dataset) if dataset else None)
-    teacher = ScriptedTeacher(task.symbols, task.relevant_groups, cell.seed, variation.wrong_rate)
+    teacher = ScriptedTeacher(
+        task.symbols, task.relevant_groups, cell.seed, variation.wrong_rate, variation.unknown_rate
+    )
     world = _open_world(cell.task, cell.sample, variation.change_interval, variation.synchrony, dataset)
     if cell.strategy in CEILINGS:
         settings = episode_settings(task, CEILING_SETTINGS, cell.budget, cell.turns)

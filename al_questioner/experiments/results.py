@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 
 from al_questioner.domain import InputError
 from al_questioner.experiments.ceilings import CEILINGS
-from al_questioner.experiments.plan import CONTROLS, PAPER_STRATEGIES, PAPER_TASKS, Cell, Condition
+from al_questioner.experiments.plan import CONTROLS, OWN, PAPER_STRATEGIES, PAPER_TASKS, Cell, Condition
 
 Array = NDArray[np.float64]
 
@@ -55,6 +55,10 @@ class Results:
     episodes: Sequence[EpisodeRow]
     turns: Sequence[TurnRow]
 
+    def beside(self, other: Results) -> Results:
+        """These and those of another experiment."""
+        return Results([*self.episodes, *other.episodes], [*self.turns, *other.turns])
+
     def of_samples(self, samples: Collection[int]) -> Results:
         """The part of it that is about these samples."""
         return Results(
@@ -75,8 +79,8 @@ class Results:
 
     @cached_property
     def strategies(self) -> tuple[str, ...]:
-        """The strategies: those of the paper first, then the controls, then the ceilings, then others."""
-        known = (*PAPER_STRATEGIES, *CONTROLS, *CEILINGS)
+        """The strategies: those of the paper first, then ours, the controls, then the ceilings, then others."""
+        known = (*PAPER_STRATEGIES, *OWN, *CONTROLS, *CEILINGS)
         found = dict.fromkeys(row.cell.strategy for row in self.episodes)
         return (*(name for name in known if name in found), *(name for name in found if name not in known))
 

@@ -10,9 +10,9 @@ from itertools import islice
 import numpy as np
 from scipy.special import log_softmax
 
-from al_questioner.domain import DECISION_FEATURES, Outcome, QueryKind, QueryRecord, generator
+from al_questioner.domain import Outcome, QueryKind, QueryRecord, generator
 from al_questioner.imitation.demonstration import Array, Demonstration, Step, all_steps
-from al_questioner.questioning import Episode
+from al_questioner.questioning import Episode, Observed, make_strategy
 from al_questioner.questioning.choice import TIE
 from al_questioner.simulation import PerceivedWorld, turns
 from al_questioner.teaching import ScriptedTeacher
@@ -36,7 +36,7 @@ class Agreement:
 
 
 def agreement(weights: Array, demonstrations: Sequence[Demonstration]) -> Agreement:
-    """Of the questioner with these weights (7,), whose scale is that of the softmax."""
+    """Of the questioner with these weights (F,), whose scale is that of the softmax."""
     rows = [_agreement_of_step(weights, step) for step in all_steps(demonstrations)]
     return Agreement(*(float(value) for value in np.mean(rows, axis=0)))
 
@@ -57,7 +57,7 @@ class Imitation:
     """The learner in a demonstration's place: same world, budget and time, asking by itself.
 
     Attributes:
-        feature_counts: (7,) as of a demonstration.
+        feature_counts: (F,) as of a demonstration.
         queries: what it asked.
     """
 
@@ -66,7 +66,7 @@ class Imitation:
 
 
 def imitate(weights: Array, demonstration: Demonstration, world: PerceivedWorld) -> Imitation:
-    """Play the demonstration's episode, as far as it goes, with dt_task_env and these weights (7,).
+    """Play the demonstration's episode, as far as it goes, with the strategy that is trained and these weights (F,).
 
     Args:
         weights: w.
@@ -76,9 +76,11 @@ def imitate(weights: Array, demonstration: Demonstration, world: PerceivedWorld)
     choice = demonstration.world
     if choice is None:
         raise ValueError(f'{demonstration.name} has no simulated world')
-    named = dict(zip(DECISION_FEATURES, map(float, weights), strict=True))
-    settings = dataclasses.replace(demonstration.settings, strategy='dt_task_env', weights=named)
-    episode = Episode(settings, generator(choice.seed, 'learner'), demonstration.view_tolerance)
+    feature_set = demonstration.feature_set
+    named = dict(zip(feature_set.names, map(float, weights), strict=True))
+    settings = dataclasses.replace(demonstration.settings, strategy=feature_set.strategy, weights=named)
+    learner = Observed(make_strategy(settings.strategy, named), feature_set)
+    episode = Episode(settings, generator(choice.seed, 'learner'), demonstration.view_tolerance, learner)
     teacher = ScriptedTeacher(choice.task.symbols, choice.task.relevant_groups, choice.seed)
     played = [decision for decision, _ in islice(turns(episode, world, teacher), demonstration.turns)]
     counts = np.mean([decision.features[decision.chosen] for decision in played], axis=0)
@@ -86,7 +88,7 @@ def imitate(weights: Array, demonstration: Demonstration, world: PerceivedWorld)
 
 
 def predict_queries(weights: Array, demonstration: Demonstration) -> tuple[QueryRecord, ...]:
-    """What a learner with these weights (7,) would ask in each of the states that the expert was in."""
+    """What a learner with these weights (F,) would ask in each of the states that the expert was in."""
     found = []
     for step in demonstration.steps:
         action = step.actions[int(np.argmax(step.features @ weights))]
@@ -97,7 +99,7 @@ def predict_queries(weights: Array, demonstration: Demonstration) -> tuple[Query
 
 
 def count_gap(imitations: Sequence[Imitation], demonstrations: Sequence[Demonstration], scale: Array) -> Array:
-    """(7,) expert's minus learner's feature counts, means over the episodes, in units of the features' scale (7,)."""
+    """(F,) expert's minus learner's feature counts, means over the episodes, in units of the features' scale (F,)."""
     expert = np.mean([demonstration.feature_counts for demonstration in demonstrations], axis=0)
     learner = np.mean([imitation.feature_counts for imitation in imitations], axis=0)
     return np.asarray(np.divide(expert - learner, scale, out=np.zeros_like(scale), where=scale > 0))

@@ -5,16 +5,24 @@ from __future__ import annotations
 from collections.abc import Sequence
 from pathlib import Path
 
-from al_questioner.domain import InputError
+from al_questioner.domain import DECISION_FEATURES, InputError
 from al_questioner.imitation.demonstration import Demonstration, steps_of
 from al_questioner.messages.documents import Document
+from al_questioner.questioning import FEATURE_SETS, FeatureSet
 from al_questioner.recording import BagError, Session, read_sessions
+from al_questioner.rerun import decisions_anew
 from al_questioner.simulation import WorldChoice
 from al_questioner.world import load_task
 
 
-def read_demonstrations(paths: Sequence[Path]) -> list[Demonstration]:
+def read_demonstrations(
+    paths: Sequence[Path], feature_set: FeatureSet = FEATURE_SETS['dt_task_env']
+) -> list[Demonstration]:
     """The demonstrations of several bags, in the order given; a bag may hold several episodes.
+
+    Args:
+        paths: of the bags.
+        feature_set: whose weights are to be learnt.
 
     Raises:
         InputError: a bag that is none, broken, of something else, or whose decisions hold nothing to learn from.
@@ -24,18 +32,23 @@ def read_demonstrations(paths: Sequence[Path]) -> list[Demonstration]:
         sessions = read_sessions(path)
         for number, session in enumerate(sessions, 1):
             name = path.name if len(sessions) == 1 else f'{path.name} ({number})'
-            found.append(demonstration_of(session, name))
+            found.append(demonstration_of(session, name, feature_set))
     return found
 
 
-def demonstration_of(session: Session, name: str) -> Demonstration:
+def demonstration_of(
+    session: Session, name: str, feature_set: FeatureSet = FEATURE_SETS['dt_task_env']
+) -> Demonstration:
     """What a recorded episode shows of its questioner.
 
     Raises:
         BagError: its decisions hold no decision features, or chose what was not considered.
     """
     try:
-        steps = steps_of(turn.decision for turn in session.turns)
+        # A bag holds the decision features; all others are those of what the learner knew at the time.
+        as_recorded = feature_set.names == DECISION_FEATURES
+        decisions = [turn.decision for turn in session.turns] if as_recorded else decisions_anew(session, feature_set)
+        steps = steps_of(decisions)
     except InputError as error:
         raise BagError(f'{session.source}: strategy {session.settings.strategy}: {error}') from error
     return Demonstration(
@@ -48,6 +61,7 @@ def demonstration_of(session: Session, name: str) -> Demonstration:
         queries=session.records,
         change_turns=session.change_turns,
         view_tolerance=session.view_tolerance,
+        feature_set=feature_set,
     )
 
 

@@ -59,7 +59,7 @@ def fit_choices(
     importance: NDArray[np.float64] | None = None,
     ridge: float = RIDGE,
 ) -> Array:
-    """(7,) weights under which the expert's choices are most probable.
+    """(F,) weights under which the expert's choices are most probable.
 
     Args:
         demonstrations: one or more.

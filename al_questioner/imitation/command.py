@@ -21,7 +21,8 @@ from al_questioner.imitation.choice_likelihood import RIDGE
 from al_questioner.imitation.demonstration import Demonstration
 from al_questioner.imitation.feature_matching import Iteration, MatchingSettings
 from al_questioner.imitation.pictures import draw_training
-from al_questioner.imitation.training import METHODS, Training, TrainingSettings, by_feature, train, weights_document
+from al_questioner.imitation.training import METHODS, Training, TrainingSettings, train, weights_document
+from al_questioner.questioning import FEATURE_SETS
 from al_questioner.recording import digest
 from al_questioner.recording.bags import STORAGE_SUFFIXES
 from al_questioner.simulation import PerceivedWorld
@@ -35,10 +36,12 @@ def parser() -> Parser:
     defaults = MatchingSettings()
     result = Parser(
         prog='train_weights',
-        description="Learn the weights of the decision features from an expert's recorded episodes.",
+        description="Learn a strategy's weights from an expert's recorded episodes.",
     )
     result.add_argument('bags', nargs='+', type=Path, metavar='BAG', help='a bag of the `record` executable')
     result.add_argument('--out', type=Path, required=True, metavar='FILE', help='the YAML file to write')
+    strategy_help = 'whose weights are learnt (%(default)s)'
+    result.add_argument('--strategy', choices=tuple(FEATURE_SETS), default='dt_task_env', help=strategy_help)
     result.add_argument(
         '--method',
         choices=METHODS,
@@ -73,7 +76,7 @@ def main(arguments: Sequence[str]) -> int:
     paths = _without_other_files(given.bags)
     if len({path.resolve() for path in paths}) < len(paths):
         raise InputError('a bag is named twice')
-    demonstrations = read_demonstrations(paths)
+    demonstrations = read_demonstrations(paths, FEATURE_SETS[given.strategy])
     matching = MatchingSettings(given.iterations, given.rollouts, seed=given.seed, jobs=given.jobs)
     settings = TrainingSettings(given.method, given.validation, given.ridge, matching)
     with bars.Progress(
@@ -129,9 +132,9 @@ def _learner(training: Training, demonstrations: Sequence[Demonstration]) -> lis
 
 
 def _table(training: Training) -> Table:
-    table = Table('decision feature', 'weight', 'gap before', 'gap after')
+    table = Table('feature', 'weight', 'gap before', 'gap after')
     columns = (training.weights, training.gap_before, training.gap_after)
-    named = [by_feature(column, 3) for column in columns]
+    named = [training.by_feature(column, 3) for column in columns]
     for name in named[0]:
         free = ' (not identified)' if name in training.free.unidentified else ''
         table.add_row(name + free, *(f'{column[name]:.3f}' for column in named))

@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 from al_questioner.concepts import VIEW_TOLERANCE
 from al_questioner.domain import Action, Decision, EpisodeSettings, InputError, QueryKind, QueryRecord, generator
-from al_questioner.questioning import Episode
+from al_questioner.questioning import FEATURE_SETS, Episode, FeatureSet, Observed, make_strategy
 from al_questioner.simulation import PerceivedWorld, WorldChoice, turns
 from al_questioner.teaching import ScriptedTeacher
 
@@ -25,7 +25,7 @@ class Step:
     Attributes:
         turn: 1-based.
         actions: the C candidates that were considered.
-        features: (C, 7) their expected decision features, in the order of `DECISION_FEATURES`.
+        features: (C, F) their features, in the order of the demonstration's feature set.
         chosen: index of the one that was chosen.
     """
 
@@ -41,7 +41,7 @@ class Step:
 
     @property
     def contrasts(self) -> Array:
-        """(C, 7) how the features of each candidate differ from those of the chosen one."""
+        """(C, F) how the features of each candidate differ from those of the chosen one."""
         difference: Array = self.features - self.features[self.chosen]
         return difference
 
@@ -60,6 +60,7 @@ class Demonstration:
         queries: what was asked, and what came of it.
         change_turns: turns that began with a scene change.
         view_tolerance: of the learner, see `concepts.Knowledge`.
+        feature_set: whose weights are to be learnt.
     """
 
     name: str
@@ -71,6 +72,7 @@ class Demonstration:
     queries: tuple[QueryRecord, ...] = ()
     change_turns: tuple[int, ...] = ()
     view_tolerance: float = VIEW_TOLERANCE
+    feature_set: FeatureSet = FEATURE_SETS['dt_task_env']
 
     @property
     def task_name(self) -> str:
@@ -79,7 +81,7 @@ class Demonstration:
 
     @cached_property
     def feature_counts(self) -> Array:
-        """(7,) features of what was chosen, mean over the turns: phi_E of equation 6, per turn."""
+        """(F,) features of what was chosen, mean over the turns: phi_E of equation 6, per turn."""
         return np.asarray(np.mean([step.features[step.chosen] for step in self.steps], axis=0))
 
 
@@ -119,7 +121,11 @@ def step_of(decision: Decision) -> Step:
 
 
 def demonstrate(
-    choice: WorldChoice, settings: EpisodeSettings, teacher: ScriptedTeacher, world: PerceivedWorld | None = None
+    choice: WorldChoice,
+    settings: EpisodeSettings,
+    teacher: ScriptedTeacher,
+    world: PerceivedWorld | None = None,
+    feature_set: FeatureSet = FEATURE_SETS['dt_task_env'],
 ) -> Demonstration:
     """A demonstration by the strategy of the settings, played offline.
 
@@ -128,12 +134,14 @@ def demonstrate(
         settings: of the episode.
         teacher: who answers.
         world: the world of the choice, if it is open already.
+        feature_set: whose weights are to be learnt.
 
     Raises:
-        InputError: a strategy that weighs no decision features.
+        SettingsError: an unknown strategy, or weights that do not fit it.
     """
     seen = PerceivedWorld(choice.open()) if world is None else world
-    episode = Episode(settings, generator(choice.seed, 'learner'))
+    expert = Observed(make_strategy(settings.strategy, settings.weights), feature_set)
+    episode = Episode(settings, generator(choice.seed, 'learner'), strategy=expert)
     steps = steps_of(decision for decision, _ in turns(episode, seen, teacher))
     return Demonstration(
         name=f'{settings.strategy} {choice.task.name} {choice.seed}',
@@ -144,6 +152,7 @@ def demonstrate(
         feature_names=seen.scene(1).feature_names,
         queries=episode.records,
         change_turns=tuple(seen.change_turns(settings.turns)),
+        feature_set=feature_set,
     )
 
 
@@ -154,7 +163,7 @@ def all_steps(demonstrations: Sequence[Demonstration]) -> Iterator[Step]:
 
 
 def feature_scale(demonstrations: Sequence[Demonstration]) -> Array:
-    """(7,) by how much each feature varies among the candidates of a step: standard deviation around the step's mean.
+    """(F,) by how much each feature varies among the candidates of a step: standard deviation around the step's mean.
 
     A feature that is the same for all candidates of every step has scale 0: no choice depends on it.
     """

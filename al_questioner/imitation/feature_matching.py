@@ -60,8 +60,8 @@ class Iteration:
     """One iteration.
 
     Attributes:
-        weights: (7,) that were rolled out.
-        gap: (7,) expert's minus learner's counts, in units of the features' scale, over the training demonstrations.
+        weights: (F,) that were rolled out.
+        gap: (F,) expert's minus learner's counts, in units of the features' scale, over the training demonstrations.
         validation_gap: the same over the validation demonstrations.
     """
 
@@ -75,10 +75,10 @@ class Matching:
     """What came of it.
 
     Attributes:
-        weights: (7,) mean over the window of iterations whose validation gap is smallest.
+        weights: (F,) mean over the window of iterations whose validation gap is smallest.
         iterations: all that were made.
         kept: index of the last iteration of that window.
-        gap: (7,) over the training demonstrations, of new rollouts with the weights.
+        gap: (F,) over the training demonstrations, of new rollouts with the weights.
     """
 
     weights: Array
@@ -171,12 +171,12 @@ def jacobian_of_counts(rollouts: Sequence[Sequence[Rollout]], scale: Array) -> A
 
 
 def gauss_newton_step(jacobian: Array, gap: Array, varies: NDArray[np.bool_]) -> Array:
-    """(7,) damped Gauss-Newton step towards a gap of zero, of limited length.
+    """(F,) damped Gauss-Newton step towards a gap of zero, of limited length.
 
     Args:
         jacobian: (7, 7), see `jacobian_of_counts`.
-        gap: (7,) expert's minus learner's counts.
-        varies: (7,) whether the feature varies among candidates at all.
+        gap: (F,) expert's minus learner's counts.
+        varies: (F,) whether the feature varies among candidates at all.
     """
     part = jacobian[np.ix_(varies, varies)]
     normal = part.T @ part + DAMPING * np.eye(len(part))

@@ -7,7 +7,6 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from al_questioner.domain import DECISION_FEATURES
 from al_questioner.imitation.demonstration import Array, Demonstration, all_steps, feature_scale
 
 NEGLIGIBLE = 1e-5
@@ -19,7 +18,7 @@ class Identifiability:
     """The directions of the weights that no choice of the demonstrations depends on.
 
     Attributes:
-        null_space: (k, 7) orthonormal rows, in units of the features' scale: w may move along them unseen.
+        null_space: (k, F) orthonormal rows, in units of the features' scale: w may move along them unseen.
         unidentified: names of the features that some such direction involves, in canonical order.
         cancelling: those of them that are the same for all candidates of every step.
     """
@@ -41,11 +40,11 @@ class Identifiability:
         return f'not identified: {"; ".join(parts)}'
 
     def project(self, weights: Array, scale: Array) -> Array:
-        """(7,) the weights without what cannot be identified.
+        """(F,) the weights without what cannot be identified.
 
         Args:
-            weights: (7,) in the unit of the features.
-            scale: (7,) of the features, see `feature_scale`.
+            weights: (F,) in the unit of the features.
+            scale: (F,) of the features, see `feature_scale`.
         """
         scaled = weights * scale
         identified = scaled - self.null_space.T @ (self.null_space @ scaled)
@@ -57,7 +56,7 @@ def identify(demonstrations: Sequence[Demonstration]) -> Identifiability:
 
     p(a|s, w) depends on w through w . (phi(a) - phi(b)) alone: what the stacked differences map to zero is free.
     """
-    scale = feature_scale(demonstrations)
+    scale, names = feature_scale(demonstrations), demonstrations[0].feature_set.names
     differences = np.concatenate([step.features - step.features.mean(axis=0) for step in all_steps(demonstrations)])
     scaled = np.divide(differences, scale, out=np.zeros_like(differences), where=scale > 0)
     squared, directions = np.linalg.eigh(scaled.T @ scaled)
@@ -65,8 +64,8 @@ def identify(demonstrations: Sequence[Demonstration]) -> Identifiability:
     involved = np.abs(null_space).max(axis=0, initial=0.0) > np.sqrt(NEGLIGIBLE)
     return Identifiability(
         null_space,
-        tuple(name for name, free in zip(DECISION_FEATURES, involved, strict=True) if free),
-        tuple(name for name, size in zip(DECISION_FEATURES, scale, strict=True) if size == 0),
+        tuple(name for name, free in zip(names, involved, strict=True) if free),
+        tuple(name for name, size in zip(names, scale, strict=True) if size == 0),
     )
 
 

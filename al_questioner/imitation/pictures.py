@@ -14,7 +14,7 @@ from matplotlib.ticker import MaxNLocator
 from al_questioner.domain import QueryRecord
 from al_questioner.imitation.demonstration import Demonstration
 from al_questioner.imitation.feature_matching import WINDOW, mean_gaps
-from al_questioner.imitation.training import Training, by_feature
+from al_questioner.imitation.training import Training
 from al_questioner.plotting import KIND_COLOURS, STYLE, kind_name, mark_changes, mark_query, save
 
 
@@ -45,7 +45,7 @@ def draw_training(
 def _draw_convergence(axes: Axes, training: Training) -> None:
     matching = training.matching
     if matching is None:
-        names = [name.replace('_', ' ') for name in by_feature(training.gap_before)]
+        names = [name.replace('_', ' ') for name in training.by_feature(training.gap_before)]
         rows = np.arange(len(names))
         axes.barh(rows - 0.2, np.abs(training.gap_before), height=0.4, color='lightgray', label='before')
         axes.barh(rows + 0.2, np.abs(training.gap_after), height=0.4, color='black', label='after')
@@ -67,7 +67,7 @@ def _draw_convergence(axes: Axes, training: Training) -> None:
 
 
 def _draw_weights(axes: Axes, training: Training) -> None:
-    named = by_feature(training.weights)
+    named = training.by_feature(training.weights)
     rows = np.arange(len(named))
     free = training.free.unidentified
     axes.barh(rows, list(named.values()), color=['lightgray' if name in free else 'black' for name in named])

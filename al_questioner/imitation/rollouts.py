@@ -13,9 +13,8 @@ from scipy.special import softmax
 
 from al_questioner.domain import InputError, generator
 from al_questioner.imitation.demonstration import Array, Demonstration
-from al_questioner.questioning import Choice, Episode, Situation
+from al_questioner.questioning import Choice, Episode, FeatureSet, Situation
 from al_questioner.questioning.choice import settled_actions
-from al_questioner.questioning.expected_utility import expected_features
 from al_questioner.simulation import PerceivedWorld, turns
 from al_questioner.teaching import ScriptedTeacher
 
@@ -24,20 +23,20 @@ class SoftmaxQuestioner:
     """Chooses a with probability proportional to exp(w . E[phi|a]): the stochastic policy that imitation assumes.
 
     Attributes:
-        features: per turn so far, (7,) those of what was chosen.
-        scores: per turn so far, (7,) gradient of log p(chosen) with respect to the weights.
+        features: per turn so far, (F,) those of what was chosen.
+        scores: per turn so far, (F,) gradient of log p(chosen) with respect to the weights.
     """
 
     selector = None
 
-    def __init__(self, weights: Array) -> None:
-        self._weights = weights
+    def __init__(self, weights: Array, feature_set: FeatureSet) -> None:
+        self._weights, self._feature_set = weights, feature_set
         self.features: list[Array] = []
         self.scores: list[Array] = []
 
     def choose(self, situation: Situation, rng: np.random.Generator) -> Choice:
         """Draw one of the candidates that are not settled."""
-        features = expected_features(situation)
+        features = self._feature_set.of(situation)
         settled = settled_actions(situation)
         utilities = features @ self._weights
         utilities[[action in settled for action in situation.candidates]] = -np.inf
@@ -53,8 +52,8 @@ class Rollout:
     """One episode of the softmax policy.
 
     Attributes:
-        features: (T, 7) those of what was chosen in each turn.
-        scores: (T, 7) gradient of the logarithm of the probability of what was chosen in each turn.
+        features: (T, F) those of what was chosen in each turn.
+        scores: (T, F) gradient of the logarithm of the probability of what was chosen in each turn.
     """
 
     features: Array
@@ -62,7 +61,7 @@ class Rollout:
 
     @property
     def feature_counts(self) -> Array:
-        """(7,) mean over the turns: phi_L of equation 6, per turn."""
+        """(F,) mean over the turns: phi_L of equation 6, per turn."""
         return np.asarray(self.features.mean(axis=0))
 
 
@@ -98,7 +97,7 @@ class Simulator:
         """Rollouts of the softmax policy with these weights.
 
         Args:
-            weights: (7,) w.
+            weights: (F,) w.
             count: of rollouts for each demonstration.
             stream: names their randomness.
 
@@ -126,6 +125,7 @@ class _Stage:
         self._seed, task = choice.seed, choice.task
         self._teacher = ScriptedTeacher(task.symbols, task.relevant_groups, choice.seed)
         self._settings, self._tolerance = demonstration.settings, demonstration.view_tolerance
+        self._feature_set = demonstration.feature_set
         # Of a demonstration that was cut off, a rollout is to be compared with what there is.
         self._turns = demonstration.turns
         self._world = PerceivedWorld(choice.open())
@@ -133,7 +133,7 @@ class _Stage:
             self._world.scene(turn)
 
     def play(self, weights: Array, stream: str) -> Rollout:
-        questioner = SoftmaxQuestioner(weights)
+        questioner = SoftmaxQuestioner(weights, self._feature_set)
         rng = generator(self._seed, f'rollout/{stream}')
         episode = Episode(self._settings, rng, self._tolerance, questioner)
         for _ in islice(turns(episode, self._world, self._teacher), self._turns):

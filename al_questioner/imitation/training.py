@@ -10,12 +10,13 @@ from typing import Any
 import numpy as np
 
 from al_questioner import __version__
-from al_questioner.domain import DECISION_FEATURES, InputError
+from al_questioner.domain import InputError
 from al_questioner.imitation.assessment import Agreement, agreement
 from al_questioner.imitation.choice_likelihood import RIDGE, fit_choices, fit_temperature
 from al_questioner.imitation.demonstration import Array, Demonstration, all_steps, feature_scale
 from al_questioner.imitation.feature_matching import Iteration, Matching, MatchingSettings, match_features
 from al_questioner.imitation.identifiability import Identifiability, identify
+from al_questioner.questioning import FeatureSet
 
 METHODS = ('maxent', 'choice')
 
@@ -42,19 +43,21 @@ class Training:
     """Learnt weights.
 
     Attributes:
-        weights: (7,), absolute values adding up to 1.
+        feature_set: what the weights are of.
+        weights: (F,), absolute values adding up to 1.
         scale: what they are to be multiplied by to be those of the softmax policy that was trained.
         settings: how they were learnt.
         free: what the demonstrations tell nothing about.
         validation: number of demonstrations that were held out.
         agreement: with the demonstrations, validation ones included; its log-likelihood is of the softmax whose scale
             suits them best.
-        gap_before, gap_after: (7,) expert's minus learner's feature counts in units of the features' scale: of
+        gap_before, gap_after: (F,) expert's minus learner's feature counts in units of the features' scale: of
             rollouts of the softmax policy over the training demonstrations (maxent), or expected at each of the
             expert's steps (choice); before training all weights are 0.
         matching: the iterations of maxent.
     """
 
+    feature_set: FeatureSet
     weights: Array
     scale: float
     settings: TrainingSettings
@@ -64,6 +67,10 @@ class Training:
     gap_before: Array
     gap_after: Array
     matching: Matching | None
+
+    def by_feature(self, values: Array, digits: int = 6) -> dict[str, float]:
+        """Numbers by the features' names, rounded for people."""
+        return {n: round(float(v), digits) + 0.0 for n, v in zip(self.feature_set.names, values, strict=True)}
 
 
 def train(
@@ -99,6 +106,7 @@ def train(
         raise InputError('the demonstrations tell nothing about any weight')
     suiting = fit_temperature(found / total, list(all_steps(demonstrations)))
     return Training(
+        demonstrations[0].feature_set,
         found / total,
         total,
         settings,
@@ -112,12 +120,12 @@ def train(
 
 
 def expected_gap(weights: Array, demonstrations: Sequence[Demonstration], scale: Array) -> Array:
-    """(7,) chosen minus expected features at the expert's steps, mean, in units of the features' scale.
+    """(F,) chosen minus expected features at the expert's steps, mean, in units of the features' scale.
 
     Args:
-        weights: (7,) w of the softmax.
+        weights: (F,) w of the softmax.
         demonstrations: whose steps they are.
-        scale: (7,) see `feature_scale`.
+        scale: (F,) see `feature_scale`.
     """
     gaps = []
     for step in all_steps(demonstrations):
@@ -137,6 +145,8 @@ def check_alike(demonstrations: Sequence[Demonstration]) -> None:
         raise InputError('no demonstration was given')
     first = demonstrations[0]
     for other in demonstrations[1:]:
+        if other.feature_set is not first.feature_set:
+            raise InputError(f'{other.name} shows other features than {first.name}')
         if other.task_name != first.task_name:
             raise InputError(f'{other.name} is of task {other.task_name}, {first.name} of {first.task_name}')
         if other.settings.symbols != first.settings.symbols:
@@ -174,18 +184,13 @@ def weights_document(training: Training, count: int, bags: Sequence[Mapping[str,
         details['settings'] = {'ridge': settings.ridge}
     return {
         'provenance': f'Learnt by train_weights from {source}: {method}. {training.free.describe().capitalize()}.',
-        'weights': by_feature(training.weights),
+        'weights': training.by_feature(training.weights),
         'training': {
             **details,
             'softmax_scale': float(f'{training.scale:.6g}'),
             'unidentified': list(training.free.unidentified),
-            'gap_before': by_feature(training.gap_before, 4),
-            'gap_after': by_feature(training.gap_after, 4),
+            'gap_before': training.by_feature(training.gap_before, 4),
+            'gap_after': training.by_feature(training.gap_after, 4),
             'agreement': {k: round(v, 4) for k, v in dataclasses.asdict(training.agreement).items()},
         },
     }
-
-
-def by_feature(values: Array, digits: int = 6) -> dict[str, float]:
-    """Numbers by decision feature, rounded for people."""
-    return {name: round(float(value), digits) + 0.0 for name, value in zip(DECISION_FEATURES, values, strict=True)}

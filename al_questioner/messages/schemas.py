@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import Any
 
-from al_questioner.domain import DECISION_FEATURES, SAYABLE_OUTCOMES, Outcome, QueryKind
+from al_questioner.domain import SAYABLE_OUTCOMES, WEIGHED, Outcome, QueryKind
 
 JsonSchema = dict[str, Any]
 
@@ -99,7 +99,7 @@ SCHEMAS: dict[str, JsonSchema] = {
             'strategy': _TEXT,
             'weights': {
                 'type': 'object',
-                'propertyNames': {'enum': list(DECISION_FEATURES)},
+                'propertyNames': {'enum': list(WEIGHED)},
                 'additionalProperties': {'type': 'number'},
             },
             'seed': _COUNT,

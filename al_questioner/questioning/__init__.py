@@ -5,6 +5,7 @@ from al_questioner.questioning.controls import UnlabelledFirst
 from al_questioner.questioning.decision_features import symbol_given_object
 from al_questioner.questioning.episode import Episode
 from al_questioner.questioning.expected_utility import expected_features
+from al_questioner.questioning.feature_sets import FEATURE_SETS, FeatureSet, Observed
 from al_questioner.questioning.human import Human, Remembered
 from al_questioner.questioning.situation import Situation
 from al_questioner.questioning.strategies import (
@@ -20,12 +21,15 @@ from al_questioner.questioning.strategies import (
 from al_questioner.questioning.weights import Weights, read_weights
 
 __all__ = [
+    'FEATURE_SETS',
     'IROS_FEATURES',
     'STRATEGIES',
     'TASK_FEATURES',
     'Choice',
     'Episode',
+    'FeatureSet',
     'Human',
+    'Observed',
     'Remembered',
     'Situation',
     'Strategy',

@@ -18,6 +18,7 @@ from al_questioner.questioning.expected_utility import expected_features
 from al_questioner.questioning.expert import ScriptedExpert
 from al_questioner.questioning.human import Human
 from al_questioner.questioning.situation import Situation
+from al_questioner.questioning.value import ValuePerCost
 
 IROS_FEATURES = DECISION_FEATURES[:2]
 TASK_FEATURES = DECISION_FEATURES[:4]
@@ -88,6 +89,7 @@ STRATEGIES: Mapping[str, StrategyFactory] = {
     'dt_iros': partial(decision_theoretic, 'dt_iros', IROS_FEATURES),
     'dt_task': partial(decision_theoretic, 'dt_task', TASK_FEATURES),
     'dt_task_env': partial(decision_theoretic, 'dt_task_env', DECISION_FEATURES),
+    'value_per_cost': ValuePerCost,
     'u_sampling_fsq': _unweighted(UncertainUnlabelled),
     'random_fsq': _unweighted(RandomLabel),
     'farthest_fsq': _unweighted(Farthest),

@@ -8,7 +8,7 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from al_questioner.configuration import read_yaml
-from al_questioner.domain import DECISION_FEATURES, SettingsError
+from al_questioner.domain import WEIGHED, SettingsError
 
 
 @dataclass(frozen=True)
@@ -35,8 +35,8 @@ def read_weights(path: Path) -> Weights:
     if not isinstance(values, dict) or not values:
         raise SettingsError(f'{path} has no mapping "weights" of decision features to numbers')
     for name, value in values.items():
-        if name not in DECISION_FEATURES:
-            raise SettingsError(f'{path}: unknown decision feature {name!r}; known: {", ".join(DECISION_FEATURES)}')
+        if name not in WEIGHED:
+            raise SettingsError(f'{path}: unknown decision feature {name!r}; known: {", ".join(WEIGHED)}')
         if isinstance(value, bool) or not isinstance(value, (int, float)) or not math.isfinite(value):
             raise SettingsError(f'{path}: the weight of {name} must be a finite number, not {value!r}')
     return Weights({name: float(value) for name, value in values.items()}, str(content.get('provenance', '')).strip())

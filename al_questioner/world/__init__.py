@@ -5,11 +5,12 @@ from __future__ import annotations
 from pathlib import Path
 
 from al_questioner.domain import InputError
+from al_questioner.world.reading import Interval
 from al_questioner.world.recorded.dataset import DatasetWorld
 from al_questioner.world.task import Task, load_task
 from al_questioner.world.world import SimulatedWorld, World
 
-__all__ = ['SimulatedWorld', 'Task', 'World', 'load_task', 'make_world']
+__all__ = ['Interval', 'SimulatedWorld', 'Task', 'World', 'load_task', 'make_world']
 
 
 def make_world(task: Task, seed: int, sample: int | None = None, dataset: Path | None = None) -> World:

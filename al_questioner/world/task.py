@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from types import MappingProxyType
 
 from al_questioner.configuration import named_file, read_yaml
@@ -22,6 +22,7 @@ from al_questioner.world.reading import (
     text,
     whole,
 )
+from al_questioner.world.variety import Variety
 
 _EMPTY: Mapping[str, float] = MappingProxyType({})
 
@@ -194,6 +195,7 @@ class Task:
         appearance, camera: how things look (simulated worlds).
         sensors: the robot's other sensors.
         dataset: how a directory of crops is read (dataset worlds).
+        variety: from where each sample draws scenes of its own (simulated worlds); None if all have those above.
     """
 
     name: str
@@ -207,6 +209,14 @@ class Task:
     camera: CameraParameters
     sensors: SensorParameters
     dataset: DatasetParameters | None
+    variety: Variety | None = None
+
+    def of_sample(self, sample: int) -> Task:
+        """The task as the sample of this number has it: the same for every seed of the scenes."""
+        if self.variety is None:
+            return self
+        scenes = replace(self.scenes, **self.variety.draw(self.symbols, sample))
+        return replace(self, scenes=scenes, variety=None)
 
     @property
     def class_frequencies(self) -> Mapping[str, float]:
@@ -240,6 +250,7 @@ class _Document:
     camera: CameraParameters = setting(section_of(CameraParameters), CameraParameters())
     sensors: SensorParameters = setting(section_of(SensorParameters), SensorParameters())
     dataset: DatasetParameters | None = setting(section_of(DatasetParameters), None)
+    variety: Variety | None = setting(section_of(Variety), None)
 
 
 def _check(task: Task, where: str) -> None:
@@ -253,10 +264,12 @@ def _check(task: Task, where: str) -> None:
         raise InputError(f'{where}: a dataset section belongs to source: dataset, and only there')
     if task.dataset is not None:
         _check_categories(task.dataset, task.symbols, f'{where}: dataset')
-    elif task.scenes.training_size < task.scenes.objects:
+    elif task.scenes.training_size < max(task.scenes.objects, task.variety.objects.high if task.variety else 0):
         raise InputError(f'{where}: scenes: training_size is below the number of objects of a scene')
     if task.source == 'simulated' and task.scenes.turnover == 'state' and task.scenes.clutter_share > 0:
         raise InputError(f'{where}: scenes: clutter_share must be 0 where objects stay and change their state')
+    if task.variety is not None and (task.source != 'simulated' or task.scenes.turnover == 'state'):
+        raise InputError(f'{where}: variety: only simulated things that leave, and others that come, can vary')
 
 
 def _check_shares(task: Task, where: str) -> None:

@@ -30,7 +30,7 @@ def test_the_command_writes_tables_figures_and_page(tmp_path: Path, capsys: pyte
     arguments = [*SMALL, '--strategy', *strategies, '--ceilings']
     assert main(['experiment', *arguments, '--out', str(tmp_path)]) == 0
     page = (tmp_path / 'report.md').read_text()
-    assert len(list((tmp_path / 'figures' / 'report').glob('*.png'))) == 4
+    assert len(list((tmp_path / 'figures' / 'report').glob('*.png'))) == 5
     rows = list(csv.DictReader((tmp_path / 'episodes.csv').open()))
     finals = {row['strategy']: [] for row in rows}
     for row in sorted(rows, key=lambda row: int(row['sample'])):
@@ -49,7 +49,7 @@ def test_the_command_writes_tables_figures_and_page(tmp_path: Path, capsys: pyte
     elsewhere = tmp_path / 'docs' / 'page.md'
     assert main(['experiment', *arguments, '--out', str(tmp_path), '--page', str(elsewhere)]) == 0
     assert elsewhere.read_text().splitlines()[3:] == page.replace('figures/report/', 'figures/page/').splitlines()[3:]
-    assert len(list((tmp_path / 'docs' / 'figures' / 'page').glob('*.png'))) == 4
+    assert len(list((tmp_path / 'docs' / 'figures' / 'page').glob('*.png'))) == 5
 
 
 def tiny_study(base: Variation, samples: tuple[int, ...]) -> Study:

@@ -13,8 +13,9 @@ import yaml
 from al_questioner.cli import main
 from al_questioner.domain import DECISION_FEATURES
 from al_questioner.imitation.bags import read_demonstrations
+from al_questioner.questioning import FEATURE_SETS
 from al_questioner.recording import read_sessions
-from al_questioner.rerun import first_divergence
+from al_questioner.rerun import decisions_anew, first_divergence
 from al_questioner.simulation import WorldChoice, episode_settings, run_episode
 from al_questioner.teaching import ScriptedTeacher
 from al_questioner.world import load_task
@@ -64,6 +65,20 @@ def test_choices_train_quickly_and_the_same_twice(tmp_path: Path, capsys: pytest
     assert 'README.md is passed over' in output
     assert '3 demonstrations, 90 turns' in output
     assert 'not identified: remaining_time' in output
+
+
+def test_bags_tell_what_was_not_recorded(tmp_path: Path) -> None:
+    """The features of value_per_cost are computed from what the expert knew in each turn: playing it again finds it."""
+    path, feature_set = Path(BAGS[0]), FEATURE_SETS['value_per_cost']
+    (anew,), (recorded,) = read_demonstrations([path], feature_set), read_demonstrations([path])
+    assert [step.actions for step in anew.steps] == [step.actions for step in recorded.steps]
+    assert [step.chosen for step in anew.steps] == [step.chosen for step in recorded.steps]
+    (session,) = read_sessions(path)
+    again = [decision.features for decision in decisions_anew(session, FEATURE_SETS['dt_task_env'])]
+    for ours, turn in zip(again, session.turns, strict=True):
+        np.testing.assert_allclose(ours, turn.decision.features, atol=1e-9)
+    assert run(BAGS[0], '--strategy', 'value_per_cost', '--method', 'choice', '--out', tmp_path / 'w.yaml') == 0
+    assert set(yaml.safe_load((tmp_path / 'w.yaml').read_text())['weights']) == set(feature_set.names)
 
 
 @pytest.mark.slow

@@ -141,7 +141,7 @@ def test_settled_questions_are_not_drawn():
     """The policy would ask the feature subset query again and again, as no learner does."""
     from al_questioner.domain import QueryKind
     from al_questioner.imitation.rollouts import SoftmaxQuestioner
-    from al_questioner.questioning import Episode
+    from al_questioner.questioning import FEATURE_SETS, Episode
     from al_questioner.simulation import PerceivedWorld, WorldChoice, episode_settings, turns
     from al_questioner.teaching import ScriptedTeacher
     from al_questioner.world import load_task
@@ -149,7 +149,7 @@ def test_settled_questions_are_not_drawn():
     task = load_task('prepare_lunch')
     choice = WorldChoice(task, 0, 0)
     settings = episode_settings(task, 'dt_task_env', 20, 8)
-    likes_spending = SoftmaxQuestioner(np.array([0, 0, 0, 0, 200.0, 0, 0]))
+    likes_spending = SoftmaxQuestioner(np.array([0, 0, 0, 0, 200.0, 0, 0]), FEATURE_SETS['dt_task_env'])
     episode = Episode(settings, np.random.default_rng(0), strategy=likes_spending)
     teacher = ScriptedTeacher(task.symbols, task.relevant_groups, 0)
     asked = [record.kind for _, record in turns(episode, PerceivedWorld(choice.open()), teacher) if record]

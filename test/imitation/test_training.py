@@ -6,11 +6,15 @@ import numpy as np
 import pytest
 import yaml
 
-from al_questioner.domain import DECISION_FEATURES, InputError
+from al_questioner.domain import DECISION_FEATURES, VALUE_FEATURES, InputError
+from al_questioner.imitation.demonstration import demonstrate
 from al_questioner.imitation.feature_matching import MatchingSettings
 from al_questioner.imitation.pictures import draw_training
 from al_questioner.imitation.training import TrainingSettings, check_alike, expected_gap, train, weights_document
-from al_questioner.questioning import read_weights
+from al_questioner.questioning import FEATURE_SETS, make_strategy, read_weights
+from al_questioner.simulation import WorldChoice, episode_settings
+from al_questioner.teaching import ScriptedTeacher
+from al_questioner.world import load_task
 
 QUICK = MatchingSettings(iterations=3, rollouts=2)
 BAGS = [{'name': 'a', 'sha256': '00'}, {'name': 'b', 'sha256': '11'}]
@@ -63,3 +67,23 @@ def test_demonstrations_of_different_things_are_refused(experts, made):
             check_alike([first, other])
     with pytest.raises(InputError, match='no demonstration'):
         check_alike([])
+
+
+@pytest.mark.parametrize('method', ['maxent', 'choice'])
+def test_our_own_questioner_learns_from_the_same_expert(tmp_path, method):
+    """By its own features, from what the expert knew when it chose."""
+    task, feature_set = load_task('prepare_lunch'), FEATURE_SETS['value_per_cost']
+    settings = episode_settings(task, 'expert', 6.0, 10, change_interval=5)
+    teacher = ScriptedTeacher(task.symbols, task.relevant_groups, 0)
+    shown = [demonstrate(WorldChoice(task, 0, 0), settings, teacher, feature_set=feature_set)]
+    assert shown[0].steps[0].features.shape[1] == len(VALUE_FEATURES)
+    training = train(shown, TrainingSettings(method, 0, matching=QUICK))
+    path = tmp_path / 'w.yaml'
+    path.write_text(yaml.safe_dump(weights_document(training, 1, BAGS[:1]), sort_keys=False))
+    weights = read_weights(path).values
+    assert list(weights) == list(VALUE_FEATURES)
+    make_strategy('value_per_cost', weights)
+    if method == 'choice':
+        assert weights['need'] > 0, 'the expert asks for what is scarce'
+    with pytest.raises(InputError, match='shows other features'):
+        check_alike([shown[0], dataclasses.replace(shown[0], feature_set=FEATURE_SETS['dt_task_env'])])

@@ -1,0 +1,64 @@
+"""What imitation can learn the weights of: the features of each strategy that has some to be learnt."""
+
+from __future__ import annotations
+
+import dataclasses
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from al_questioner.concepts import Selector
+from al_questioner.domain import DECISION_FEATURES, VALUE_FEATURES
+from al_questioner.questioning.choice import Choice, Strategy
+from al_questioner.questioning.expected_utility import expected_features
+from al_questioner.questioning.situation import Situation
+from al_questioner.questioning.value import value_features
+
+
+@dataclass(frozen=True)
+class FeatureSet:
+    """Features of the candidates, of whose weighted sum a strategy takes the largest.
+
+    Attributes:
+        strategy: its name.
+        names: of the F features.
+        of: (C, F) those of the candidates of a situation.
+    """
+
+    strategy: str
+    names: tuple[str, ...]
+    of: Callable[[Situation], NDArray[np.float64]]
+
+
+FEATURE_SETS: Mapping[str, FeatureSet] = {
+    feature_set.strategy: feature_set
+    for feature_set in (
+        FeatureSet('dt_task_env', DECISION_FEATURES, expected_features),
+        FeatureSet('value_per_cost', VALUE_FEATURES, value_features),
+    )
+}
+"""By the strategy's name."""
+
+
+class Observed:
+    """A strategy whose choices carry the features of another one: what it shows that one.
+
+    Args:
+        strategy: who decides.
+        feature_set: what is computed of every candidate, whatever the strategy computes itself.
+    """
+
+    def __init__(self, strategy: Strategy, feature_set: FeatureSet) -> None:
+        self._strategy, self._feature_set = strategy, feature_set
+
+    @property
+    def selector(self) -> Selector | None:
+        """That of the strategy."""
+        return self._strategy.selector
+
+    def choose(self, situation: Situation, rng: np.random.Generator) -> Choice:
+        """The strategy's choice, with the features of the set."""
+        choice = self._strategy.choose(situation, rng)
+        return dataclasses.replace(choice, features=self._feature_set.of(situation))
