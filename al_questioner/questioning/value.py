@@ -155,9 +155,11 @@ def lead(situation: Situation) -> float:
 def _answered(situation: Situation, kind: QueryKind, symbol: str | None = None) -> float:
     """Share of the queries of a kind, about a symbol if it is one, that came to something.
 
-    Two successes are imagined before the first: a single failure does not condemn a question.
+    Two successes are imagined before the first: a single failure does not condemn a question. Where nobody was there to
+    answer, nothing is said of the question.
     """
-    asked = [r for r in situation.history if r.kind is kind and (symbol is None or r.symbol == symbol)]
+    history = [r for r in situation.history if r.outcome is not Outcome.UNANSWERED]
+    asked = [r for r in history if r.kind is kind and (symbol is None or r.symbol == symbol)]
     useful = sum(r.outcome is Outcome.ANSWERED and r.object_id is not None for r in asked)
     return (useful + 2) / (len(asked) + 2)
 
