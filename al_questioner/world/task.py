@@ -39,7 +39,7 @@ class EpisodeDefaults:
 
     budget: float = setting(number(0), 25.0)
     turns: int = setting(whole(1, 10_000), 40)
-    strategy: str = setting(text, 'dt_task_env')
+    strategy: str = setting(text, 'value_per_cost')
 
 
 @dataclass(frozen=True)
