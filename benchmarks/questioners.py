@@ -35,9 +35,10 @@ def main() -> None:
     parser.add_argument('--figures', type=Path)
     given = parser.parse_args()
     results = reduce(Results.beside, map(read_results, given.folders))
+    shared = shared_by_all(results)
     for task in results.tasks:
-        print(f'\n{task}\n')
-        print_accuracies(results, task)
+        print(f'\n{task}, {len(shared.samples)} samples\n')
+        print_accuracies(shared, task)
     for other in PAPER_STRATEGIES:
         cells = {(task, c): pair_of(results, task, c, given.strategy, other) for task, c in all_cells(results)}
         print(f'\n{given.strategy} against {other}\n')
@@ -48,8 +49,18 @@ def main() -> None:
     print('\nmean over the conditions, of each sample\n')
     print_averages(results, given.strategy)
     if given.figures:
-        for path in draw_cost_curves(results, given.figures):
+        for path in draw_cost_curves(shared, given.figures):
             print(path)
+
+
+def shared_by_all(results: Results) -> Results:
+    """The samples that every strategy played in every cell that it played at all."""
+    samples = set(results.samples)
+    for task, condition in all_cells(results):
+        for strategy in results.strategies:
+            group = results.group(task, condition, strategy)
+            samples &= {row.cell.sample for row in group} or samples
+    return results.of_samples(samples)
 
 
 def all_cells(results: Results) -> list[tuple[str, Condition]]:
@@ -84,7 +95,8 @@ def print_accuracies(results: Results, task: str) -> None:
             final = np.array([episode.final_accuracy for episode in group])
             mean = np.mean([episode.mean_accuracy for episode in group]) if group else np.nan
             row.append(f'{final.mean():.3f} ± {final.std(ddof=1):.3f} ({mean:.3f})' if len(group) > 1 else '')
-        rows.append(row)
+        if any(row[1:]):
+            rows.append(row)
     print_table(('', *map(label, conditions)), rows)
 
 

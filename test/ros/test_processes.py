@@ -28,6 +28,7 @@ STRATEGIES = [
     'dt_iros',
     'dt_task',
     'dt_task_env',
+    'value_per_cost',
     'u_sampling_fsq',
     'random_fsq',
     'farthest_fsq',
