@@ -107,7 +107,9 @@ def test_help_names_the_tasks(capsys: pytest.CaptureFixture[str]) -> None:
     for executable in ('demo', 'experiment'):
         with pytest.raises(SystemExit):
             main([executable, '--help'])
-        assert 'kitchen_table, pack_lunchbox, prepare_lunch' in ' '.join(capsys.readouterr().out.split())
+        assert 'kitchen_table, mixed_kitchens, pack_lunchbox, prepare_lunch' in ' '.join(
+            capsys.readouterr().out.split()
+        )
 
 
 def test_unknown_executable_lists_the_known(capsys: pytest.CaptureFixture[str]) -> None:

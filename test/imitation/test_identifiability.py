@@ -41,5 +41,5 @@ def test_fewer_choices_than_features_are_seen_through(made):
     """Two steps cannot tell seven weights."""
     step = made.synthetic(np.ones(7), 0, 1).steps[0]
     short = type(step)(1, step.actions[:2], step.features[:2], 0)
-    free = identify([type(made.synthetic(np.ones(7), 0, 1))('short', None, None, (short,))])
+    free = identify([type(made.synthetic(np.ones(7), 0, 1))('short', None, None, 1, (short,))])
     assert len(free.null_space) == 6
