@@ -12,7 +12,7 @@ from al_questioner.experiments.playing import Played
 from al_questioner.experiments.progress import Progress
 
 
-@pytest.mark.parametrize(('before', 'to_play', 'lines'), [(0, 1000, 9), (500, 25, 9), (3, 2, 1), (4, 0, 0)])
+@pytest.mark.parametrize(('before', 'to_play', 'lines'), [(0, 200, 9), (500, 25, 9), (3, 2, 1), (4, 0, 0)])
 def test_a_plain_line_now_and_then(before: int, to_play: int, lines: int) -> None:
     """A log would stay empty for hours, or fill with a line for each episode."""
     file = io.StringIO()

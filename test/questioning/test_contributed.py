@@ -179,6 +179,7 @@ def test_the_example_plays_a_demo(installed_example: dict[str, str], tmp_path: P
     assert len({query['object_id'] for query in episode['queries']}) == 5
 
 
+@pytest.mark.slow
 def test_the_example_is_compared_in_an_experiment(installed_example: dict[str, str], tmp_path: Path) -> None:
     """The worker processes would not know a strategy that the first process knows."""
     executable = (sys.executable, '-m', 'al_questioner', 'experiment', '--task', 'prepare_lunch')

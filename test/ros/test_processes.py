@@ -224,6 +224,7 @@ def test_a_recorded_demo_is_a_demonstration(tmp_path: Path) -> None:
     assert [query.turn for query in demonstration.queries] == [query['turn'] for query in episode['queries']]
 
 
+@pytest.mark.slow
 def test_a_person_shows_how_to_ask(processes: Processes, tmp_path: Path) -> None:
     """A person's way of asking could not be recorded, or not be learnt from."""
     bag, typed, out = tmp_path / 'bag', tmp_path / 'typed', tmp_path / 'w.yaml'
