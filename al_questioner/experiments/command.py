@@ -116,6 +116,8 @@ def main(arguments: Sequence[str]) -> int:
         raise SettingsError('--backend dask and --scheduler ADDRESS belong together')
     weights = dict(shipped_weights())
     if given.weights_file:
+        if 'dt_task_env' not in given.strategy:
+            raise SettingsError('--weights-file is for dt_task_env, which is not among the strategies')
         weights['dt_task_env'] = read_weights(Path(given.weights_file))
     plan = _plan(given, {name: found.values for name, found in weights.items()})
     names = list(STUDIES) if given.studies == [] else given.studies or []

@@ -30,6 +30,9 @@ from al_questioner.wording import number_of
 
 MOST = 10_000
 
+TIMID = 0.5
+"""Share of the expert's questions below which learnt weights are warned of."""
+
 
 def parser() -> Parser:
     """The arguments of `train_weights`."""
@@ -105,12 +108,29 @@ def main(arguments: Sequence[str]) -> int:
     write_text(
         given.out, yaml.safe_dump(weights_document(training, len(demonstrations), bags), sort_keys=False, width=100)
     )
-    draw_training(training, demonstrations, _learner(training, demonstrations), picture)
+    learner = _learner(training, demonstrations)
+    draw_training(training, demonstrations, learner, picture)
     console.print(_table(training))
     console.print(_summary(training), highlight=False)
+    _compare_eagerness(console, demonstrations, learner)
     for path in (given.out, picture):
         console.print(f'  {path}', highlight=False, soft_wrap=True)
     return 0
+
+
+def _compare_eagerness(
+    console: Console, demonstrations: Sequence[Demonstration], learner: Sequence[Sequence[QueryRecord]]
+) -> None:
+    """Say how much the learner asks beside the expert: softmax agrees with an expert whom the best choice does not."""
+    asked = sum(map(len, learner))
+    by_expert = sum(len(demonstration.queries) for demonstration in demonstrations)
+    console.print(
+        f'the learner, who takes the best candidate, asks {number_of(asked, "question")}; the expert asked {by_expert}',
+        highlight=False,
+        soft_wrap=True,
+    )
+    if asked < TIMID * by_expert:
+        console.print('[yellow]WARNING: with these weights it hardly asks; they are of little use[/yellow]')
 
 
 def _without_other_files(paths: Sequence[Path]) -> list[Path]:

@@ -127,9 +127,7 @@ class LearnerNode(QuestionerNode):
         if seen is None or decision is None:
             self._begin_turn()
             return
-        self.get_logger().info(
-            f'going on with {self.episode_id}, after {seen.turn} turns, from {self._given["session"]}'
-        )
+        self.get_logger().info(f'going on with {self.episode_id}, in turn {seen.turn}, from {self._given["session"]}')
         self._stamps = TurnStamps(seen.stamp)
         self._announce(seen.scene)
         if not self._session.episode.awaits_answer:

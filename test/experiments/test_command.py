@@ -17,6 +17,7 @@ import pytest
 from scipy.stats import mannwhitneyu, wilcoxon
 
 from al_questioner.cli import main
+from al_questioner.configuration import config_dir
 from al_questioner.experiments import playing
 from al_questioner.experiments.plan import Cell, Condition, Plan, Variation
 from al_questioner.experiments.studies import STUDIES, Study
@@ -188,3 +189,12 @@ def test_an_interruption_says_what_is_there_and_the_next_run_too(
     assert '6 episodes (2 from before), 0 failed' in printed
     # Not in a terminal, so a plain line now and then.
     assert '4 of 6 episodes, about 0:00:0' in printed
+
+
+def test_weights_that_nobody_would_use_are_refused(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    """Somebody would publish figures of other weights than those that were given."""
+    file = config_dir() / 'weights' / 'value_per_cost.yaml'
+    arguments = ['--strategy', 'value_per_cost', '--weights-file', str(file), '--out', str(tmp_path / 'x')]
+    assert main(['experiment', *arguments]) == 2
+    assert '--weights-file is for dt_task_env' in capsys.readouterr().err
+    assert not (tmp_path / 'x').exists()

@@ -65,6 +65,15 @@ def test_choices_train_quickly_and_the_same_twice(tmp_path: Path, capsys: pytest
     assert 'README.md is passed over' in output
     assert '3 demonstrations, 90 turns' in output
     assert 'not identified: remaining_time' in output
+    assert 'the expert asked 42' in output
+    assert 'hardly asks' not in output
+
+
+def test_weights_with_which_nothing_is_asked_are_warned_of(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    """A gap that is closed on the average of rollouts would hide a learner that never asks."""
+    arguments = ['--strategy', 'value_per_cost', '--method', 'choice', '--out', tmp_path / 'w.yaml']
+    assert run(*sorted((ROOT / 'bags').glob('expert_*')), *arguments) == 0
+    assert 'with these weights it hardly asks' in capsys.readouterr().out
 
 
 def test_bags_tell_what_was_not_recorded(tmp_path: Path) -> None:
