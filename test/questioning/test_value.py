@@ -191,6 +191,13 @@ def test_answers_that_say_nothing_lower_the_chance_of_an_answer(toy):
     assert labels == pytest.approx(np.full(6, np.log(0.5)))
 
 
+def test_a_question_that_nobody_heard_does_not_lower_the_chance_of_an_answer(toy):
+    """A teacher who went for coffee would be asked other questions on coming back."""
+    unheard = label_record(None, outcome=Outcome.UNANSWERED)
+    before, after = (value_features(situation_of(toy, history=(SUBSET_ASKED, *more))) for more in ((), (unheard,)))
+    np.testing.assert_array_equal(before, after)
+
+
 def test_labelled_views_are_never_asked_about(toy):
     situation = situation_of(toy, ['snack', NO_SYMBOL, 'fruit'])
     _, choice = decide(situation)
