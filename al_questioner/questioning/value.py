@@ -25,7 +25,7 @@ REACH = 0.6
 NONE_NEED = 0.03
 """What hearing that a thing belongs to no symbol is worth, as a share of an example of the symbol needed most."""
 FRONT_LOADING = 0.5
-"""Nothing is asked once more than a share t to this power of the budget is spent by a share t of the turns; 1: evenly."""
+"""Nothing is asked once more than a share t to this power of the budget is spent by a share t of the turns."""
 
 LEAST = 1e-6
 """Smallest factor that is told from 0: the features stay finite."""
