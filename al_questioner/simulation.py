@@ -249,8 +249,7 @@ class Evaluation:
     def correct(self, queries: Sequence[QueryRecord]) -> None:
         """Take in what was said later about turns that were followed already.
 
-        Accuracy is measured anew from the first turn of which something else is known now: as if it had been said at
-        once.
+        If anything else is known of them now, accuracy is measured anew in every turn, as if it had been said at once.
 
         Args:
             queries: what came of all queries so far; those of turns to come are passed over.

@@ -27,6 +27,7 @@ from al_questioner.experiments.results import Results
 from al_questioner.experiments.statistics import mean_and_error
 from al_questioner.files import make_folder
 from al_questioner.plotting import KIND_COLOURS, STYLE, kind_name, mark_changes, save
+from al_questioner.questioning.candidates import BUDGET_ROUNDING
 from al_questioner.wording import number_of
 
 COLOURS = {
@@ -43,9 +44,6 @@ COLOURS = {
     'greedy_oracle': '#00838f',
 }
 
-
-BUDGET_ROUNDING = 1e-9
-"""Of what was spent, as a sum of costs."""
 
 LONG = 40
 """The paper shows the questioning behaviour where there are more turns than these."""

@@ -155,7 +155,7 @@ def mean_gaps(iterations: Sequence[Iteration], last: int) -> Array:
 
 
 def jacobian_of_counts(rollouts: Sequence[Sequence[Rollout]], scale: Array) -> Array:
-    """(7, 7) derivative of the expected feature counts by the weights, both in units of the features' scale.
+    """(F, F) derivative of the expected feature counts by the weights, both in units of the features' scale.
 
     By the likelihood ratio: d E[phi_t] / dw = Cov(phi_t, sum_(s <= t) d log p(a_s) / dw) over the rollouts of each
     world; what is chosen after turn t does not change the features of turn t and would add but noise.
@@ -174,7 +174,7 @@ def gauss_newton_step(jacobian: Array, gap: Array, varies: NDArray[np.bool_]) ->
     """(F,) damped Gauss-Newton step towards a gap of zero, of limited length.
 
     Args:
-        jacobian: (7, 7), see `jacobian_of_counts`.
+        jacobian: (F, F), see `jacobian_of_counts`.
         gap: (F,) expert's minus learner's counts.
         varies: (F,) whether the feature varies among candidates at all.
     """

@@ -25,7 +25,8 @@ class Choice:
     Attributes:
         index: of the chosen candidate.
         utilities: (C,) value of each candidate; NaN for one that the strategy does not consider.
-        features: (C, 7) expected decision features, if the strategy computed them.
+        features: (C, F) those of the candidates that the strategy weighs, if it tells them; most tell none, or the seven
+            of `DECISION_FEATURES`.
     """
 
     index: int
@@ -79,7 +80,7 @@ def choose_best(
         situation: whose candidates they are.
         utilities: (C,) NaN for candidates that are not considered.
         rng: breaks the ties.
-        features: (C, 7) handed on to the choice.
+        features: (C, F) handed on to the choice.
     """
     settled = settled_actions(situation)
     considered = np.where([action in settled for action in situation.candidates], np.nan, utilities)

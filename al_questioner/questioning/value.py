@@ -130,7 +130,7 @@ def class_needs(situation: Situation) -> Array:
 def later_answers(situation: Situation) -> float:
     """Labels that can still be asked for once the relevant features are known: each of them tells the more for it."""
     costs = situation.costs
-    affordable = situation.turns_left * 1.0
+    affordable = float(situation.turns_left)
     if costs.label > 0:
         affordable = np.floor((situation.budget_left - costs.feature_subset + BUDGET_ROUNDING) / costs.label)
     return float(max(0.0, min(situation.turns_left, affordable)))
