@@ -25,8 +25,8 @@ class Choice:
     Attributes:
         index: of the chosen candidate.
         utilities: (C,) value of each candidate; NaN for one that the strategy does not consider.
-        features: (C, F) those of the candidates that the strategy weighs, if it tells them; most tell none, or the seven
-            of `DECISION_FEATURES`.
+        features: (C, F) of the candidates, if the strategy tells them: the seven of `DECISION_FEATURES`, unless it is
+            observed with others.
     """
 
     index: int
