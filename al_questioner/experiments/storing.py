@@ -24,7 +24,7 @@ from al_questioner.experiments.playing import EPISODE_COLUMNS, TURN_COLUMNS, Pla
 from al_questioner.files import make_folder, write_text
 
 DECIDING = (
-    'domain.py',
+    'domain',
     'concepts',
     'perception',
     'questioning',

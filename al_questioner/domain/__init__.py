@@ -1,0 +1,61 @@
+"""The words that every part of the package uses.
+
+Plain frozen dataclasses and the errors they raise. Nothing here knows how a thing is computed, drawn, sent or stored.
+"""
+
+from __future__ import annotations
+
+from al_questioner.domain.asking import (
+    NO_SYMBOL,
+    SAYABLE_OUTCOMES,
+    Action,
+    Answer,
+    Content,
+    Decision,
+    Outcome,
+    Query,
+    QueryKind,
+    QueryRecord,
+)
+from al_questioner.domain.chance import generator
+from al_questioner.domain.errors import (
+    AnswerError,
+    EpisodeError,
+    InputError,
+    LateAnswerError,
+    SceneError,
+    SettingsError,
+)
+from al_questioner.domain.seeing import Camera, FloatArray, Observation, Scene, View, group_of
+from al_questioner.domain.settings import DECISION_FEATURES, VALUE_FEATURES, WEIGHED, Costs, EpisodeSettings
+
+__all__ = [
+    'DECISION_FEATURES',
+    'NO_SYMBOL',
+    'SAYABLE_OUTCOMES',
+    'VALUE_FEATURES',
+    'WEIGHED',
+    'Action',
+    'Answer',
+    'AnswerError',
+    'Camera',
+    'Content',
+    'Costs',
+    'Decision',
+    'EpisodeError',
+    'EpisodeSettings',
+    'FloatArray',
+    'InputError',
+    'LateAnswerError',
+    'Observation',
+    'Outcome',
+    'Query',
+    'QueryKind',
+    'QueryRecord',
+    'Scene',
+    'SceneError',
+    'SettingsError',
+    'View',
+    'generator',
+    'group_of',
+]

@@ -1,0 +1,27 @@
+"""The errors that input and episodes raise; the text of each is one line."""
+
+from __future__ import annotations
+
+
+class InputError(ValueError):
+    """Input that cannot be used; its text is one line that says what and where."""
+
+
+class SceneError(InputError):
+    """A scene that cannot be learnt from: empty, of inconsistent shape, or not finite."""
+
+
+class SettingsError(InputError):
+    """A setting outside its range, or an unknown name."""
+
+
+class AnswerError(InputError):
+    """An answer that does not fit the question that is pending."""
+
+
+class LateAnswerError(AnswerError):
+    """An answer to a query that another answer has settled before."""
+
+
+class EpisodeError(RuntimeError):
+    """An episode that did not reach its end, through no fault of the input; its text is one line."""

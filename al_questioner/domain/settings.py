@@ -1,0 +1,127 @@
+"""What is given to the learner before it asks."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+
+import numpy as np
+
+from al_questioner.domain.asking import NO_SYMBOL, Outcome, QueryKind
+from al_questioner.domain.errors import SettingsError
+
+DECISION_FEATURES = (
+    'discriminability',
+    'class_uniformity',
+    'instance_variation',
+    'prediction_margin',
+    'budget_consumption',
+    'remaining_time',
+    'non_query_time',
+)
+"""The seven decision features of the paper, in the order of every weight vector and every decision."""
+
+
+VALUE_FEATURES = ('novelty', 'need', 'chance', 'price', 'ahead', 'silence')
+"""The features of what a question is worth, see `questioning.value`, in the order of every weight vector of theirs."""
+
+
+WEIGHED = (*DECISION_FEATURES, *VALUE_FEATURES)
+"""All that a weights file may name; each strategy says which of them it uses."""
+
+
+@dataclass(frozen=True)
+class Costs:
+    """What a query takes from the budget; asking nothing is free (section 4.2 of the paper).
+
+    Attributes:
+        label: price of a label query.
+        demonstration: price of a demonstration query.
+        feature_subset: price of a feature subset query.
+        unknown: share of the price that is charged, 0 to 1, if the teacher does not know.
+        skip: share if the teacher skips the question.
+        unanswered: share if it is withdrawn since nobody has answered.
+    """
+
+    label: float = 1.0
+    demonstration: float = 2.0
+    feature_subset: float = 2.0
+    unknown: float = 1.0
+    skip: float = 1.0
+    unanswered: float = 0.0
+
+    def of(self, kind: QueryKind) -> float:
+        """Price of a query of this kind."""
+        return 0.0 if kind is QueryKind.NO_QUERY else float(getattr(self, kind.value))
+
+    def share(self, outcome: Outcome) -> float:
+        """Share of the price that is charged in the end."""
+        return 1.0 if outcome is Outcome.ANSWERED else float(getattr(self, outcome.value))
+
+
+@dataclass(frozen=True)
+class EpisodeSettings:
+    """What is given to the learner before it asks.
+
+    Attributes:
+        symbols: the concepts to ground, at least two.
+        budget: query budget, in the unit of `costs`; 0 or more.
+        turns: number of turns, 1 or more.
+        strategy: name of a questioning strategy.
+        weights: weight by decision feature, for the strategies that use them.
+        change_interval: turns between scene changes as the robot expects them: the window of the non-query time.
+        costs: price of each kind of query.
+        amplitude: variance of the Gaussian processes' kernel.
+        length_scale: length scale of the kernel in standard deviations of a feature; None for the square root of
+            the number of features in use.
+        tune_every: turns from one re-optimisation of amplitude and length scale to the next; 0 for never.
+
+    Raises:
+        SettingsError: a value outside its range.
+    """
+
+    symbols: tuple[str, ...]
+    budget: float
+    turns: int
+    strategy: str
+    weights: Mapping[str, float] = field(default_factory=dict)
+    change_interval: int = 10
+    costs: Costs = Costs()
+    amplitude: float = 4.0
+    length_scale: float | None = None
+    tune_every: int = 0
+
+    def __post_init__(self) -> None:
+        if len(self.symbols) < 2 or len(set(self.symbols)) < len(self.symbols):
+            raise SettingsError(f'symbols must be at least two distinct names, not {list(self.symbols)}')
+        if NO_SYMBOL in self.symbols:
+            raise SettingsError(f'{NO_SYMBOL!r} cannot be a symbol: it stands for things that belong to no symbol')
+        if not (np.isfinite(self.budget) and self.budget >= 0):
+            raise SettingsError(f'budget must be a finite number of 0 or more, not {self.budget}')
+        if self.turns < 1:
+            raise SettingsError(f'turns must be 1 or more, not {self.turns}')
+        if self.change_interval < 1:
+            raise SettingsError(f'change_interval must be 1 or more, not {self.change_interval}')
+        for kind in ('label', 'demonstration', 'feature_subset'):
+            cost = getattr(self.costs, kind)
+            if not (np.isfinite(cost) and cost >= 0):
+                raise SettingsError(f'the cost of a {kind} query must be a number of 0 or more, not {cost}')
+        for outcome in Outcome:
+            share = self.costs.share(outcome)
+            if not 0.0 <= share <= 1.0:
+                raise SettingsError(f'the share charged for outcome {outcome.value} must be in [0, 1], not {share}')
+        if not (np.isfinite(self.amplitude) and self.amplitude > 0):
+            raise SettingsError(f'amplitude must be a number above 0, not {self.amplitude}')
+        if self.length_scale is not None and not (np.isfinite(self.length_scale) and self.length_scale > 0):
+            raise SettingsError(f'length_scale must be a number above 0, not {self.length_scale}')
+        if self.tune_every < 0:
+            raise SettingsError(f'tune_every must be 0 or more, not {self.tune_every}')
+        for name, weight in self.weights.items():
+            if name not in WEIGHED:
+                raise SettingsError(f'unknown decision feature {name!r}; known: {", ".join(WEIGHED)}')
+            if not np.isfinite(weight):
+                raise SettingsError(f'the weight of {name} is not finite ({weight})')
+
+    def tunes_after(self, turn: int) -> bool:
+        """Whether amplitude and length scale are re-optimised at the end of this turn."""
+        return self.tune_every > 0 and turn > 0 and turn % self.tune_every == 0
