@@ -2,8 +2,7 @@
 
 from __future__ import annotations
 
-from collections import defaultdict
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator
 from dataclasses import dataclass
 
 import numpy as np
@@ -100,26 +99,26 @@ def decisions_anew(session: Session, feature_set: FeatureSet) -> Iterator[Decisi
 
 def _turns(session: Session, episode: Episode) -> Iterator[RecordedTurn]:
     """Each turn, to ask the episode about its scene; then the episode is told what was said, and the turn is ended."""
-    told = _told(session)
     queries: dict[int, str] = {}
+    answers: dict[int, Answer] = {}
     for recorded in session.turns:
         yield recorded
         if episode.pending is not None:
             queries[episode.pending.turn] = episode.pending.query_id
-        for record in (record for record in told[recorded.turn] if record.turn in queries):
-            episode.tell(Answer(queries[record.turn], 'recorded', 'recorded', record.outcome, _content(record)))
+        for record in (record for record in recorded.told if record.turn in queries):
+            corrected = answers.get(record.turn)
+            answers[record.turn] = answer = _answer(record, queries[record.turn], corrected)
+            (episode.tell if corrected is None else episode.amend)(answer)
         if episode.awaits_answer:
             episode.let_pass()
         episode.tune()
 
 
-def _told(session: Session) -> Mapping[int, list[QueryRecord]]:
-    """What was answered in each turn, be it to the question of an earlier one."""
-    told: dict[int, list[QueryRecord]] = defaultdict(list)
-    for record in session.records:
-        if record.outcome is not Outcome.UNANSWERED:
-            told[record.answered_in or record.turn].append(record)
-    return told
+def _answer(record: QueryRecord, query_id: str, corrected: Answer | None) -> Answer:
+    """What was said, given the answer to the same query that it corrects, if any."""
+    replaces = None if corrected is None else corrected.answer_id
+    answer_id = 'recorded' if replaces is None else f'not {replaces}'
+    return Answer(query_id, answer_id, 'recorded', record.outcome, _content(record), replaces)
 
 
 def _content(record: QueryRecord) -> Content:

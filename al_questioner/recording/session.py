@@ -9,7 +9,7 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
 
-from al_questioner.domain import Decision, EpisodeSettings, InputError, QueryRecord, Scene
+from al_questioner.domain import Decision, EpisodeSettings, InputError, Outcome, QueryRecord, Scene
 from al_questioner.messages import documents
 from al_questioner.messages.clouds import decision_of_cloud, scene_of_cloud
 from al_questioner.messages.documents import Document
@@ -39,13 +39,16 @@ class RecordedTurn:
         turn: 1-based.
         scene: what was seen.
         decision: what was weighed and chosen; its query is None.
-        record: what was asked and answered; None if nothing was.
+        record: what was asked, and answered in the end; None if nothing was.
+        told: what was answered in it, be it to the question of an earlier turn; a record of a query that was answered
+            before corrects that answer.
     """
 
     turn: int
     scene: Scene
     decision: Decision
     record: QueryRecord | None
+    told: tuple[QueryRecord, ...]
 
 
 @dataclass(frozen=True, eq=False)
@@ -61,7 +64,6 @@ class Session:
         world: the simulated world, as `task`, `seed`, `sample` and `dataset`; None if it was another one.
         feature_names: m names.
         turns: from the first on, without a gap.
-        corrected: turns the answers to whose questions were replaced by others later.
     """
 
     source: Path
@@ -72,7 +74,6 @@ class Session:
     world: Document | None
     feature_names: tuple[str, ...]
     turns: tuple[RecordedTurn, ...]
-    corrected: tuple[int, ...] = ()
 
     @property
     def records(self) -> tuple[QueryRecord, ...]:
@@ -134,9 +135,8 @@ class _Recorded:
     states: list[BagMessage] = field(default_factory=list)
     clouds: list[tuple[int, BagMessage]] = field(default_factory=list)
     decisions: dict[int, BagMessage] = field(default_factory=dict)
-    asked_in: dict[tuple[str, str], int] = field(default_factory=dict)
-    replacing: dict[tuple[str, str], str] = field(default_factory=dict)
-    accepted: set[tuple[str, str]] = field(default_factory=set)
+    replacing: set[tuple[str, str, str]] = field(default_factory=set)
+    accepted: set[tuple[str, str, str]] = field(default_factory=set)
 
     def take(self, name: str, message: BagMessage) -> None:
         """Sort one message in; clouds are kept as they are until it is known which ones matter."""
@@ -161,43 +161,37 @@ class _Recorded:
                 self._take_talk(name, documents.read(name, content.data))
 
     def _take_talk(self, name: str, document: Document) -> None:
-        episode_id = document['episode_id']
-        if name == 'query':
-            self.asked_in[episode_id, document['query_id']] = document['turn']
-        elif name == 'answer' and document.get('replaces') is not None:
-            self.replacing[episode_id, document['answer_id']] = document['query_id']
+        if name == 'answer' and document.get('replaces') is not None:
+            self.replacing.add((document['episode_id'], document['query_id'], document['answer_id']))
         elif name == 'answer_ack' and document['accepted']:
-            self.accepted.add((episode_id, document['answer_id']))
+            self.accepted.add((document['episode_id'], document['query_id'], document['answer_id']))
 
-    def corrected(self, episode_id: str) -> tuple[int, ...]:
-        """Turns of the questions the answers to which were replaced."""
-        queries = {
-            query_id
-            for (of, answer_id), query_id in self.replacing.items()
-            if of == episode_id and (of, answer_id) in self.accepted
-        }
-        return tuple(
-            sorted({turn for (of, query_id), turn in self.asked_in.items() if of == episode_id and query_id in queries})
-        )
+    @property
+    def corrected(self) -> set[str]:
+        """The episodes in which an answer was replaced by another one."""
+        return {episode_id for episode_id, *_ in self.replacing & self.accepted}
 
-    def last_states(self) -> dict[str, Document]:
-        """The last state of the learner, by episode: it tells all that came before, so the others are not read."""
-        found: dict[str, Document] = {}
+    def states_by_episode(self) -> dict[str, list[Document]]:
+        """The states of the learner that tell all, in order, by episode: the last alone if nothing was corrected."""
+        found: dict[str, list[Document]] = {}
+        corrected = self.corrected
         for message in reversed(self.states):
-            if self.episodes.keys() <= found.keys():
+            if not corrected and self.episodes.keys() <= found.keys():
                 break
             document = documents.read('learner_state', deserialize(message).data)
-            found.setdefault(document['episode_id'], document)
+            states = found.setdefault(document['episode_id'], [])
+            if not states or document['episode_id'] in corrected:
+                states.insert(0, document)
         return found
 
 
 def _sessions(bag: Bag, recorded: _Recorded) -> list[Session]:
     try:
-        states = recorded.last_states()
+        states = recorded.states_by_episode()
         # Latched topics tell a recorder of an episode that was over before it began: it is left out.
         begun = [episode_id for episode_id in recorded.episodes if 1 in recorded.stamps[episode_id]]
         return [
-            _session(bag.path, recorded, document, states.get(episode_id))
+            _session(bag.path, recorded, document, states.get(episode_id, []))
             for episode_id, document in recorded.episodes.items()
             if not begun or episode_id in begun
         ]
@@ -207,12 +201,19 @@ def _sessions(bag: Bag, recorded: _Recorded) -> list[Session]:
         raise BagError(f'{bag.path}: {error}') from error
 
 
-def _session(path: Path, recorded: _Recorded, document: Document, state: Document | None) -> Session:
+def _session(path: Path, recorded: _Recorded, document: Document, states: Sequence[Document]) -> Session:
     episode_id, names = document['episode_id'], tuple(document['feature_names'])
     settings = documents.settings_of(document)
-    last = 0 if state is None else state['turn']
-    records = {} if state is None else {q['turn']: documents.record_of(q) for q in state['queries']}
-    turns = tuple(_turn(path, recorded, episode_id, turn, settings, records.get(turn)) for turn in range(1, last + 1))
+    last = states[-1]['turn'] if states else 0
+    if episode_id in recorded.corrected:
+        _check_without_gap(path, states)
+    records, told = _course(states)
+    turns = tuple(
+        RecordedTurn(
+            turn, *_seen_and_decided(path, recorded, episode_id, turn, settings), records.get(turn), tuple(told[turn])
+        )
+        for turn in range(1, last + 1)
+    )
     for turn in turns:
         if turn.scene.feature_names != names:
             raise BagError(
@@ -228,13 +229,39 @@ def _session(path: Path, recorded: _Recorded, document: Document, state: Documen
         world=document['world'],
         feature_names=names,
         turns=turns,
-        corrected=recorded.corrected(episode_id),
     )
 
 
-def _turn(
-    path: Path, recorded: _Recorded, episode_id: str, turn: int, settings: EpisodeSettings, record: QueryRecord | None
-) -> RecordedTurn:
+def _check_without_gap(path: Path, states: Sequence[Document]) -> None:
+    """Make sure that it can be said in which turn an answer was corrected."""
+    turns = [state['turn'] for state in states]
+    for turn in range(1, max(turns, default=0)):
+        if turn not in turns:
+            raise BagError(
+                f'{path}: turn {turn} was recorded without its learner_state: what was known then cannot be said,'
+                ' as an answer was corrected'
+            )
+
+
+def _course(states: Sequence[Document]) -> tuple[dict[int, QueryRecord], Mapping[int, list[QueryRecord]]]:
+    """What came of the queries in the end, by the turns in which they were asked, and by those in which it was told."""
+    records: dict[int, QueryRecord] = {}
+    told: dict[int, list[QueryRecord]] = defaultdict(list)
+    for state in states:
+        for record in map(documents.record_of, state['queries']):
+            before = records.get(record.turn)
+            records[record.turn] = record
+            if record.outcome is Outcome.UNANSWERED or record == before:
+                continue
+            is_first = before is None or before.outcome is Outcome.UNANSWERED
+            # A correction does not tell its own turn, but the first state with it does.
+            told[(record.answered_in or record.turn) if is_first else state['turn']].append(record)
+    return records, told
+
+
+def _seen_and_decided(
+    path: Path, recorded: _Recorded, episode_id: str, turn: int, settings: EpisodeSettings
+) -> tuple[Scene, Decision]:
     stamp = recorded.stamps[episode_id].get(turn)
     if stamp is None:
         raise BagError(f'{path}: turn {turn} of {settings.turns} was not recorded: did the recording begin too late?')
@@ -243,9 +270,7 @@ def _turn(
     if cloud is None or decision is None:
         missing = 'objects' if cloud is None else 'decision'
         raise BagError(f'{path}: turn {turn} of {settings.turns} was recorded without its {missing}')
-    scene = scene_of_cloud(deserialize(cloud))
-    weighed = decision_of_cloud(deserialize(decision), settings.symbols, turn)
-    return RecordedTurn(turn, scene, weighed, record)
+    return scene_of_cloud(deserialize(cloud)), decision_of_cloud(deserialize(decision), settings.symbols, turn)
 
 
 def taken_cloud(clouds: Sequence[tuple[int, BagMessage]], begin: int, end: float) -> BagMessage | None:

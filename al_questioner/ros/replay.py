@@ -159,10 +159,7 @@ def _check(path: Path, console: Console) -> int:
         where = f'{path}: {session.episode_id}'
         divergence = first_divergence(session)
         if divergence is not None:
-            corrected = [str(turn) for turn in session.corrected if turn <= divergence.turn]
-            # Bags hold what came of each query in the end, so the decisions before the correction differ.
-            expected = f'; the answer to turn {", ".join(corrected)} was corrected later, so this is to be expected'
-            raise EpisodeError(f'{where}: turn {divergence.turn}: {divergence.what}{expected if corrected else ""}')
+            raise EpisodeError(f'{where}: turn {divergence.turn}: {divergence.what}')
         decisions = number_of(len(session.turns), 'decision')
         console.print(f'{where}: {decisions}, all as recorded', highlight=False, soft_wrap=True)
     for episode_id in too_short:

@@ -55,24 +55,23 @@ def test_features_of_another_look_are_a_divergence(bags, tmp_path):
 
 
 @pytest.mark.parametrize('accepted', [True, False])
-def test_a_correction_is_known_by_the_turn_of_its_question(bags, tmp_path, accepted):
-    """Nobody could say why a replay of what came of the queries in the end decides otherwise before."""
+def test_without_a_turns_state_nobody_knows_since_when_an_answer_is_corrected(bags, tmp_path, accepted):
+    """A decision would be replayed with what was not known then."""
 
     def then(writing, _):
         stamp = bags.START + 2 * 10**9
-        query = {'query_id': 'q3', 'turn': 3, 'kind': 'label', 'object_id': 1, 'symbol': None, 'choices': ['snack']}
-        more = {'cost': 1, 'budget_left': 1, 'turns_left': 5, 'model_version': 1, 'text': 'What is object 1?'}
-        writing.say('query', query | more, stamp)
-        answer = {'query_id': 'q3', 'answer_id': 'a2', 'teacher_id': 'anna', 'outcome': 'answered', 'content': 'snack'}
+        answer = {'query_id': 'q1', 'answer_id': 'a2', 'teacher_id': 'anna', 'outcome': 'answered', 'content': 'snack'}
         writing.send('answer', typestore().types[bags.STRING]('{"no": "answer"'), stamp + 1)
-        writing.say('answer', answer | {'answer_id': 'a1'}, stamp + 2)
-        writing.say('answer', answer | {'replaces': 'a1'}, stamp + 3)
-        ack = {'query_id': 'q3', 'answer_id': 'a2', 'accepted': accepted, 'reason': ''}
-        writing.say('answer_ack', ack, stamp + 4)
+        writing.say('answer', answer | {'replaces': 'a1'}, stamp + 2)
+        ack = {'query_id': 'q1', 'answer_id': 'a2', 'accepted': accepted, 'reason': ''}
+        writing.say('answer_ack', ack, stamp + 3)
 
-    bags.write_episode(tmp_path / 'b', then=then)
-    (session,) = read_sessions(tmp_path / 'b')
-    assert session.corrected == ((3,) if accepted else ())
+    bags.write_episode(tmp_path / 'b', missing=[('learner_state', 4)], then=then)
+    if accepted:
+        with pytest.raises(BagError, match='b: turn 4 was recorded without its learner_state'):
+            read_sessions(tmp_path / 'b')
+    else:
+        assert len(read_sessions(tmp_path / 'b')) == 1
 
 
 def test_an_episode_without_a_whole_turn_is_told_of_beside_others(bags, tmp_path):

@@ -8,16 +8,18 @@ import json
 import sqlite3
 from pathlib import Path
 
+import numpy as np
 import pytest
 
 from al_questioner.cli import main
-from al_questioner.domain import Answer, LateAnswerError, Outcome
+from al_questioner.domain import Answer, LateAnswerError, Outcome, generator
 from al_questioner.imitation.bags import read_demonstrations
+from al_questioner.questioning import FEATURE_SETS, Choice, Episode, Observed, Situation, make_strategy
 from al_questioner.recording import SessionLog, read_log, read_sessions
 from al_questioner.recording.session_events import Begun, Encoder, Seen, decoded
 from al_questioner.recording.session_log import DATABASE
-from al_questioner.rerun import first_divergence
-from al_questioner.resuming import DurableEpisode
+from al_questioner.rerun import decisions_anew, first_divergence
+from al_questioner.resuming import DurableEpisode, learn
 from al_questioner.simulation import PerceivedWorld, WorldChoice, episode_settings
 from al_questioner.teaching import ScriptedTeacher
 from al_questioner.world import load_task
@@ -132,6 +134,59 @@ def test_a_session_as_a_bag_leads_to_the_same_decisions(tmp_path: Path, world: P
     (demonstration,) = read_demonstrations([tmp_path / 'bag'])
     assert len(demonstration.steps) == 7
     assert main(['session', str(tmp_path / 'log'), '--bag', str(tmp_path / 'bag')]) == 2, 'a bag is never overwritten'
+
+
+@pytest.mark.parametrize('name', FEATURE_SETS)
+def test_what_was_corrected_later_is_replayed_as_it_was_known(
+    tmp_path: Path, world: PerceivedWorld, name: str, capsys: pytest.CaptureFixture[str]
+) -> None:
+    """Weights would be learnt from choices beside features of what nobody knew when they were made."""
+    seen_live: list[np.ndarray] = []
+
+    class Watched(Observed):
+        def choose(self, situation: Situation, rng: np.random.Generator) -> Choice:
+            choice = super().choose(situation, rng)
+            assert choice.features is not None
+            seen_live.append(choice.features)
+            return choice
+
+    feature_set, settings = FEATURE_SETS[name], BEGUN.settings
+    watched = Watched(make_strategy(settings.strategy, settings.weights), feature_set)
+    live = Episode(settings, generator(BEGUN.seed, 'learner'), BEGUN.view_tolerance, watched)
+    session = DurableEpisode(BEGUN, SessionLog(tmp_path / 'log'))
+    session.start()
+
+    def take(answer: Answer) -> None:
+        session.take(answer)
+        learn(live, answer)
+
+    taken: list[Answer] = []
+    for turn in range(1, settings.turns + 1):
+        query = session.ask(Seen(turn, turn * 10**9, 'table', world.scene(turn))).query
+        assert live.ask(world.scene(turn)).query == query
+        if turn == 3:
+            take(Answer('q1', 'c1', 'anna', Outcome.UNKNOWN, replaces=taken[0].answer_id))
+        if turn == 5:
+            # A person may be wrong in the correction, too.
+            take(dataclasses.replace(taken[0], answer_id='c2', replaces='c1'))
+        if query is not None:
+            taken.append(TEACHER.answer(query, world.truth(turn)))
+            take(taken[-1])
+        session.tune()
+        live.tune()
+        if turn == 5:
+            # After the turn, and for good.
+            take(Answer('q2', 'c3', 'anna', Outcome.SKIP, replaces=taken[1].answer_id))
+    session.close()
+    assert main(['session', str(tmp_path / 'log'), '--bag', str(tmp_path / 'bag')]) == 0
+    assert main(['replay', str(tmp_path / 'bag'), '--check']) == 0
+    assert '7 decisions, all as recorded' in capsys.readouterr().out
+    (recorded,) = read_sessions(tmp_path / 'bag')
+    assert recorded.records == live.records
+    anew = [decision.features for decision in decisions_anew(recorded, feature_set)]
+    assert len(anew) == len(seen_live)
+    for ours, theirs in zip(anew, seen_live, strict=True):
+        np.testing.assert_array_equal(ours, theirs)
 
 
 def damage(folder: Path, number: int) -> None:
