@@ -13,7 +13,6 @@ from __future__ import annotations
 
 import argparse
 from collections.abc import Sequence
-from functools import reduce
 from pathlib import Path
 
 import numpy as np
@@ -21,7 +20,7 @@ from scipy.stats import mannwhitneyu
 
 from al_questioner.experiments.figures import draw_cost_curves
 from al_questioner.experiments.plan import CONTROLS, PAPER_CONDITIONS, PAPER_STRATEGIES, Condition
-from al_questioner.experiments.results import Results, read_results
+from al_questioner.experiments.results import Results, read_together
 from al_questioner.experiments.statistics import holm, paired_p
 
 Pair = tuple[np.ndarray, np.ndarray]
@@ -34,7 +33,7 @@ def main() -> None:
     parser.add_argument('--strategy', default='value_per_cost')
     parser.add_argument('--figures', type=Path)
     given = parser.parse_args()
-    results = reduce(Results.beside, map(read_results, given.folders))
+    results = read_together(given.folders)
     shared = shared_by_all(results)
     for task in results.tasks:
         print(f'\n{task}, {len(shared.samples)} samples\n')
