@@ -2,114 +2,158 @@
 
     python benchmarks/questioners.py FOLDER [FOLDER ...] [--strategy NAME] [--figures DIR]
 
-Each folder is the --out of an experiment; together they hold the cells of all strategies that are compared, on the same
-samples. Printed are, by task and condition, the accuracy at the end of the time and its mean over the turns, with the
-standard deviation over the samples; then the differences to each strategy of the paper and to the best control, with
-one-tailed p-values of Wilcoxon's signed-rank test and of the Mann-Whitney U test, both corrected by Holm's method over
-all cells; then both averaged over the conditions, for each task.
+Each folder is the --out of an experiment; together they hold the episodes of all strategies that are compared, each
+once, on the same samples. A cell is a task in a condition. Printed are, by cell, the accuracy at the end of the time
+and its mean over the turns, with the standard deviation over the samples; then the differences to each strategy of the
+paper and to the best control, with one-tailed p-values of Wilcoxon's signed-rank test and of the Mann-Whitney U test,
+both corrected by Holm's method over all cells; then both averaged over the conditions, for each task.
 """
 
 from __future__ import annotations
 
 import argparse
-from collections.abc import Sequence
+import sys
+from collections import defaultdict
+from collections.abc import Iterable, Mapping, Sequence
 from pathlib import Path
+from typing import NamedTuple
 
 import numpy as np
+from numpy.typing import NDArray
 from scipy.stats import mannwhitneyu
 
+from al_questioner.domain import InputError
 from al_questioner.experiments.figures import draw_cost_curves
 from al_questioner.experiments.plan import CONTROLS, PAPER_CONDITIONS, PAPER_STRATEGIES, Condition
-from al_questioner.experiments.results import Results, read_together
+from al_questioner.experiments.results import EpisodeRow, Results, read_together
 from al_questioner.experiments.statistics import holm, paired_p
 
-Pair = tuple[np.ndarray, np.ndarray]
+Array = NDArray[np.float64]
 
 
-def main() -> None:
+class Cell(NamedTuple):
+    """Where strategies are compared over the samples."""
+
+    task: str
+    condition: Condition
+
+
+def main() -> int:
     """Print all tables."""
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument('folders', nargs='+', type=Path)
     parser.add_argument('--strategy', default='value_per_cost')
     parser.add_argument('--figures', type=Path)
     given = parser.parse_args()
-    results = read_together(given.folders)
-    shared = shared_by_all(results)
+    try:
+        results = read_together(given.folders)
+        print_all(results, given.strategy)
+        if given.figures:
+            print(*draw_cost_curves(on_common_samples(results), given.figures), sep='\n')
+    except InputError as error:
+        print(f'questioners: {error}', file=sys.stderr)
+        return 2
+    return 0
+
+
+def print_all(results: Results, strategy: str) -> None:
+    """Print all tables about a strategy.
+
+    Raises:
+        InputError: it was not played, or no control was in one of the cells.
+    """
+    if strategy not in results.strategies:
+        raise InputError(f'{strategy} was not played; played were {", ".join(results.strategies)}')
+    cells = cells_of(results, results.tasks)
+    best = {cell: best_control(results, cell) for cell in cells}
+    alike = on_common_samples(results)
     for task in results.tasks:
-        print(f'\n{task}, {len(shared.samples)} samples\n')
-        print_accuracies(shared, task)
+        print(f'\n{task}, {len(alike.samples)} samples\n')
+        print_accuracies(alike, task)
     for other in PAPER_STRATEGIES:
-        cells = {(task, c): pair_of(results, task, c, given.strategy, other) for task, c in all_cells(results)}
-        print(f'\n{given.strategy} against {other}\n')
-        print_tests(cells, dict.fromkeys(cells, other))
-    best = {cell: best_control(results, *cell) for cell in all_cells(results)}
-    print(f'\n{given.strategy} against the best control of each cell\n')
-    print_tests({cell: pair_of(results, *cell, given.strategy, best[cell]) for cell in best}, best)
+        print(f'\n{strategy} against {other}\n')
+        print_tests(results, strategy, dict.fromkeys(cells, other))
+    print(f'\n{strategy} against the best control of each cell\n')
+    print_tests(results, strategy, best)
     print('\nmean over the conditions, of each sample\n')
-    print_averages(results, given.strategy)
-    if given.figures:
-        for path in draw_cost_curves(shared, given.figures):
-            print(path)
+    print_averages(results, strategy)
 
 
-def shared_by_all(results: Results) -> Results:
-    """The samples that every strategy played in every cell that it played at all."""
-    samples = set(results.samples)
-    for task, condition in all_cells(results):
-        for strategy in results.strategies:
-            group = results.group(task, condition, strategy)
-            samples &= {row.cell.sample for row in group} or samples
-    return results.of_samples(samples)
+def cells_of(results: Results, tasks: Iterable[str]) -> list[Cell]:
+    """The cells of some tasks."""
+    return [Cell(task, condition) for task in tasks for condition in results.conditions(task)]
 
 
-def all_cells(results: Results) -> list[tuple[str, Condition]]:
-    """Task and condition of each."""
-    return [(task, condition) for task in results.tasks for condition in results.conditions(task)]
+def on_common_samples(results: Results) -> Results:
+    """The part about those samples that every strategy has in every cell in which it was played."""
+    samples: dict[tuple[Cell, str], set[int]] = defaultdict(set)
+    for row in results.episodes:
+        samples[Cell(row.cell.task, row.cell.condition), row.cell.strategy].add(row.cell.sample)
+    return results.of_samples(set.intersection(*samples.values()))
 
 
-def best_control(results: Results, task: str, condition: Condition) -> str:
-    """The control of largest mean accuracy."""
-    means = {name: results.mean_accuracy(task, condition, name) for name in CONTROLS}
-    return max((name for name in means if means[name] is not None), key=lambda name: means[name] or 0.0)
+def best_control(results: Results, cell: Cell) -> str:
+    """The control of largest mean accuracy.
+
+    Raises:
+        InputError: no control was played in the cell.
+    """
+    means = {name: mean for name in CONTROLS if (mean := results.mean_accuracy(*cell, name)) is not None}
+    if not means:
+        raise InputError(f'{cell.task}, {cell.condition}: no control was played, of {", ".join(CONTROLS)}')
+    return max(means, key=means.__getitem__)
 
 
-def pair_of(results: Results, task: str, condition: Condition, first: str, other: str) -> Pair:
-    """(n,) accuracies of both, of the samples that both have."""
-    groups = [
-        {row.cell.sample: row.final_accuracy for row in results.group(task, condition, s)} for s in (first, other)
-    ]
-    shared = sorted(groups[0].keys() & groups[1].keys())
-    ours, theirs = (np.array([group[sample] for sample in shared]) for group in groups)
-    return ours, theirs
+def accuracies_of_both(results: Results, cells: Sequence[Cell], first: str, other: str) -> tuple[Array, Array]:
+    """(n,) accuracies of two strategies, averaged over cells, of the n samples that both have in all of these."""
+    ours, theirs = (
+        [{row.cell.sample: row.final_accuracy for row in results.group(*cell, name)} for cell in cells]
+        for name in (first, other)
+    )
+    samples = sorted(set.intersection(*map(set, (*ours, *theirs))))
+
+    def averages(by_cell: Sequence[Mapping[int, float]]) -> Array:
+        return np.mean([[accuracies[sample] for sample in samples] for accuracies in by_cell], axis=0)
+
+    return averages(ours), averages(theirs)
+
+
+def u_test_p(ours: Array, theirs: Array) -> float:
+    """Of the one-tailed Mann-Whitney U test that ours are larger."""
+    return float(mannwhitneyu(ours, theirs, alternative='greater').pvalue)
 
 
 def print_accuracies(results: Results, task: str) -> None:
-    """Accuracy at the end, and in brackets its mean over the turns."""
+    """Accuracy at the end, and in brackets its mean over the turns; strategies of one sample have no row."""
     conditions = results.conditions(task)
-    rows = []
-    for name in results.strategies:
-        row = [f'`{name}`']
-        for condition in conditions:
-            group = results.group(task, condition, name)
-            final = np.array([episode.final_accuracy for episode in group])
-            mean = np.mean([episode.mean_accuracy for episode in group]) if group else np.nan
-            row.append(f'{final.mean():.3f} ± {final.std(ddof=1):.3f} ({mean:.3f})' if len(group) > 1 else '')
-        if any(row[1:]):
-            rows.append(row)
-    print_table(('', *map(label, conditions)), rows)
+    rows = {name: [accuracy_text(results.group(task, c, name)) for c in conditions] for name in results.strategies}
+    print_table(
+        ('', *map(condition_label, conditions)), [(f'`{name}`', *texts) for name, texts in rows.items() if any(texts)]
+    )
 
 
-def print_tests(cells: dict[tuple[str, Condition], Pair], others: dict[tuple[str, Condition], str]) -> None:
-    """A row for each cell."""
-    compared = {cell: pair for cell, pair in cells.items() if len(pair[0]) > 1}
-    paired = holm([paired_p(*pair) for pair in compared.values()])
-    ranked = holm([float(mannwhitneyu(*pair, alternative='greater').pvalue) for pair in compared.values()])
+def accuracy_text(episodes: Sequence[EpisodeRow]) -> str:
+    """Mean, deviation and mean over the turns; nothing of less than two samples."""
+    if len(episodes) < 2:
+        return ''
+    final = np.array([episode.final_accuracy for episode in episodes])
+    over_turns = np.mean([episode.mean_accuracy for episode in episodes])
+    return f'{final.mean():.3f} ± {final.std(ddof=1):.3f} ({over_turns:.3f})'
+
+
+def print_tests(results: Results, strategy: str, others: Mapping[Cell, str]) -> None:
+    """A row for each cell, in which the strategy is compared with the other one that is named there."""
+    pairs = {cell: accuracies_of_both(results, [cell], strategy, other) for cell, other in others.items()}
+    pairs = {cell: pair for cell, pair in pairs.items() if len(pair[0]) > 1}
+    wilcoxon = holm([paired_p(*pair) for pair in pairs.values()])
+    mann_whitney = holm([u_test_p(*pair) for pair in pairs.values()])
     rows = []
-    for (cell, (ours, theirs)), p, u in zip(compared.items(), paired, ranked, strict=True):
+    for (cell, (ours, theirs)), p, u in zip(pairs.items(), wilcoxon, mann_whitney, strict=True):
         difference = ours - theirs
         error = difference.std(ddof=1) / np.sqrt(len(difference))
-        row = f'{ours.mean():.3f}', f'{theirs.mean():.3f}', f'{difference.mean():+.3f} ± {error:.3f}'
-        rows.append((cell[0], label(cell[1]), f'`{others[cell]}`', *row, f'{p:.4f}', f'{u:.4f}'))
+        what = cell.task, condition_label(cell.condition), f'`{others[cell]}`'
+        means = f'{ours.mean():.3f}', f'{theirs.mean():.3f}', f'{difference.mean():+.3f} ± {error:.3f}'
+        rows.append((*what, *means, f'{p:.4f}', f'{u:.4f}'))
     print_table(('task', '', 'against', 'ours', 'theirs', 'difference, its error', 'Wilcoxon', 'Mann-Whitney'), rows)
 
 
@@ -117,16 +161,12 @@ def print_averages(results: Results, strategy: str) -> None:
     """Against every other strategy, each sample's mean over the conditions; p-values uncorrected."""
     rows = []
     for task in results.tasks:
-        for other in results.strategies:
-            pairs = [pair_of(results, task, condition, strategy, other) for condition in results.conditions(task)]
-            if other == strategy or min(len(pair[0]) for pair in pairs) < 2:
-                continue
-            ours, theirs = (np.mean([pair[side] for pair in pairs], axis=0) for side in (0, 1))
-            p = paired_p(ours, theirs)
-            u = float(mannwhitneyu(ours, theirs, alternative='greater').pvalue)
-            rows.append(
-                (task, f'`{other}`', len(ours), f'{ours.mean():.3f}', f'{theirs.mean():.3f}', f'{p:.4f}', f'{u:.4f}')
-            )
+        for other in (name for name in results.strategies if name != strategy):
+            ours, theirs = accuracies_of_both(results, cells_of(results, [task]), strategy, other)
+            if len(ours) > 1:
+                means = f'{ours.mean():.3f}', f'{theirs.mean():.3f}'
+                tests = f'{paired_p(ours, theirs):.4f}', f'{u_test_p(ours, theirs):.4f}'
+                rows.append((task, f'`{other}`', len(ours), *means, *tests))
     print_table(('task', 'against', 'samples', 'ours', 'theirs', 'Wilcoxon', 'Mann-Whitney'), rows)
 
 
@@ -136,10 +176,10 @@ def print_table(columns: Sequence[object], rows: Sequence[Sequence[object]]) -> 
         print(f'| {" | ".join(map(str, row))} |')
 
 
-def label(condition: Condition) -> str:
+def condition_label(condition: Condition) -> str:
     """C1 to C4, if it is one of them."""
-    return next((name for name, value in PAPER_CONDITIONS.items() if value == condition), str(condition))
+    return next((name for name, paper in PAPER_CONDITIONS.items() if paper == condition), str(condition))
 
 
 if __name__ == '__main__':
-    main()
+    sys.exit(main())

@@ -1,0 +1,64 @@
+"""The tables of a questioner beside the others."""
+
+from __future__ import annotations
+
+import csv
+import sys
+from pathlib import Path
+
+import pytest
+
+EPISODE = ('task', 'budget', 'turns', 'strategy', 'sample')
+
+
+def write(folder: Path, *strategies: str) -> Path:
+    """The tables of an experiment of two samples, in which strategies are the better the further back they stand."""
+    folder.mkdir()
+    with (folder / 'episodes.csv').open('w', newline='') as file:
+        table = csv.writer(file)
+        table.writerow([*EPISODE, 'final_accuracy', 'mean_accuracy', 'queries', 'spent'])
+        for number, strategy in enumerate(strategies):
+            for sample in (0, 1):
+                accuracy = 0.5 + (number + sample) / 10
+                table.writerow(['kitchen_table', 25, 40, strategy, sample, accuracy, 0.4, 13, 25])
+    turn = ('turn', 'accuracy', 'kind', 'object_id', 'symbol', 'outcome', 'spent')
+    (folder / 'turns.csv').write_text(','.join((*EPISODE, *turn)))
+    return folder
+
+
+def run(monkeypatch: pytest.MonkeyPatch, *arguments: object) -> int:
+    import questioners
+
+    monkeypatch.setattr(sys, 'argv', ['questioners.py', *map(str, arguments)])
+    status: int = questioners.main()
+    return status
+
+
+def test_a_questioner_is_compared_with_the_best_control(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    """By hand: accuracies .7 and .8, against .6 and .7 of the better one of two controls."""
+    folder = write(tmp_path / 'a', 'random_fsq', 'rarest_demo', 'value_per_cost')
+    assert run(monkeypatch, folder) == 0
+    lines = capsys.readouterr().out.splitlines()
+    assert '| `value_per_cost` | 0.750 ± 0.071 (0.400) |' in lines
+    row = lines[lines.index('value_per_cost against the best control of each cell') + 4]
+    assert row.startswith('| kitchen_table | C1 | `rarest_demo` | 0.750 | 0.650 | +0.100 ± 0.000 |')
+    assert '| kitchen_table | `random_fsq` | 2 | 0.750 | 0.550 |' in '\n'.join(lines)
+
+
+def test_what_cannot_be_compared_is_one_line_and_status_2(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    """A traceback does not say which experiment is missing."""
+    alone, controls = write(tmp_path / 'a', 'value_per_cost'), write(tmp_path / 'b', 'random_fsq')
+    for folders, reason in (
+        ([alone], 'kitchen_table, 25/40: no control was played'),
+        ([controls], 'value_per_cost was not played; played were random_fsq'),
+        ([alone, controls, alone], f'{alone}: an episode is there twice'),
+        ([tmp_path], 'episodes.csv: cannot be read'),
+    ):
+        assert run(monkeypatch, *folders) == 2
+        printed = capsys.readouterr()
+        assert reason in printed.err
+        assert (printed.out, printed.err.count('\n')) == ('', 1)
