@@ -126,22 +126,38 @@ def read_sessions(path: Path, too_short: list[str] | None = None) -> list[Sessio
     return whole
 
 
+@dataclass(frozen=True)
+class _State:
+    """What the learner told of itself.
+
+    Attributes:
+        document: which tells, as `turn`, how many turns were over.
+        decided: turns whose decision had been made.
+    """
+
+    document: Document
+    decided: int
+
+
 @dataclass
 class _Recorded:
     """What was recorded in one namespace."""
 
     episodes: dict[str, Document] = field(default_factory=dict)
     stamps: dict[str, dict[int, int]] = field(default_factory=lambda: defaultdict(dict))
-    states: list[BagMessage] = field(default_factory=list)
+    states: list[tuple[int, BagMessage]] = field(default_factory=list)
     clouds: list[tuple[int, BagMessage]] = field(default_factory=list)
     decisions: dict[int, BagMessage] = field(default_factory=dict)
     replacing: set[tuple[str, str, str]] = field(default_factory=set)
     accepted: set[tuple[str, str, str]] = field(default_factory=set)
 
     def take(self, name: str, message: BagMessage) -> None:
-        """Sort one message in; clouds are kept as they are until it is known which ones matter."""
+        """Sort one message in; clouds are kept as they are until it is known which ones matter.
+
+        A state is kept with the stamp of the last decision before it.
+        """
         if name == 'learner_state':
-            self.states.append(message)
+            self.states.append((next(reversed(self.decisions), 0), message))
             return
         content = deserialize(message)
         if name == 'objects':
@@ -171,17 +187,19 @@ class _Recorded:
         """The episodes in which an answer was replaced by another one."""
         return {episode_id for episode_id, *_ in self.replacing & self.accepted}
 
-    def states_by_episode(self) -> dict[str, list[Document]]:
+    def states_by_episode(self) -> dict[str, list[_State]]:
         """The states of the learner that tell all, in order, by episode: the last alone if nothing was corrected."""
-        found: dict[str, list[Document]] = {}
+        found: dict[str, list[_State]] = {}
         corrected = self.corrected
-        for message in reversed(self.states):
+        for decision, message in reversed(self.states):
             if not corrected and self.episodes.keys() <= found.keys():
                 break
             document = documents.read('learner_state', deserialize(message).data)
-            states = found.setdefault(document['episode_id'], [])
-            if not states or document['episode_id'] in corrected:
-                states.insert(0, document)
+            episode_id = document['episode_id']
+            states = found.setdefault(episode_id, [])
+            if not states or episode_id in corrected:
+                decided = [turn for turn, stamp in self.stamps[episode_id].items() if stamp == decision]
+                states.insert(0, _State(document, max([document['turn'], *decided])))
         return found
 
 
@@ -201,10 +219,10 @@ def _sessions(bag: Bag, recorded: _Recorded) -> list[Session]:
         raise BagError(f'{bag.path}: {error}') from error
 
 
-def _session(path: Path, recorded: _Recorded, document: Document, states: Sequence[Document]) -> Session:
+def _session(path: Path, recorded: _Recorded, document: Document, states: Sequence[_State]) -> Session:
     episode_id, names = document['episode_id'], tuple(document['feature_names'])
     settings = documents.settings_of(document)
-    last = states[-1]['turn'] if states else 0
+    last = states[-1].document['turn'] if states else 0
     if episode_id in recorded.corrected:
         _check_without_gap(path, states)
     records, told = _course(states)
@@ -232,9 +250,9 @@ def _session(path: Path, recorded: _Recorded, document: Document, states: Sequen
     )
 
 
-def _check_without_gap(path: Path, states: Sequence[Document]) -> None:
+def _check_without_gap(path: Path, states: Sequence[_State]) -> None:
     """Make sure that it can be said in which turn an answer was corrected."""
-    turns = [state['turn'] for state in states]
+    turns = {state.document['turn'] for state in states}
     for turn in range(1, max(turns, default=0)):
         if turn not in turns:
             raise BagError(
@@ -243,19 +261,19 @@ def _check_without_gap(path: Path, states: Sequence[Document]) -> None:
             )
 
 
-def _course(states: Sequence[Document]) -> tuple[dict[int, QueryRecord], Mapping[int, list[QueryRecord]]]:
+def _course(states: Sequence[_State]) -> tuple[dict[int, QueryRecord], Mapping[int, list[QueryRecord]]]:
     """What came of the queries in the end, by the turns in which they were asked, and by those in which it was told."""
     records: dict[int, QueryRecord] = {}
     told: dict[int, list[QueryRecord]] = defaultdict(list)
     for state in states:
-        for record in map(documents.record_of, state['queries']):
+        for record in map(documents.record_of, state.document['queries']):
             before = records.get(record.turn)
             records[record.turn] = record
             if record.outcome is Outcome.UNANSWERED or record == before:
                 continue
             is_first = before is None or before.outcome is Outcome.UNANSWERED
             # A correction does not tell its own turn, but the first state with it does.
-            told[(record.answered_in or record.turn) if is_first else state['turn']].append(record)
+            told[(record.answered_in or record.turn) if is_first else state.decided].append(record)
     return records, told
 
 

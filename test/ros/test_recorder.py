@@ -57,6 +57,33 @@ def test_a_recording_holds_the_whole_episode(graph: Any, tmp_path: Path, storage
     assert first_divergence(session) is None
 
 
+def test_a_correction_is_replayed_in_the_turn_in_which_it_was_made(graph: Any, tmp_path: Path) -> None:
+    """The bag of a person who was wrong once would lead to other decisions than those in it."""
+    person = graph.ears.create_publisher(String, 'answer', qos.EVENTS)
+    queries, states = graph.listen('query'), graph.listen('learner_state')
+    graph.start(PerceptionNode, **graph.world, wait_for_recorder=True)
+    robot = {**graph.episode, 'strategy': 'u_sampling', 'turns': 4}
+    graph.start(LearnerNode, **robot, wait_for_recorder=True)
+    recorder = graph.start(RecorderNode, bag=str(tmp_path / 'b'), until_done=True)
+
+    def says(number: int, **members: Any) -> None:
+        said = {'query_id': f'q{number}', 'teacher_id': 'anna', 'outcome': 'answered', 'content': 'snack', **members}
+        person.publish(String(data=write_document('answer', queries[-1]['episode_id'], said)))
+
+    for number in range(1, 5):
+        graph.wait_for(lambda n=number: queries and queries[-1]['query_id'] == f'q{n}', f'question {number}')
+        if number == 3:
+            says(1, answer_id='a2', content='fruit', replaces='a1')
+            graph.wait_for(lambda: states[-1]['labels']['fruit'], 'the correction')
+            assert states[-1]['turn'] == 2
+        says(number, answer_id='a1')
+    graph.wait_for(lambda: recorder.done, 'the end of the recording')
+    graph.stop(recorder)
+    (session,) = read_sessions(tmp_path / 'b')
+    assert [[record.turn for record in turn.told] for turn in session.turns] == [[1], [2], [1, 3], [4]]
+    assert first_divergence(session) is None
+
+
 def test_what_was_missed_is_said(graph: Any, tmp_path: Path) -> None:
     """A user would find out after the person has gone that the beginning is missing."""
     states = graph.listen('learner_state')
