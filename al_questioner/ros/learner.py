@@ -221,7 +221,7 @@ class LearnerNode(QuestionerNode):
         if not self._session.is_ready:
             return
         answer, episode = None, self._session.episode
-        waited = episode.awaits_answer
+        waited, late_before = episode.awaits_answer, len(episode.answers.late)
         try:
             answer = self._read_answer(message.data)
             is_new = self._session.take(answer)
@@ -229,6 +229,9 @@ class LearnerNode(QuestionerNode):
             if not isinstance(error, LateAnswerError):
                 self._session.note_refused(message.data, str(error))
             self._acknowledge(answer, accepted=False, reason=str(error))
+            if len(episode.answers.late) > late_before:
+                # It was kept all the same, for how far its teacher can be relied on.
+                self._tell_state()
             raise
         self._acknowledge(answer, accepted=True, reason='' if is_new else 'already taken')
         if not is_new:

@@ -130,6 +130,9 @@ def test_a_late_answer_is_refused_and_kept(graph: Any, tmp_path: Path) -> None:
         ack = person.says(query, 'fruit', answer_id='b1', teacher_id='bert')
         assert (ack['accepted'], ack['answer_id']) == (False, 'b1')
         assert "query 'q1' was answered already, by 'a1'" in ack['reason']
+    graph.wait_for(lambda: 'bert' in person.states[-1]['teachers'], 'a state that tells of the late teacher')
+    state = person.states[-1]
+    assert (state['turn'], state['teachers']['bert']['late'], state['labels']['fruit']) == (1, 1, 0)
     assert [event.answer.teacher_id for event in told(tmp_path / 'log', KeptLate)] == ['bert']
     assert told(tmp_path / 'log', Refused) == []
 
