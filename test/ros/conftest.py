@@ -1,4 +1,4 @@
-"""Nodes in this process: a context, an executor in a thread, and a listener, all gone after the test."""
+"""Nodes in this process and in others, and somebody who listens to them, all gone after the test."""
 
 from __future__ import annotations
 
@@ -29,7 +29,7 @@ from al_questioner.ros.learner import LearnerNode
 from al_questioner.ros.perception import PerceptionNode
 
 ROOT = Path(__file__).resolve().parents[2]
-DEADLINE = 60.0
+DEADLINE = 90.0
 """Seconds after which a test gives up; far more than anything here takes."""
 
 
@@ -70,14 +70,10 @@ class Graph:
         self, name: str, log: Path, environment: Mapping[str, str] | None = None, **parameters: Any
     ) -> subprocess.Popen[bytes]:
         """A node in a process and a session of its own, in the graph's namespace; what it prints goes to a file."""
-        command = [sys.executable, '-m', 'al_questioner', name, '--ros-args', '-r', f'__ns:=/{self.namespace}']
+        command = al_questioner(name, '--ros-args', '-r', f'__ns:=/{self.namespace}')
         for parameter, value in parameters.items():
             command += ['-p', f'{parameter}:={json.dumps(value)}']
-        inherited = {
-            **os.environ,
-            'PYTHONPATH': os.pathsep.join(filter(None, (str(ROOT), os.environ.get('PYTHONPATH')))),
-            'ROS_DOMAIN_ID': str(self.context.get_domain_id()),
-        }
+        inherited = {**of_a_child(), 'ROS_DOMAIN_ID': str(self.context.get_domain_id())}
         with log.open('wb') as out:
             process = subprocess.Popen(
                 command,
@@ -151,6 +147,77 @@ class Graph:
             return
 
 
+class Processes:
+    """Processes in sessions of their own and in a namespace that nobody else uses, all gone after the test."""
+
+    def __init__(self, folder: Path) -> None:
+        self.namespace = f'test_{uuid.uuid4().hex[:12]}'
+        self._folder = folder
+        self._running: dict[str, subprocess.Popen[bytes]] = {}
+
+    def run(self, *arguments: str) -> subprocess.CompletedProcess[str]:
+        """An executable of the package, to its end."""
+        command = al_questioner(*arguments)
+        return subprocess.run(command, env=of_a_child(), capture_output=True, text=True, timeout=DEADLINE, check=False)
+
+    def start(self, name: str, command: list[str], typed: Path | None = None) -> subprocess.Popen[bytes]:
+        """Any command; what it prints goes to a log of this name, what it reads comes from a file."""
+        with self.log_path(name).open('wb') as log, (typed or Path(os.devnull)).open('rb') as source:
+            self._running[name] = subprocess.Popen(
+                command,
+                env=of_a_child(),
+                stdin=source,
+                stdout=log,
+                stderr=subprocess.STDOUT,
+                start_new_session=True,
+            )
+        return self._running[name]
+
+    def node(self, name: str, typed: Path | None = None, **parameters: object) -> subprocess.Popen[bytes]:
+        """A node of the package with these parameters."""
+        arguments = ['--ros-args', '-r', f'__ns:=/{self.namespace}']
+        for key, value in parameters.items():
+            arguments += ['-p', f'{key}:={json.dumps(value)}']
+        return self.start(name, al_questioner(name, *arguments), typed)
+
+    def log_path(self, name: str) -> Path:
+        """The file of a log."""
+        return self._folder / f'{name}.log'
+
+    def log(self, name: str) -> str:
+        """What a process has printed so far."""
+        return self.log_path(name).read_text()
+
+    def wait_for_log(self, name: str, text: str) -> None:
+        """Wait until a process has printed something.
+
+        Raises:
+            AssertionError: it ended, or did not print it before the deadline.
+        """
+        end = time.monotonic() + DEADLINE
+        while text not in self.log(name):
+            assert time.monotonic() < end, f'{name} never printed {text!r}: {self.log(name)}'
+            assert self._running[name].poll() is None, f'{name} ended: {self.log(name)}'
+            time.sleep(0.05)
+
+    def close(self) -> None:
+        """End everything."""
+        for process in self._running.values():
+            if process.poll() is None:
+                kill(process)
+
+
+def of_a_child() -> dict[str, str]:
+    """The environment: this checkout comes first."""
+    path = os.pathsep.join(filter(None, (str(ROOT), os.environ.get('PYTHONPATH'))))
+    return {**os.environ, 'PYTHONPATH': path}
+
+
+def al_questioner(*arguments: str) -> list[str]:
+    """The command that runs an executable of the package."""
+    return [sys.executable, '-m', 'al_questioner', *arguments]
+
+
 def kill(process: subprocess.Popen[bytes]) -> None:
     """End a process, if it has not ended, as a crash would."""
     with contextlib.suppress(ProcessLookupError):
@@ -168,3 +235,12 @@ def graph() -> Iterator[Graph]:
     finally:
         result.close()
         context.try_shutdown()
+
+
+@pytest.fixture
+def processes(tmp_path: Path) -> Iterator[Processes]:
+    result = Processes(tmp_path)
+    try:
+        yield result
+    finally:
+        result.close()

@@ -1,0 +1,108 @@
+"""`demo` brings up the graph, and the graph plays what the offline episode plays."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+from al_questioner.imitation.bags import read_demonstrations
+
+ROOT = Path(__file__).resolve().parents[2]
+CROPS = ROOT.parent / 'shared' / 'data' / 'tabletop_rgbd' / 'crops' / 'rgbd-dataset'
+SMALL = ['--task', 'prepare_lunch', '--budget', '6', '--turns', '7', '--seed', '4']
+PAPER = ['--task', 'prepare_lunch', '--budget', '25', '--turns', '40', '--seed', '7']
+STRATEGIES = [
+    'u_sampling',
+    'dt_iros',
+    'dt_task',
+    'dt_task_env',
+    'value_per_cost',
+    'u_sampling_fsq',
+    'random_fsq',
+    'farthest_fsq',
+    'rarest_demo',
+    'expert',
+]
+
+
+def play(processes: Any, folder: Path, *arguments: str) -> dict[str, object]:
+    path = folder.with_suffix('.json')
+    done = processes.run('demo', *arguments, '--out', str(folder), '--json', str(path))
+    assert done.returncode == 0, done.stdout + done.stderr
+    return json.loads(path.read_text())
+
+
+def test_three_processes_play_the_offline_episode(processes: Any, tmp_path: Path) -> None:
+    """What is found offline would say nothing about the robot."""
+    graph = play(processes, tmp_path / 'graph', *SMALL, '--strategy', 'dt_task_env')
+    assert graph['queries']
+    assert graph == play(processes, tmp_path / 'offline', *SMALL, '--strategy', 'dt_task_env', '--offline')
+    assert {path.name for path in (tmp_path / 'graph' / 'logs').iterdir()} == {
+        'learner.log',
+        'perception.log',
+        'teacher.log',
+    }
+
+
+@pytest.mark.slow
+def test_one_process_plays_the_offline_episode(processes: Any, tmp_path: Path) -> None:
+    """Nodes composed into one process would behave otherwise."""
+    shown = [*SMALL, '--strategy', 'random_fsq']
+    one = play(processes, tmp_path / 'one', *shown, '--one-process', '--namespace', '/a/robot_1/')
+    assert one == play(processes, tmp_path / 'offline', *shown, '--offline')
+
+
+@pytest.mark.slow
+def test_processes_tune_as_the_offline_episode_does(processes: Any, tmp_path: Path) -> None:
+    """The option would not reach the learner, or it would tune at other turns than the evaluation assumes."""
+    tuned = [*SMALL, '--strategy', 'u_sampling_fsq', '--tune-every', '2']
+    assert play(processes, tmp_path / 'graph', *tuned) == play(processes, tmp_path / 'offline', *tuned, '--offline')
+
+
+@pytest.mark.slow
+@pytest.mark.skipif(not CROPS.is_dir(), reason='the real RGB-D crops are not beside this checkout')
+def test_real_crops_are_learnt_through_the_graph(processes: Any, tmp_path: Path) -> None:
+    """The robot would learn from drawings alone."""
+    crops = ['--task', 'tabletop', '--dataset', str(CROPS), '--budget', '15', '--turns', '20', '--seed', '3']
+    graph = play(processes, tmp_path / 'graph', *crops)
+    assert graph == play(processes, tmp_path / 'offline', *crops, '--offline')
+    assert graph['final_accuracy'] > 2 / 5
+    assert graph['dataset_report'][-1] == 'skipped in all: 0'
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize('strategy', STRATEGIES)
+def test_every_strategy_asks_the_same_with_and_without_ros(processes: Any, tmp_path: Path, strategy: str) -> None:
+    """Some strategy would behave otherwise on the robot, over a whole episode of the paper's length."""
+    graph = play(processes, tmp_path / 'graph', *PAPER, '--strategy', strategy)
+    assert graph == play(processes, tmp_path / 'offline', *PAPER, '--strategy', strategy, '--offline')
+
+
+def test_an_unusable_namespace_is_named(processes: Any, tmp_path: Path) -> None:
+    """A mistyped namespace would end in warnings of the middleware."""
+    done = processes.run('demo', *SMALL, '--out', str(tmp_path), '--namespace', 'not a namespace')
+    assert done.returncode == 2
+    assert 'namespace' in done.stderr
+    assert done.stderr.count('\n') == 1
+
+
+@pytest.mark.slow
+def test_a_recorded_demo_is_a_demonstration(processes: Any, tmp_path: Path) -> None:
+    """The bags that people share would not be what the real graph did."""
+    bag = tmp_path / 'bag'
+    shown = ['--task', 'prepare_lunch', '--strategy', 'expert', '--budget', '6', '--turns', '8', '--seed', '4']
+    episode = play(processes, tmp_path / 'graph', *shown, '--record', str(bag))
+    (demonstration,) = read_demonstrations([bag])
+    assert len(demonstration.steps) == 8
+    assert [query.turn for query in demonstration.queries] == [query['turn'] for query in episode['queries']]
+
+
+@pytest.mark.slow
+def test_a_demo_overwrites_no_recording(processes: Any, tmp_path: Path) -> None:
+    """A demonstration cannot be given twice."""
+    done = processes.run('demo', *SMALL, '--out', str(tmp_path / 'out'), '--record', str(tmp_path))
+    assert done.returncode == 2
+    assert done.stderr == f'demo: --record: {tmp_path} exists already; a bag is never overwritten\n'

@@ -1,0 +1,156 @@
+"""Recordings that end, are ended or are killed, and what is learnt from them."""
+
+from __future__ import annotations
+
+import os
+import signal
+import subprocess
+import sys
+import time
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+from al_questioner.imitation.bags import read_demonstrations
+from al_questioner.recording import read_bag
+from al_questioner.recording.bags import storage_files
+
+ROOT = Path(__file__).resolve().parents[2]
+DEADLINE = 90.0
+
+
+@pytest.mark.slow
+def test_a_person_shows_how_to_ask(processes: Any, tmp_path: Path) -> None:
+    """A person's way of asking could not be recorded, or not be learnt from."""
+    bag, typed, out = tmp_path / 'bag', tmp_path / 'typed', tmp_path / 'w.yaml'
+    typed.write_text('f\n3\nbeverage\n\nno such question\n5\n')
+    recorder = processes.node('record', bag=str(bag), until_done=True)
+    processes.wait_for_log('record', 'recording to')
+    world = {'task': 'prepare_lunch', 'seed': 4, 'wait_for_recorder': True}
+    processes.node('perception', **world)
+    processes.node('teacher', **world)
+    learner = processes.node('learner', typed, **world, strategy='human', budget=9.0, turns=5)
+    assert recorder.wait(DEADLINE) == 0, processes.log('record')
+    assert 'is no question' in processes.log('learner')
+    (demonstration,) = read_demonstrations([bag])
+    kinds = [query.kind.value for query in demonstration.queries]
+    assert kinds == ['feature_subset', 'label', 'demonstration', 'label']
+    assert [query.turn for query in demonstration.queries] == [1, 2, 3, 5]
+    trained = processes.run('train_weights', str(bag), '--method', 'choice', '--out', str(out))
+    assert trained.returncode == 0, trained.stderr
+    assert processes.run('replay', str(bag), '--check').returncode == 0
+    os.killpg(learner.pid, signal.SIGKILL)
+    learner.wait()
+    # Nobody is left to choose: the learner says so, and lives.
+    processes.node('learner', task='prepare_lunch', seed=4, strategy='human')
+    processes.wait_for_log('learner', 'the input has ended')
+
+
+@pytest.mark.slow
+def test_a_killed_recorder_loses_no_more_than_its_last_second(processes: Any, tmp_path: Path) -> None:
+    """Half an hour of a person's time would be gone."""
+    bag = tmp_path / 'bag'
+    recorder = processes.node('record', bag=str(bag))
+    processes.wait_for_log('record', 'recording to')
+    world = {'task': 'prepare_lunch', 'seed': 4, 'wait_for_recorder': True}
+    processes.node('perception', **world)
+    processes.node('teacher', **world)
+    processes.node('learner', **world, strategy='expert', budget=9.0, turns=12, turn_period=0.1)
+    processes.wait_for_log('learner', 'turn 4:')
+    # Longer than the time between two writes to the disk, so that turn 4 must be there.
+    time.sleep(1.0)
+    os.killpg(recorder.pid, signal.SIGKILL)
+    recorder.wait()
+    repaired = processes.run('record', '--repair', str(bag))
+    assert repaired.returncode == 0, repaired.stderr
+    assert 'messages kept' in repaired.stdout
+    (demonstration,) = read_demonstrations([bag])
+    assert len(demonstration.steps) >= 4
+    out = tmp_path / 'w.yaml'
+    assert processes.run('train_weights', str(bag), '--method', 'choice', '--out', str(out)).returncode == 0
+
+
+@pytest.mark.parametrize(
+    'signals',
+    [
+        pytest.param([signal.SIGINT], marks=pytest.mark.slow),
+        [signal.SIGINT, signal.SIGINT],
+        pytest.param([signal.SIGTERM], marks=pytest.mark.slow),
+    ],
+    ids=['INT', 'INT-INT', 'TERM'],
+)
+def test_a_recording_that_is_ended_is_whole(processes: Any, tmp_path: Path, signals: list[signal.Signals]) -> None:
+    """Whoever ends a recording as they end any other node would have to repair it."""
+    bag = tmp_path / 'bag'
+    recorder = processes.node('record', bag=str(bag))
+    processes.node('learner', task='prepare_lunch')
+    processes.wait_for_log('record', 'from turn 1 on')
+    for number in signals:
+        os.killpg(recorder.pid, number)
+    assert recorder.wait(DEADLINE) == 0, processes.log('record')
+    assert 'Traceback' not in processes.log('record')
+    assert [message.topic for message in read_bag(bag).messages] == [f'/{processes.namespace}/turn']
+
+
+def test_a_recording_that_is_ended_before_its_episode_says_so(processes: Any, tmp_path: Path) -> None:
+    """A script that waits for a whole episode would go on with a part of it."""
+    recorder = processes.node('record', bag=str(tmp_path / 'bag'), until_done=True)
+    processes.wait_for_log('record', 'recording to')
+    os.killpg(recorder.pid, signal.SIGINT)
+    assert recorder.wait(DEADLINE) == 1
+    assert processes.log('record').splitlines()[-1].startswith('record: ended before the episode was over')
+
+
+@pytest.mark.parametrize('storage', ['mcap', pytest.param('sqlite3', marks=pytest.mark.slow)])
+def test_a_recording_that_is_killed_is_repaired_without_ros(processes: Any, tmp_path: Path, storage: str) -> None:
+    """A demonstration with a person would be lost with the battery of the robot."""
+    bag = tmp_path / 'bag'
+    recorder = processes.node('record', bag=str(bag), storage=storage)
+    processes.node('learner', task='prepare_lunch')
+    processes.wait_for_log('record', 'from turn 1 on')
+    wait_for_content(bag, b'al_questioner/turn/1')
+    os.killpg(recorder.pid, signal.SIGKILL)
+    recorder.wait()
+    no_ros = "import sys; sys.modules['rclpy'] = None; from al_questioner.cli import main; sys.exit(main(sys.argv[1:]))"
+    for said in ('1 messages kept', 'is whole: 1 messages'):
+        done = subprocess.run(
+            [sys.executable, '-c', no_ros, 'record', '--repair', str(bag)],
+            env={**os.environ, 'PYTHONPATH': str(ROOT)},
+            capture_output=True,
+            text=True,
+            timeout=DEADLINE,
+            check=False,
+        )
+        assert done.returncode == 0, done.stderr
+        assert said in done.stdout
+    assert [message.topic for message in read_bag(bag).messages] == [f'/{processes.namespace}/turn']
+
+
+def wait_for_content(bag: Path, content: bytes) -> None:
+    """Wait until a bag's file of messages, not its journal, has this on the disk."""
+    end = time.monotonic() + DEADLINE
+    while not any(content in file.read_bytes() for file in storage_files(bag)):
+        assert time.monotonic() < end, f'{bag} never held {content!r}'
+        time.sleep(0.05)
+
+
+@pytest.mark.parametrize(
+    ('arguments', 'reason'),
+    [
+        (['--repair', '/no/such/bag'], '/no/such/bag: there is no such bag'),
+        (['--repair'], '--repair takes one bag, not 0'),
+        (['--repair', 'a', 'b'], '--repair takes one bag, not 2'),
+        (['--ros-args', '-p', 'storage:=bag'], "unknown storage 'bag'; known: mcap, sqlite3"),
+        (['--ros-args', '-p', 'bag:=/proc/bag'], '/proc/bag: cannot be written'),
+        (['bag'], "unexpected argument 'bag'"),
+    ],
+)
+def test_unusable_input_of_record_ends_with_status_2_and_one_line(
+    processes: Any, arguments: list[str], reason: str
+) -> None:
+    """A mistyped path would end in a traceback."""
+    done = processes.run('record', *arguments)
+    assert done.returncode == 2, done.stderr
+    assert reason in done.stderr
+    assert done.stderr.count('\n') == 1
