@@ -20,6 +20,7 @@ class AnswerByHand(Node):
 
     def __init__(self) -> None:
         super().__init__('answer_by_hand')
+        self.shown: set[tuple[str, str]] = set()
         latched = QoSProfile(depth=1, durability=DurabilityPolicy.TRANSIENT_LOCAL)
         self.answers = self.create_publisher(String, 'answer', 10)
         self.create_subscription(String, 'query', self.show_query, latched)
@@ -29,6 +30,8 @@ class AnswerByHand(Node):
     def show_query(self, message: String) -> None:
         """Print a question and what would answer it."""
         query = json.loads(message.data)
+        if not self.is_new(query['episode_id'], query['query_id']):
+            return
         if query['kind'] == 'feature_subset':
             print(f'\n{query["text"]}  [{",".join(query["choices"])} | ? skip]')
         else:
@@ -41,8 +44,15 @@ class AnswerByHand(Node):
 
     def show_state(self, message: String) -> None:
         """Print that the episode is over."""
-        if json.loads(message.data)['done']:
+        state = json.loads(message.data)
+        if state['done'] and self.is_new(state['episode_id'], 'end'):
             print('the episode is over: there are no more questions')
+
+    def is_new(self, episode_id: str, what: str) -> bool:
+        """Whether this was not shown before: the learner says things again, for those who come late."""
+        before = len(self.shown)
+        self.shown.add((episode_id, what))
+        return len(self.shown) > before
 
     def say(self, word: str) -> None:
         """Publish an answer."""
@@ -65,7 +75,8 @@ def main() -> None:
     thread.start()
     try:
         while True:
-            node.say(input())
+            if word := input().strip():
+                node.say(word)
     except (EOFError, KeyboardInterrupt):
         rclpy.try_shutdown()
         thread.join()

@@ -8,6 +8,11 @@ import sys
 from pathlib import Path
 from typing import Any
 
+from std_msgs.msg import String
+
+from al_questioner.messages import documents
+from al_questioner.ros import qos
+
 EXAMPLES = Path(__file__).resolve().parents[2] / 'docs' / 'examples'
 DEADLINE = 90.0
 
@@ -22,3 +27,38 @@ def test_a_robots_own_perception_teaches_the_learner(processes: Any) -> None:
     processes.wait_for_log('learner', 'the episode is over: 6 of 6 spent')
     os.killpg(learner.pid, signal.SIGINT)
     assert learner.wait(DEADLINE) == 0
+
+
+def test_who_answers_by_hand_is_told_everything_once(graph: Any, processes: Any, tmp_path: Path) -> None:
+    """What the learner repeats for others would fill the screen, and an empty line be refused as an answer."""
+    answers = graph.listen('answer', profile=qos.EVENTS)
+    asks, tells = (graph.ears.create_publisher(String, name, qos.LATCHED) for name in ('query', 'learner_state'))
+    typed = tmp_path / 'typed'
+    os.mkfifo(typed)
+    keyboard = os.open(typed, os.O_RDWR)
+    example = [sys.executable, '-u', str(EXAMPLES / 'answer_by_hand.py')]
+    process = processes.start('by_hand', [*example, '--ros-args', '-r', f'__ns:=/{graph.namespace}'], typed)
+
+    def ask(number: int) -> None:
+        question = {'query_id': f'q{number}', 'kind': 'label', 'text': f'What is object {number}?'}
+        asks.publish(String(data=documents.write('query', 'e', {**question, 'choices': ['snack', 'fruit']})))
+
+    def heard(word: str) -> bool:
+        os.write(keyboard, f'{word}\n'.encode())
+        return any(answer.data == word for answer in answers)
+
+    for spent in (5, 6):
+        ask(1)
+        tells.publish(String(data=documents.write('learner_state', 'e', {'done': True, 'spent': spent})))
+        processes.wait_for_log('by_hand', 'the episode is over')
+        processes.wait_for_log('by_hand', 'What is object 1?')
+    ask(2)
+    processes.wait_for_log('by_hand', 'What is object 2?')
+    graph.wait_for(lambda: heard('snack'), 'an answer')
+    os.write(keyboard, b'\n  \n')
+    graph.wait_for(lambda: heard('fruit'), 'another answer')
+    os.close(keyboard)
+    assert process.wait(DEADLINE) == 0
+    assert {answer.data for answer in answers} == {'snack', 'fruit'}
+    shown = processes.log('by_hand')
+    assert [shown.count(text) for text in ('What is object 1?', 'What is object 2?', 'is over')] == [1, 1, 1]
