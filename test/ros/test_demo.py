@@ -8,6 +8,7 @@ from typing import Any
 
 import pytest
 
+from al_questioner.cli import main
 from al_questioner.imitation.bags import read_demonstrations
 
 ROOT = Path(__file__).resolve().parents[2]
@@ -35,11 +36,17 @@ def play(processes: Any, folder: Path, *arguments: str) -> dict[str, object]:
     return json.loads(path.read_text())
 
 
+def play_offline(folder: Path, *arguments: str) -> dict[str, object]:
+    path = folder / 'offline.json'
+    assert main(['demo', *arguments, '--offline', '--out', str(folder / 'offline'), '--json', str(path)]) == 0
+    return json.loads(path.read_text())
+
+
 def test_three_processes_play_the_offline_episode(processes: Any, tmp_path: Path) -> None:
     """What is found offline would say nothing about the robot."""
     graph = play(processes, tmp_path / 'graph', *SMALL, '--strategy', 'dt_task_env')
     assert graph['queries']
-    assert graph == play(processes, tmp_path / 'offline', *SMALL, '--strategy', 'dt_task_env', '--offline')
+    assert graph == play_offline(tmp_path, *SMALL, '--strategy', 'dt_task_env')
     assert {path.name for path in (tmp_path / 'graph' / 'logs').iterdir()} == {
         'learner.log',
         'perception.log',
@@ -52,14 +59,14 @@ def test_one_process_plays_the_offline_episode(processes: Any, tmp_path: Path) -
     """Nodes composed into one process would behave otherwise."""
     shown = [*SMALL, '--strategy', 'random_fsq']
     one = play(processes, tmp_path / 'one', *shown, '--one-process', '--namespace', '/a/robot_1/')
-    assert one == play(processes, tmp_path / 'offline', *shown, '--offline')
+    assert one == play_offline(tmp_path, *shown)
 
 
 @pytest.mark.slow
 def test_processes_tune_as_the_offline_episode_does(processes: Any, tmp_path: Path) -> None:
     """The option would not reach the learner, or it would tune at other turns than the evaluation assumes."""
     tuned = [*SMALL, '--strategy', 'u_sampling_fsq', '--tune-every', '2']
-    assert play(processes, tmp_path / 'graph', *tuned) == play(processes, tmp_path / 'offline', *tuned, '--offline')
+    assert play(processes, tmp_path / 'graph', *tuned) == play_offline(tmp_path, *tuned)
 
 
 @pytest.mark.slow
@@ -68,7 +75,7 @@ def test_real_crops_are_learnt_through_the_graph(processes: Any, tmp_path: Path)
     """The robot would learn from drawings alone."""
     crops = ['--task', 'tabletop', '--dataset', str(CROPS), '--budget', '15', '--turns', '20', '--seed', '3']
     graph = play(processes, tmp_path / 'graph', *crops)
-    assert graph == play(processes, tmp_path / 'offline', *crops, '--offline')
+    assert graph == play_offline(tmp_path, *crops)
     assert graph['final_accuracy'] > 2 / 5
     assert graph['dataset_report'][-1] == 'skipped in all: 0'
 
@@ -78,15 +85,15 @@ def test_real_crops_are_learnt_through_the_graph(processes: Any, tmp_path: Path)
 def test_every_strategy_asks_the_same_with_and_without_ros(processes: Any, tmp_path: Path, strategy: str) -> None:
     """Some strategy would behave otherwise on the robot, over a whole episode of the paper's length."""
     graph = play(processes, tmp_path / 'graph', *PAPER, '--strategy', strategy)
-    assert graph == play(processes, tmp_path / 'offline', *PAPER, '--strategy', strategy, '--offline')
+    assert graph == play_offline(tmp_path, *PAPER, '--strategy', strategy)
 
 
-def test_an_unusable_namespace_is_named(processes: Any, tmp_path: Path) -> None:
+def test_an_unusable_namespace_is_named(tmp_path: Path, capfd: pytest.CaptureFixture[str]) -> None:
     """A mistyped namespace would end in warnings of the middleware."""
-    done = processes.run('demo', *SMALL, '--out', str(tmp_path), '--namespace', 'not a namespace')
-    assert done.returncode == 2
-    assert 'namespace' in done.stderr
-    assert done.stderr.count('\n') == 1
+    assert main(['demo', *SMALL, '--out', str(tmp_path), '--namespace', 'not a namespace']) == 2
+    error = capfd.readouterr().err
+    assert 'namespace' in error
+    assert error.count('\n') == 1
 
 
 @pytest.mark.slow

@@ -8,6 +8,8 @@ from typing import Any
 
 import pytest
 
+from al_questioner.cli import main
+
 DEADLINE = 90.0
 
 
@@ -26,7 +28,6 @@ def test_nodes_end_cleanly_when_interrupted(processes: Any, name: str, interrupt
 @pytest.mark.parametrize(
     ('name', 'parameter', 'reason'),
     [
-        ('learner', 'strategy:=clever', 'unknown strategy'),
         ('learner', 'budget:=', 'unusable ROS arguments'),
         ('learner', 'budget', 'unusable ROS arguments'),
         ('learner', 'bugdet:=3', 'unknown parameter bugdet'),
@@ -36,10 +37,17 @@ def test_nodes_end_cleanly_when_interrupted(processes: Any, name: str, interrupt
     ],
 )
 def test_unusable_parameters_end_with_status_2_and_one_line(
-    processes: Any, name: str, parameter: str, reason: str
+    name: str, parameter: str, reason: str, capfd: pytest.CaptureFixture[str]
 ) -> None:
     """A mistyped parameter would end in a traceback, or be ignored."""
-    done = processes.run(name, '--ros-args', '-p', parameter)
-    assert done.returncode == 2
-    assert reason in done.stderr
-    assert done.stderr.count('\n') == 1
+    assert main([name, '--ros-args', '-p', parameter]) == 2
+    error = capfd.readouterr().err
+    assert reason in error
+    assert error.count('\n') == 1
+
+
+def test_the_status_of_a_process_is_that_of_its_executable(processes: Any) -> None:
+    """`ros2 launch` would take a node that never was for one that has done its work."""
+    done = processes.run('learner', '--ros-args', '-p', 'strategy:=clever')
+    assert (done.returncode, done.stderr.count('\n')) == (2, 1), done.stderr
+    assert 'unknown strategy' in done.stderr
