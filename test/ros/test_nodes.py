@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import json
 import threading
-from collections import Counter
+from collections import Counter, deque
 from typing import Any
 
 import numpy as np
@@ -22,7 +22,8 @@ from al_questioner.ros import qos
 from al_questioner.ros.learner import LearnerNode
 from al_questioner.ros.perception import PerceptionNode
 from al_questioner.ros.teacher import TeacherNode
-from al_questioner.simulation import PerceivedWorld, WorldChoice, episode_settings, run_episode
+from al_questioner.simulation import PerceivedWorld, WorldChoice, episode_settings
+from al_questioner.simulation import turns as play
 from al_questioner.teaching import ScriptedTeacher
 from al_questioner.world import load_task
 from al_questioner.world.table_image import draw_scene
@@ -40,12 +41,13 @@ def offline_queries(
     strategy: str, budget: float, turns: int, tune_every: int = 0, task_name: str = TASK, seed: int = 4
 ) -> list[tuple[Any, ...]]:
     task = load_task(task_name)
-    result = run_episode(
-        WorldChoice(task, seed, seed),
-        episode_settings(task, strategy, budget, turns, tune_every=tune_every),
-        ScriptedTeacher(task.symbols, task.relevant_groups, seed),
+    episode = Episode(
+        episode_settings(task, strategy, budget, turns, tune_every=tune_every), generator(seed, 'learner')
     )
-    return [(r.turn, r.kind.value, r.object_id, r.symbol, r.cost, r.outcome.value) for r in result.queries]
+    # Turn by turn, as `run_episode` does, without the held-out images on which it measures accuracy.
+    world = PerceivedWorld(WorldChoice(task, seed, seed).open())
+    deque(play(episode, world, ScriptedTeacher(task.symbols, task.relevant_groups, seed)), maxlen=0)
+    return [(r.turn, r.kind.value, r.object_id, r.symbol, r.cost, r.outcome.value) for r in episode.records]
 
 
 def asked_in(state: dict[str, Any]) -> list[tuple[Any, ...]]:

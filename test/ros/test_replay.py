@@ -142,7 +142,7 @@ def test_keys_pause_step_and_quit() -> None:
         assert termios.tcgetattr(theirs) == before
 
 
-@pytest.mark.parametrize('number', [signal.SIGINT, signal.SIGTERM])
+@pytest.mark.parametrize('number', [signal.SIGINT, pytest.param(signal.SIGTERM, marks=pytest.mark.slow)])
 def test_a_signal_leaves_the_terminal_as_it_was(number: signal.Signals) -> None:
     """A shell would stay without echo after Ctrl-C."""
     with terminal_replay('--start-paused') as (process, ours, theirs):

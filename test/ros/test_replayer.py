@@ -78,7 +78,7 @@ def test_a_step_is_a_turn_of_the_learner(graph: Any) -> None:
 def test_the_scenes_of_a_replay_are_the_recorded_ones(graph: Any) -> None:
     """A learner that listens would see other things, or in another order."""
     clouds = graph.listen('objects', PointCloud2, qos.RECORDED_LATCHED)
-    node = replay(graph, rate=0.5)
+    node = replay(graph, rate=2.0)
     graph.wait_for(lambda: node.over, 'the end of the replay')
     graph.wait_for(lambda: clouds and _stamp(clouds[-1]) == _stamp(deserialize(_recorded('objects')[-1])), 'the last')
     (session,) = read_sessions(BAG)

@@ -1,15 +1,14 @@
-"""The real thing: perception and learner, and a person at a pseudo-terminal or a script at a pipe."""
+"""The teacher's process before perception and a learner: a person at a pseudo-terminal, or a script at a pipe."""
 
 from __future__ import annotations
 
-import json
 import os
 import re
 import signal
 import subprocess
 import sys
 import uuid
-from collections.abc import Callable, Iterator
+from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
@@ -17,8 +16,7 @@ import pytest
 
 ROOT = Path(__file__).resolve().parents[2]
 DEADLINE = 120
-WORLD = {'task': 'prepare_lunch', 'seed': 4}
-EPISODE = {**WORLD, 'strategy': 'random_fsq', 'budget': 5.0, 'turns': 6}
+EPISODE = {'strategy': 'random_fsq', 'budget': 5.0, 'turns': 6}
 OVER = 'The episode is over: 5 of 5 spent on 4 questions.'
 
 
@@ -28,47 +26,21 @@ def environment() -> dict[str, str]:
     return {**os.environ, 'PYTHONPATH': path}
 
 
-def node(name: str, namespace: str, **parameters: object) -> list[str]:
-    command = [sys.executable, '-m', 'al_questioner', name, '--ros-args', '-r', f'__ns:=/{namespace}']
-    for key, value in parameters.items():
-        command += ['-p', f'{key}:={json.dumps(value)}']
+def teacher(namespace: str, **parameters: object) -> list[str]:
+    command = [sys.executable, '-m', 'al_questioner', 'teacher', '--ros-args', '-r', f'__ns:=/{namespace}']
+    for key, value in {'mode': 'terminal', **parameters}.items():
+        command += ['-p', f'{key}:={value}']
     return command
 
 
-@pytest.fixture
-def namespace(tmp_path: Path) -> Iterator[str]:
-    """Where perception and a learner of a short episode are up."""
-    name = f'test_{uuid.uuid4().hex[:12]}'
-    running = []
-    for kind, parameters in (('perception', WORLD), ('learner', EPISODE)):
-        with (tmp_path / f'{kind}.log').open('wb') as log:
-            command = node(kind, name, **parameters)
-            running.append(
-                subprocess.Popen(
-                    command,
-                    env=environment(),
-                    stdin=subprocess.DEVNULL,
-                    stdout=log,
-                    stderr=subprocess.STDOUT,
-                    start_new_session=True,
-                )
-            )
-    try:
-        yield name
-    finally:
-        for process in running:
-            os.killpg(process.pid, signal.SIGKILL)
-            process.wait()
-
-
 def test_a_person_teaches_at_a_terminal_quits_and_comes_back(
-    namespace: str, open_terminal: Callable[..., Any], tmp_path: Path
+    graph: Any, open_terminal: Callable[..., Any], capfd: pytest.CaptureFixture[str]
 ) -> None:
     """The one thing that the whole program is for would not work."""
+    graph.start_robot(**EPISODE)
 
     def open_one(**options: Any) -> Any:
-        command = node('teacher', namespace, mode='terminal', teacher_id='anna')
-        return open_terminal(command, environment=environment(), **options)
+        return open_terminal(teacher(graph.namespace, teacher_id='anna'), environment=environment(), **options)
 
     terminal = open_one()
     terminal.wait_for('Which properties matter')
@@ -102,16 +74,17 @@ def test_a_person_teaches_at_a_terminal_quits_and_comes_back(
     terminal.press('q')
     assert terminal.status() == 0
     assert OVER in ' '.join(terminal.text.split())
-    log = (tmp_path / 'learner.log').read_text()
+    log = capfd.readouterr().err
     assert 'anna says colour, size' in log
     assert 'anna now says beverage' in log
     assert 'Traceback' not in log
 
 
-def test_a_script_teaches_through_a_pipe(namespace: str) -> None:
+def test_a_script_teaches_through_a_pipe(graph: Any) -> None:
     """Nobody could try a robot without sitting down before it."""
+    graph.start_robot(**EPISODE)
     done = subprocess.run(
-        node('teacher', namespace, mode='terminal', teacher_id='script'),
+        teacher(graph.namespace, teacher_id='script'),
         env=environment(),
         input='pudding\ncolour,size\nfruit\n?\nskip\n',
         capture_output=True,
@@ -127,11 +100,10 @@ def test_a_script_teaches_through_a_pipe(namespace: str) -> None:
     assert 'Traceback' not in done.stderr
 
 
-@pytest.mark.parametrize('number', [signal.SIGTERM, signal.SIGINT])
+@pytest.mark.parametrize('number', [signal.SIGINT, pytest.param(signal.SIGTERM, marks=pytest.mark.slow)])
 def test_a_signal_gives_the_terminal_back(open_terminal: Callable[..., Any], number: signal.Signals) -> None:
     """A shell would stay without echo when a launch file or a supervisor ends the node."""
-    command = node('teacher', f'test_{uuid.uuid4().hex[:12]}', mode='terminal')
-    terminal = open_terminal(command, environment=environment())
+    terminal = open_terminal(teacher(f'test_{uuid.uuid4().hex[:12]}'), environment=environment())
     before = terminal.local_modes()
     terminal.wait_for('Waiting for a robot that asks')
     assert terminal.local_modes() != before

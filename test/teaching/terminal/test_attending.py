@@ -41,10 +41,22 @@ def said(tmp_path: Path) -> list[str]:
     return file.read_text().splitlines() if file.exists() else []
 
 
-@pytest.mark.parametrize('columns', [80, 40])
-@pytest.mark.parametrize('environment', [{}, {'NO_COLOR': '1'}, {'TERM': 'vt100'}, {'COLORTERM': 'truecolor'}], ids=str)
+@pytest.mark.parametrize(
+    ('environment', 'columns'),
+    [
+        ({}, 80),
+        ({'NO_COLOR': '1'}, 40),
+        ({'TERM': 'vt100'}, 80),
+        ({'COLORTERM': 'truecolor'}, 40),
+        pytest.param({}, 40, marks=pytest.mark.slow),
+        pytest.param({'NO_COLOR': '1'}, 80, marks=pytest.mark.slow),
+        pytest.param({'TERM': 'vt100'}, 40, marks=pytest.mark.slow),
+        pytest.param({'COLORTERM': 'truecolor'}, 80, marks=pytest.mark.slow),
+    ],
+    ids=str,
+)
 def test_keys_answer_every_kind_of_question(
-    open_robot: Callable[..., Any], tmp_path: Path, columns: int, environment: dict[str, str]
+    open_robot: Callable[..., Any], tmp_path: Path, environment: dict[str, str], columns: int
 ) -> None:
     """A person could not teach at their terminal."""
     terminal = open_robot(columns=columns, environment=environment)
