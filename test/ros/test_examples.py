@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import os
-import signal
 import sys
 from pathlib import Path
 from typing import Any
@@ -12,21 +11,22 @@ from std_msgs.msg import String
 
 from al_questioner.messages import documents
 from al_questioner.ros import qos
+from al_questioner.ros.learner import LearnerNode
 
 EXAMPLES = Path(__file__).resolve().parents[2] / 'docs' / 'examples'
 DEADLINE = 90.0
 
 
-def test_a_robots_own_perception_teaches_the_learner(processes: Any) -> None:
+def test_a_robots_own_perception_teaches_the_learner(graph: Any, processes: Any) -> None:
     """The example that users copy for their own robot would not work."""
-    remap = ['--ros-args', '-r', f'__ns:=/{processes.namespace}']
+    states = graph.listen('learner_state')
+    remap = ['--ros-args', '-r', f'__ns:=/{graph.namespace}']
     processes.start('own_perception', [sys.executable, str(EXAMPLES / 'own_perception.py'), *remap])
     task = str(EXAMPLES / 'blobs.yaml')
-    learner = processes.node('learner', task=task, strategy='random_fsq', view_tolerance=0.5)
     processes.start('person', [sys.executable, str(Path(__file__).with_name('person.py')), *remap])
-    processes.wait_for_log('learner', 'the episode is over: 6 of 6 spent')
-    os.killpg(learner.pid, signal.SIGINT)
-    assert learner.wait(DEADLINE) == 0
+    graph.start(LearnerNode, task=task, strategy='random_fsq', view_tolerance=0.5)
+    graph.wait_for(lambda: states and states[-1]['done'], 'the end of the episode')
+    assert states[-1]['spent'] == 6
 
 
 def test_who_answers_by_hand_is_told_everything_once(graph: Any, processes: Any, tmp_path: Path) -> None:

@@ -27,23 +27,11 @@ BAG = Path(__file__).resolve().parents[2] / 'bags' / 'expert_0'
 DEADLINE = 60.0
 
 
-def test_a_replay_that_must_not_go_on_ends_with_status_2(graph: Any) -> None:
+def test_a_replay_that_must_not_go_on_ends_with_status_2(graph: Any, capsys: pytest.CaptureFixture[str]) -> None:
     """A script would take an empty replay for a good one."""
     graph.start(LearnerNode, **graph.episode)
-    command = [
-        sys.executable,
-        '-m',
-        'al_questioner',
-        'replay',
-        str(BAG),
-        '--ros-args',
-        '-r',
-        f'__ns:=/{graph.namespace}',
-    ]
-    environment = {**os.environ, 'ROS_DOMAIN_ID': str(graph.context.get_domain_id())}
-    done = subprocess.run(command, stdin=subprocess.DEVNULL, capture_output=True, env=environment, timeout=2 * DEADLINE)
-    assert done.returncode == 2
-    (line,) = done.stderr.decode().splitlines()
+    assert main(['replay', str(BAG), '--ros-args', '-r', f'__ns:=/{graph.namespace}']) == 2
+    (line,) = capsys.readouterr().err.splitlines()
     assert line.startswith('replay: ')
     assert f'publishes on /{graph.namespace}/turn, too; keep the replay apart' in line
     assert 'UNKNOWN' not in line
