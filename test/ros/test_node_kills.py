@@ -40,9 +40,9 @@ class Others:
         self._graph, self._folder = graph, folder
         self._running: dict[str, subprocess.Popen[bytes]] = {}
         self._started = 0
-        self.start('record', 'perception', 'teacher')
 
-    def start(self, *names: str) -> None:
+    def start(self, *names: str, delay: float = 0.02) -> None:
+        """Start some, with a teacher that thinks for `delay` seconds."""
         for name in names:
             self._started += 1
             parameters: dict[str, Any] = {**WORLD}
@@ -50,7 +50,7 @@ class Others:
                 self.bags.append(self._folder / f'bag-{len(self.bags)}')
                 parameters = {'bag': str(self.bags[-1])}
             elif name == 'teacher':
-                parameters |= {**RATES, 'delay': 0.02}
+                parameters |= {**RATES, 'delay': delay}
             log = self._folder / f'{self._started}-{name}.log'
             self._running[name] = self._graph.start_process(name, log, **parameters)
 
@@ -101,7 +101,10 @@ def test_whoever_is_killed_comes_back_and_the_same_is_asked(graph: Any, tmp_path
     states = graph.listen('learner_state')
     learner = start_learner(graph, tmp_path / 'log', 9.0, 14)
     others = Others(graph, tmp_path)
+    others.start('record', 'perception')
     wait_for_content(others.bags[0], b'al_questioner/turn/1')
+    # Whose answers to the other queries would take longer than it lives.
+    others.start('teacher', delay=1.0)
     graph.wait_for(lambda: states and states[-1]['turn'] >= 2, 'two turns')
     others.kill(('perception', 'teacher', 'record'))
     assert not states[-1]['done']
@@ -121,6 +124,7 @@ def test_nodes_killed_at_random_moments_come_back(graph: Any, tmp_path: Path) ->
     draw, kills, episodes = random.Random(1), 0, 0
     states = graph.listen('learner_state', profile=qos.RECORDED_LATCHED)
     others = Others(graph, tmp_path)
+    others.start('record', 'perception', 'teacher')
     while kills < 200:
         session, names = tmp_path / f'log-{episodes}', ['perception', 'teacher', 'record']
         learner = start_learner(graph, session, 25.0, 40)
