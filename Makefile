@@ -39,7 +39,7 @@ test-all: setup
 reproduction: setup
 	$(RUN) al_questioner train_weights bags/expert_0 bags/expert_1 bags/expert_2 --out out/reproduction/weights.yaml
 	$(RUN) al_questioner experiment --out out/reproduction --weights-file out/reproduction/weights.yaml --samples 20 \
-		--task prepare_lunch pack_lunchbox kitchen_table --ceilings --studies --page docs/reproduction.md
+		--task prepare_lunch pack_lunchbox kitchen_table --amplitude 4 --ceilings --studies --page docs/reproduction.md
 
 lint: setup
 	$(RUN) ruff format --check .

@@ -21,6 +21,9 @@ from al_questioner.domain import (
 from al_questioner.questioning import Choice, Episode, FeatureSet, Human, Observed, Remembered, Situation, Strategy
 from al_questioner.recording import RecordedTurn, Session
 
+ROUNDING = 1e-8
+"""Difference, absolute or relative, up to which numbers are equal: processors differ in their last digits."""
+
 
 @dataclass(frozen=True)
 class Divergence:
@@ -38,7 +41,7 @@ class Divergence:
 def first_divergence(session: Session) -> Divergence | None:
     """Play the scenes and answers of a session to a learner with its settings, and compare every decision.
 
-    Decisions are the same if they weigh the same candidates, choose the same one and, to the last bit, see the same
+    Decisions are the same if they weigh the same candidates, choose the same one and, but for rounding, see the same
     features and utilities in them. What a person chose is taken as given.
 
     Raises:
@@ -62,9 +65,9 @@ def first_divergence(session: Session) -> Divergence | None:
             ('features', decision.features, theirs.features),
             ('utilities', decision.utilities, theirs.utilities),
         ):
-            if not np.array_equal(ours, other, equal_nan=True):
-                if not np.array_equal(np.isnan(ours), np.isnan(other)):
-                    return Divergence(recorded.turn, f'the {name} of other candidates are missing')
+            if not np.array_equal(np.isnan(ours), np.isnan(other)):
+                return Divergence(recorded.turn, f'the {name} of other candidates are missing')
+            if not np.allclose(ours, other, rtol=ROUNDING, atol=ROUNDING, equal_nan=True):
                 return Divergence(recorded.turn, f'the {name} differ by up to {np.nanmax(np.abs(ours - other)):.3g}')
     return None
 

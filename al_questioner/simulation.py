@@ -18,6 +18,7 @@ from numpy.typing import NDArray
 from al_questioner.concepts import Kernel, Knowledge
 from al_questioner.configuration import config_dir
 from al_questioner.domain import (
+    AMPLITUDE,
     Costs,
     Decision,
     EpisodeSettings,
@@ -120,7 +121,7 @@ def episode_settings(
     change_interval: int | None = None,
     weights_file: str | None = None,
     costs: Costs = DEFAULT_COSTS,
-    amplitude: float = 4.0,
+    amplitude: float = AMPLITUDE,
     length_scale: float | None = None,
     tune_every: int = 0,
 ) -> EpisodeSettings:

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 
-from al_questioner.domain import EpisodeSettings, SettingsError, View, generator
+from al_questioner.domain import AMPLITUDE, EpisodeSettings, SettingsError, View, generator
 from al_questioner.perception import perceive, view_features
 from al_questioner.questioning import STRATEGIES, Episode
 from al_questioner.simulation import (
@@ -88,7 +88,7 @@ def test_playing_tunes_at_the_turns_that_are_due() -> None:
     assert plain.accuracy == never_due.accuracy
     assert plain.kernel == never_due.kernel
     assert often.accuracy != plain.accuracy
-    assert often.kernel.amplitude != plain.kernel.amplitude == 4.0
+    assert often.kernel.amplitude != plain.kernel.amplitude == AMPLITUDE
 
 
 def test_episodes_on_an_open_world_are_those_on_a_new_one() -> None:

@@ -275,16 +275,20 @@ class Knowledge:
         return bool(self._same_views(then, now).all())
 
     def distance_to_labelled(self, scene: Scene) -> Array:
-        """(n,) distance of each object to the nearest labelled view in the features in use; 0 without labels.
+        """(n,) distance of each object to the nearest labelled view; 0 without labels. See `distances_to_labelled`."""
+        if not self.labelled_views:
+            return np.zeros(len(scene))
+        return np.asarray(self.distances_to_labelled(scene).min(axis=1))
+
+    def distances_to_labelled(self, scene: Scene) -> Array:
+        """(n, number of labelled views) distance of each object to each of them, in the features in use.
 
         In standard deviations, as root mean square over the features.
         """
-        if not self.labelled_views:
-            return np.zeros(len(scene))
         points = self._standardiser.transform(scene.features)[:, self._active]
         labelled = self._standardiser.transform(self._labelled_features())[:, self._active]
         squared: Array = np.mean((points[:, None] - labelled[None]) ** 2, axis=2)
-        return np.asarray(np.sqrt(np.min(squared, axis=1)))
+        return np.sqrt(squared)
 
     def _labelled_view(self, object_id: int, features: FloatArray, symbol: str, turn: int) -> LabelledView:
         if symbol not in self.symbols and symbol != NO_SYMBOL:

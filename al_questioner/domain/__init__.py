@@ -27,12 +27,22 @@ from al_questioner.domain.errors import (
     SettingsError,
 )
 from al_questioner.domain.seeing import Camera, FloatArray, Observation, Scene, View, group_of
-from al_questioner.domain.settings import DECISION_FEATURES, VALUE_FEATURES, WEIGHED, Costs, EpisodeSettings
+from al_questioner.domain.settings import (
+    AMPLITUDE,
+    DECISION_FEATURES,
+    VALUE_CONSTANTS,
+    VALUE_FEATURES,
+    WEIGHED,
+    Costs,
+    EpisodeSettings,
+)
 
 __all__ = [
+    'AMPLITUDE',
     'DECISION_FEATURES',
     'NO_SYMBOL',
     'SAYABLE_OUTCOMES',
+    'VALUE_CONSTANTS',
     'VALUE_FEATURES',
     'WEIGHED',
     'Action',

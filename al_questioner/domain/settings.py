@@ -22,12 +22,19 @@ DECISION_FEATURES = (
 """The seven decision features of the paper, in the order of every weight vector and every decision."""
 
 
-VALUE_FEATURES = ('novelty', 'need', 'chance', 'price', 'ahead', 'silence')
+VALUE_FEATURES = ('gain', 'chance', 'price', 'ahead', 'silence')
 """The features of what a question is worth, see `questioning.value`, in the order of every weight vector of theirs."""
 
+VALUE_CONSTANTS = ('reach', 'doubt', 'decline', 'pace')
+"""What a weights file may set of `questioning.value` beside its weights."""
 
-WEIGHED = (*DECISION_FEATURES, *VALUE_FEATURES)
+
+WEIGHED = (*DECISION_FEATURES, *VALUE_FEATURES, *VALUE_CONSTANTS)
 """All that a weights file may name; each strategy says which of them it uses."""
+
+
+AMPLITUDE = 100.0
+"""Variance of the Gaussian processes' kernel of a learner, unless it is told otherwise: see docs/method.md, Beliefs."""
 
 
 @dataclass(frozen=True)
@@ -87,7 +94,7 @@ class EpisodeSettings:
     weights: Mapping[str, float] = field(default_factory=dict)
     change_interval: int = 10
     costs: Costs = Costs()
-    amplitude: float = 4.0
+    amplitude: float = AMPLITUDE
     length_scale: float | None = None
     tune_every: int = 0
 

@@ -17,7 +17,7 @@ from rich.table import Table
 from al_questioner.arguments import Parser, number
 from al_questioner.concepts import compile_models
 from al_questioner.configuration import shipped_names
-from al_questioner.domain import EpisodeError, SettingsError
+from al_questioner.domain import AMPLITUDE, EpisodeError, SettingsError
 from al_questioner.experiments.ceilings import CEILINGS
 from al_questioner.experiments.figures import condition_name, draw_figures
 from al_questioner.experiments.plan import (
@@ -96,6 +96,12 @@ def parser() -> Parser:
         type=number(float, 0, 1),
         default=0.0,
         help='share of questions without an answer (%(default)s)',
+    )
+    result.add_argument(
+        '--amplitude',
+        type=number(float, 1e-3, 1e3),
+        default=AMPLITUDE,
+        help="variance of the Gaussian processes' kernel (%(default)s)",
     )
     result.add_argument('--dataset', default='', help='root of a directory of crops, for tasks that read one')
     jobs = os.cpu_count() or 1
@@ -178,7 +184,14 @@ def _plan(given: argparse.Namespace, weights: Mapping[str, Mapping[str, float]])
         tuple(given.condition),
         (*given.strategy, *ceilings),
         tuple(samples),
-        Variation(given.change_interval, given.synchrony, given.wrong_rate, weights, unknown_rate=given.unknown_rate),
+        Variation(
+            given.change_interval,
+            given.synchrony,
+            given.wrong_rate,
+            weights,
+            unknown_rate=given.unknown_rate,
+            amplitude=given.amplitude,
+        ),
     )
 
 
@@ -210,6 +223,7 @@ def _varied(given: argparse.Namespace) -> str:
         'synchrony {}': given.synchrony,
         'share of wrong answers {}': given.wrong_rate or None,
         'share of questions without an answer {}': given.unknown_rate or None,
+        'amplitude {:g}': given.amplitude if given.amplitude != AMPLITUDE else None,
     }
     return ', '.join(text.format(value) for text, value in parts.items() if value is not None)
 

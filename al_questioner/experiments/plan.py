@@ -13,7 +13,7 @@ from typing import Any
 
 from al_questioner.concepts import Selector, rank_p_values, select_features
 from al_questioner.configuration import config_dir
-from al_questioner.domain import SettingsError
+from al_questioner.domain import AMPLITUDE, SettingsError
 from al_questioner.experiments.ceilings import CEILINGS
 from al_questioner.questioning import STRATEGIES, Strategy, UncertaintySampling, Weights, make_strategy, read_weights
 from al_questioner.world import Interval, Task, load_task
@@ -65,6 +65,7 @@ class Variation:
         weights: by strategy, weights of its features; those that ship for the others.
         selector: of u_sampling, a key of `SELECTORS`.
         repeats: whether u_sampling may ask about a view that has been labelled.
+        amplitude: of the kernel.
     """
 
     change_interval: int | None = None
@@ -74,6 +75,7 @@ class Variation:
     selector: str = 'anova'
     repeats: bool = True
     unknown_rate: float = 0.0
+    amplitude: float = AMPLITUDE
 
     def strategy(self, name: str) -> Strategy | None:
         """The strategy of this name as it is varied; None for one that is as its settings say."""

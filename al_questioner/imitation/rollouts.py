@@ -35,11 +35,12 @@ class SoftmaxQuestioner:
         self.scores: list[Array] = []
 
     def choose(self, situation: Situation, rng: np.random.Generator) -> Choice:
-        """Draw one of the candidates that are not settled."""
+        """Draw one of the candidates that are neither settled nor worthless to the strategy."""
         features = self._feature_set.of(situation)
         settled = settled_actions(situation)
         utilities = features @ self._weights
         utilities[[action in settled for action in situation.candidates]] = -np.inf
+        utilities[self._feature_set.is_worthless(features)] = -np.inf
         probabilities = softmax(utilities)
         index = int(rng.choice(len(utilities), p=probabilities))
         self.features.append(features[index])

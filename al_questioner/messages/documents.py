@@ -31,6 +31,9 @@ Document = dict[str, Any]
 
 _COSTS = tuple(field.name for field in fields(Costs))
 
+EARLIER_AMPLITUDE = 4.0
+"""Of the learners whose `episode` documents do not tell it."""
+
 MAXIMAL_LENGTH = 4_000_000
 """Characters; a longer text is refused unread."""
 
@@ -137,7 +140,8 @@ def settings_of(document: Document) -> EpisodeSettings:
         change_interval=document['change_interval'],
         costs=Costs(**{name: float(document['costs'][name]) for name in _COSTS if name in document['costs']}),
         tune_every=document.get('tune_every', 0),
-        **{name: document[name] for name in ('amplitude', 'length_scale') if name in document},
+        amplitude=document.get('amplitude', EARLIER_AMPLITUDE),
+        length_scale=document.get('length_scale'),
     )
 
 

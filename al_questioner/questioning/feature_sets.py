@@ -14,7 +14,11 @@ from al_questioner.domain import DECISION_FEATURES, VALUE_FEATURES
 from al_questioner.questioning.choice import Choice, Strategy
 from al_questioner.questioning.expected_utility import expected_features
 from al_questioner.questioning.situation import Situation
-from al_questioner.questioning.value import value_features
+from al_questioner.questioning.value import is_worthless, value_features
+
+
+def _never(features: NDArray[np.float64]) -> NDArray[np.bool_]:
+    return np.zeros(len(features), dtype=bool)
 
 
 @dataclass(frozen=True)
@@ -25,18 +29,20 @@ class FeatureSet:
         strategy: its name.
         names: of the F features.
         of: (C, F) those of the candidates of a situation.
+        is_worthless: (C,) whether the strategy never considers a candidate with such features, (C, F).
     """
 
     strategy: str
     names: tuple[str, ...]
     of: Callable[[Situation], NDArray[np.float64]]
+    is_worthless: Callable[[NDArray[np.float64]], NDArray[np.bool_]] = _never
 
 
 FEATURE_SETS: Mapping[str, FeatureSet] = {
     feature_set.strategy: feature_set
     for feature_set in (
         FeatureSet('dt_task_env', DECISION_FEATURES, expected_features),
-        FeatureSet('value_per_cost', VALUE_FEATURES, value_features),
+        FeatureSet('value_per_cost', VALUE_FEATURES, value_features, is_worthless),
     )
 }
 """By the strategy's name."""

@@ -1,134 +1,144 @@
 """What a question is worth: the features of `value_per_cost`, and the value that they add up to.
 
-A question is worth the expected novelty of the view that it names, times how much a label of that view is needed, times
-the chance of an answer, and where the budget is short of the turns it is judged by that value per cost. The features
-are the logarithms of these factors, so that a value is a weighted sum of them, and imitation can learn the weights. The
-derivation is in docs/method.md.
+A question is worth what its answer would gain if it is an example of a symbol, times the chance that it is one; where
+the budget is short of the turns it is judged by that value per cost. The features are the logarithms of these factors,
+so that a value is a weighted sum of them, and imitation can learn the weights. The derivation is in docs/method.md.
 """
 
 from __future__ import annotations
 
 from collections.abc import Mapping
+from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
 
-from al_questioner.domain import NO_SYMBOL, VALUE_FEATURES, Outcome, QueryKind, SettingsError
+from al_questioner.domain import VALUE_CONSTANTS, VALUE_FEATURES, Outcome, QueryKind, SettingsError
+from al_questioner.questioning.beliefs import class_beliefs, with_labels
 from al_questioner.questioning.candidates import BUDGET_ROUNDING
 from al_questioner.questioning.choice import Choice, choose_best, rows_of
 from al_questioner.questioning.situation import Situation
 
 Array = NDArray[np.float64]
 
-REACH = 0.6
-"""How far a label tells what things are, in standard deviations of a feature, root mean square over the features."""
-NONE_NEED = 0.03
-"""What hearing that a thing belongs to no symbol is worth, as a share of an example of the symbol needed most."""
-FRONT_LOADING = 0.5
-"""Nothing is asked once more than a share t to this power of the budget is spent by a share t of the turns."""
-
 LEAST = 1e-6
 """Smallest factor that is told from 0: the features stay finite."""
-LEAST_COST = 1e-2
-"""Cheapest question: what costs nothing is not worth infinitely much per cost."""
-CERTAIN = 1e-6
-"""A classifier's probability is kept so far from 0 and 1."""
+LEAST_PRICE = 1e-2
+"""Cheapest question, as a share of the dearest: what costs nothing is not worth infinitely much per cost."""
 
-NOVELTY, NEED, CHANCE, PRICE, AHEAD, SILENCE = range(len(VALUE_FEATURES))
+GAIN, CHANCE, PRICE, AHEAD, SILENCE = range(len(VALUE_FEATURES))
+
+
+@dataclass(frozen=True)
+class Constants:
+    """What the value of a question depends on otherwise than by a weight.
+
+    Attributes:
+        reach: how far a label tells what things are, in standard deviations of a feature, root mean square.
+        doubt: votes, of which a label has one, for what no label tells.
+        decline: an example beside n others of its symbol gains (1 + n)^-decline of what the first does.
+        pace: nothing is asked once more than a share t to this power of a short budget is spent by a share t of the
+            turns: 1 spends evenly, towards 0 at once.
+
+    Raises:
+        SettingsError: one that is not above 0.
+    """
+
+    reach: float = 0.25
+    doubt: float = 0.03
+    decline: float = 0.5
+    pace: float = 0.5
+
+    def __post_init__(self) -> None:
+        for name in VALUE_CONSTANTS:
+            if not getattr(self, name) > 0:
+                raise SettingsError(f'strategy value_per_cost: {name} must be above 0, not {getattr(self, name)}')
+
+
+DEFAULTS = Constants()
 
 
 class ValuePerCost:
     """value_per_cost: the question of largest value, or, where the budget is short, of largest value per cost.
 
     Args:
-        weights: weight by name in `VALUE_FEATURES`; one that is missing is 0.
+        weights: weight by name in `VALUE_FEATURES`, 0 for one that is missing; and, by name, those of the `Constants`
+            that are not to have their default.
 
     Raises:
-        SettingsError: no weights, or one for another feature.
+        SettingsError: no weights, one for another feature, or a constant out of its range.
     """
 
     selector = None
 
     def __init__(self, weights: Mapping[str, float]) -> None:
-        if not weights:
+        if not any(name in VALUE_FEATURES for name in weights):
             raise SettingsError(f'strategy value_per_cost needs weights for some of {", ".join(VALUE_FEATURES)}')
+        known = (*VALUE_FEATURES, *VALUE_CONSTANTS)
         for name, weight in weights.items():
-            if name not in VALUE_FEATURES and weight != 0:
-                raise SettingsError(
-                    f'strategy value_per_cost does not use {name!r}; it uses {", ".join(VALUE_FEATURES)}'
-                )
+            if name not in known and weight != 0:
+                raise SettingsError(f'strategy value_per_cost does not use {name!r}; it uses {", ".join(known)}')
         self.weights = np.array([float(weights.get(name, 0.0)) for name in VALUE_FEATURES])
+        self.constants = Constants(**{name: float(weights[name]) for name in VALUE_CONSTANTS if name in weights})
 
     def choose(self, situation: Situation, rng: np.random.Generator) -> Choice:
         """The best of the candidates that are worth anything; the utility is the logarithm of the value."""
-        features = value_features(situation)
-        worthless = (features[:, [NOVELTY, NEED, CHANCE]] <= np.log(LEAST)).any(axis=1)
-        return choose_best(situation, np.where(worthless, np.nan, features @ self.weights), rng)
+        features = value_features(situation, self.constants)
+        return choose_best(situation, np.where(is_worthless(features), np.nan, features @ self.weights), rng)
 
 
-def value_features(situation: Situation) -> Array:
-    """(C, 6) logarithms of the factors of each candidate's value, in the order of `VALUE_FEATURES`; all finite."""
-    factors = np.ones((len(situation.candidates), 4))
-    beliefs, novelty, needs = class_beliefs(situation), novelties(situation), class_needs(situation)
-    labels = rows_of(situation, QueryKind.LABEL)
+def value_features(situation: Situation, constants: Constants = DEFAULTS) -> Array:
+    """(C, 5) of each candidate, in the order of `VALUE_FEATURES`; all finite.
+
+    They are the logarithms of the gain, the chance and the price, and, of asking nothing, how far the spending is ahead
+    of its pace, and 1.
+    """
+    factors = np.ones((len(situation.candidates), 2))
+    beliefs = class_beliefs(situation, constants.reach, constants.doubt)
+    gains = example_gains(situation, constants.decline)
+    labels, demonstrations = rows_of(situation, QueryKind.LABEL), rows_of(situation, QueryKind.DEMONSTRATION)
     if len(labels):
-        factors[labels, NOVELTY] = novelty
-        factors[labels, NEED] = beliefs @ needs
-        factors[labels, CHANCE] = _answered(situation, QueryKind.LABEL)
-    demonstrations = rows_of(situation, QueryKind.DEMONSTRATION)
+        symbols = beliefs[:, :-1]
+        named = symbols.sum(axis=1)
+        factors[labels, GAIN] = (symbols * gains).sum(axis=1) / np.maximum(named, LEAST)
+        factors[labels, CHANCE] = named * _answered(situation, QueryKind.LABEL)
     if len(demonstrations):
-        known = _with_labels(situation, beliefs)
-        factors[demonstrations, NOVELTY] = novelty @ known / np.maximum(known.sum(axis=0), LEAST)
-        factors[demonstrations, NEED] = needs[:-1]
-        shown = [_answered(situation, QueryKind.DEMONSTRATION, symbol) for symbol in situation.symbols]
-        factors[demonstrations, CHANCE] = (1 - np.prod(1 - known, axis=0)) * shown
-    factors[rows_of(situation, QueryKind.FEATURE_SUBSET), NEED] = later_answers(situation)
+        shown = with_labels(situation, beliefs)
+        factors[demonstrations, GAIN] = (shown * gains).sum(axis=0) / np.maximum(shown.sum(axis=0), LEAST)
+        here = 1 - np.prod(1 - shown, axis=0)
+        factors[demonstrations, CHANCE] = here * _answered(situation, QueryKind.DEMONSTRATION)
+    factors[rows_of(situation, QueryKind.FEATURE_SUBSET), GAIN] = later_answers(situation)
     asks = np.array([action.kind is not QueryKind.NO_QUERY for action in situation.candidates])
-    if is_budget_short(situation):
-        costs = np.array([situation.costs.of(action.kind) for action in situation.candidates])
-        factors[asks, PRICE] = np.maximum(costs, LEAST_COST)[asks]
     features = np.zeros((len(factors), len(VALUE_FEATURES)))
-    features[:, :4] = np.log(np.maximum(factors, LEAST))
-    features[~asks, AHEAD] = lead(situation)
+    features[:, :2] = np.log(np.maximum(factors, LEAST))
+    features[asks, PRICE] = log_prices(situation)[asks]
+    features[~asks, AHEAD] = lead(situation, constants.pace)
     features[~asks, SILENCE] = 1.0
     return features
 
 
-def class_beliefs(situation: Situation) -> Array:
-    """(|X|, |Y| + 1) probability that an object is of each symbol, or, last, of none.
+def is_worthless(features: Array) -> NDArray[np.bool_]:
+    """(C,) whether a candidate with these features, (C, 5), would gain nothing, or has no chance to."""
+    worthless: NDArray[np.bool_] = (features[:, [GAIN, CHANCE]] <= np.log(LEAST)).any(axis=1)
+    return worthless
 
-    The classifiers are independent of each other, so "of y and of no other" has odds P_y / (1 - P_y) against "of none";
-    each is weighted by its share among the label answers so far, with a prior that counts as one answer.
+
+def example_gains(situation: Situation, decline: float) -> Array:
+    """(|X|, |Y|) what an object would gain as an example of a symbol, as a share of the first example's gain.
+
+    That is nothing where the classifiers call it so already, and where its view is labelled; else (1 + n)^-decline
+    beside n examples of the symbol. Among symbols that are equally probable each is called with an equal share.
     """
-    names = (*situation.symbols, NO_SYMBOL)
-    answers = [r.symbol for r in situation.history if r.kind is QueryKind.LABEL and r.outcome is Outcome.ANSWERED]
-    shares = np.array([answers.count(name) + 1 / len(names) for name in names]) / (len(answers) + 1)
-    q = np.clip(situation.probabilities, CERTAIN, 1 - CERTAIN)
-    odds = np.hstack([q / (1 - q), np.ones((len(q), 1))]) * shares
-    beliefs: Array = odds / odds.sum(axis=1, keepdims=True)
-    return beliefs
-
-
-def novelties(situation: Situation) -> Array:
-    """(|X|,) share of an object's label that its nearest labelled view does not tell; 0 for a labelled view itself."""
-    if not situation.knowledge.labelled_views:
-        return np.ones(len(situation.scene))
-    distance = situation.knowledge.distance_to_labelled(situation.scene)
-    return np.where(situation.labelled, 0.0, -np.expm1(-(distance**2) / (2 * REACH**2)))
-
-
-def class_needs(situation: Situation) -> Array:
-    """(|Y| + 1,) what an example of each symbol, or, last, of none, is worth.
-
-    If n examples leave an error of 2 / (1 + n), one more saves 2 / (1 + n) - 2 / (2 + n): the first saves 1.
-    """
+    largest = situation.probabilities == situation.probabilities.max(axis=1, keepdims=True)
+    mistaken = 1 - largest / largest.sum(axis=1, keepdims=True)
+    mistaken[situation.labelled] = 0.0
     n = np.array(list(situation.knowledge.positives.values()), dtype=np.float64)
-    needs = 2 / ((1 + n) * (2 + n))
-    return np.append(needs, NONE_NEED * needs.max())
+    gains: Array = mistaken * (1 + n) ** -decline
+    return gains
 
 
 def later_answers(situation: Situation) -> float:
-    """Labels that can still be asked for once the relevant features are known: each of them tells the more for it."""
+    """Labels that can still be asked for once the relevant features are known: each of them gains the more for it."""
     costs = situation.costs
     affordable = float(situation.turns_left)
     if costs.label > 0:
@@ -136,38 +146,45 @@ def later_answers(situation: Situation) -> float:
     return float(max(0.0, min(situation.turns_left, affordable)))
 
 
-def is_budget_short(situation: Situation) -> bool:
-    """Whether the budget, rather than the time, limits what can be asked: it pays for no label in each turn left."""
-    return situation.budget_left + BUDGET_ROUNDING < situation.costs.label * (situation.turns_left + 1)
+def scarcity(situation: Situation) -> float:
+    """How much the budget, rather than the time, limits what can be asked.
+
+    1 if it pays for no more than the cheaper of label and demonstration in each turn that is left, 0 if it pays for the
+    dearer, and in proportion between.
+    """
+    cheap, dear = sorted((situation.costs.label, situation.costs.demonstration))
+    turns = situation.turns_left + 1
+    if situation.budget_left + BUDGET_ROUNDING >= dear * turns:
+        return 0.0
+    if situation.budget_left <= cheap * turns:
+        return 1.0
+    return float((dear * turns - situation.budget_left) / ((dear - cheap) * turns))
 
 
-def lead(situation: Situation) -> float:
+def log_prices(situation: Situation) -> Array:
+    """(C,) logarithm of what each candidate costs, as a share of the dearest, as far as the budget is short."""
+    costs = np.array([situation.costs.of(action.kind) for action in situation.candidates])
+    dearest = max(situation.costs.label, situation.costs.demonstration, situation.costs.feature_subset)
+    if dearest == 0:
+        return np.zeros(len(costs))
+    return scarcity(situation) * np.log(np.maximum(costs / dearest, LEAST_PRICE))
+
+
+def lead(situation: Situation, pace: float) -> float:
     """Share of the budget by which more is spent than later scenes can spare; 0 where the budget is not short.
 
     It is negative where less is spent.
     """
-    if not is_budget_short(situation):
+    if scarcity(situation) == 0 or situation.budget == 0:
         return 0.0
-    due = (situation.turn / situation.turns) ** FRONT_LOADING
-    return situation.spent / situation.budget - due if situation.budget > 0 else 0.0
+    return situation.spent / situation.budget - float((situation.turn / situation.turns) ** pace)
 
 
-def _answered(situation: Situation, kind: QueryKind, symbol: str | None = None) -> float:
-    """Share of the queries of a kind, about a symbol if it is one, that came to something.
+def _answered(situation: Situation, kind: QueryKind) -> float:
+    """Share of the queries of a kind so far that the teacher had an answer to.
 
-    Two successes are imagined before the first: a single failure does not condemn a question. Where nobody was there to
+    Two answers are imagined before the first: a single failure does not condemn a question. Where nobody was there to
     answer, nothing is said of the question.
     """
-    history = [r for r in situation.history if r.outcome is not Outcome.UNANSWERED]
-    asked = [r for r in history if r.kind is kind and (symbol is None or r.symbol == symbol)]
-    useful = sum(r.outcome is Outcome.ANSWERED and r.object_id is not None for r in asked)
-    return (useful + 2) / (len(asked) + 2)
-
-
-def _with_labels(situation: Situation, beliefs: Array) -> Array:
-    """(|X|, |Y|) the beliefs, but certainty about the views that have been labelled: who shows a y may show these."""
-    known = beliefs[:, :-1].copy()
-    for row, label in enumerate(situation.knowledge.labels_of(situation.scene)):
-        if label is not None:
-            known[row] = [float(label == symbol) for symbol in situation.symbols]
-    return known
+    asked = [r.outcome for r in situation.history if r.kind is kind and r.outcome is not Outcome.UNANSWERED]
+    return (asked.count(Outcome.ANSWERED) + 2) / (len(asked) + 2)

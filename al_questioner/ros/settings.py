@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from al_questioner.concepts import VIEW_TOLERANCE
+from al_questioner.domain import AMPLITUDE
 from al_questioner.messages.schemas import LARGEST_TURN
 from al_questioner.questioning import STRATEGIES
 from al_questioner.ros.parameters import Setting
@@ -64,7 +65,7 @@ def learner_settings(task: Task) -> tuple[Setting, ...]:
             lower=0.0,
             upper=86400.0,
         ),
-        Setting('amplitude', 4.0, "variance of the Gaussian processes' kernel", lower=1e-3, upper=1e3),
+        Setting('amplitude', AMPLITUDE, "variance of the Gaussian processes' kernel", lower=1e-3, upper=1e3),
         Setting(
             'length_scale', 0.0, 'of the kernel; 0: root of the number of features', 'standard deviations', lower=0.0
         ),

@@ -106,7 +106,7 @@ def test_all_labels_are_all_that_was_in_sight() -> None:
     assert result.queries == ()
     assert len(set(result.accuracy[:10])) == 1
     world = PerceivedWorld(choice.open())
-    knowledge = Knowledge(TASK.symbols)
+    knowledge = Knowledge(TASK.symbols, settings.amplitude)
     for turn in (1, 11):
         scene = world.scene(turn)
         knowledge.observe(scene)

@@ -178,7 +178,8 @@ def test_earlier_weights_survive_a_failed_training(tmp_path: Path) -> None:
 def test_the_shipped_weights_ask_as_the_documentation_says(budget: int, turns: int, least: int, latest: int) -> None:
     """The default questioner would spend its budget at once, or be silent where it may ask as much as it likes."""
     task = load_task('prepare_lunch')
-    settings = episode_settings(task, 'dt_task_env', budget, turns)
+    # Of the demonstrations that they were learnt from.
+    settings = episode_settings(task, 'dt_task_env', budget, turns, amplitude=4.0)
     teacher = ScriptedTeacher(task.symbols, task.relevant_groups, 1)
     result = run_episode(WorldChoice(task, 1, 1), settings, teacher)
     assert len(result.queries) >= least

@@ -84,6 +84,6 @@ def test_our_own_questioner_learns_from_the_same_expert(tmp_path, method):
     assert list(weights) == list(VALUE_FEATURES)
     make_strategy('value_per_cost', weights)
     if method == 'choice':
-        assert weights['need'] > 0, 'the expert asks for what is scarce'
+        assert weights['gain'] > 0, 'the expert asks for what is scarce'
     with pytest.raises(InputError, match='shows other features'):
         check_alike([shown[0], dataclasses.replace(shown[0], feature_set=FEATURE_SETS['dt_task_env'])])

@@ -23,7 +23,7 @@ WEIGHTS = {
         'budget_consumption': -0.26,
         'non_query_time': -0.42,
     },
-    'value_per_cost': {'novelty': 0.5, 'need': 1.5, 'chance': 1, 'price': -1, 'ahead': 1000, 'silence': -10},
+    'value_per_cost': {'gain': 1, 'chance': 1, 'price': -1, 'ahead': 1000, 'silence': -10},
 }
 
 

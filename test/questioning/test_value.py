@@ -18,14 +18,16 @@ from al_questioner.domain import (
     generator,
 )
 from al_questioner.questioning import Episode, Situation, make_strategy, read_weights
+from al_questioner.questioning.beliefs import class_beliefs
 from al_questioner.questioning.value import (
-    NONE_NEED,
-    REACH,
-    class_beliefs,
-    class_needs,
+    DEFAULTS,
+    LEAST,
+    Constants,
+    example_gains,
     later_answers,
     lead,
-    novelties,
+    log_prices,
+    scarcity,
     value_features,
 )
 
@@ -57,83 +59,63 @@ def decide(situation, seed=0, weights=SHIPPED):
     return situation.candidates[choice.index], choice
 
 
-def values_by_brute_force(situation):
-    """The formula of docs/method.md for the label and demonstration queries, object by object."""
+def values_by_brute_force(situation, constants=DEFAULTS):
+    """The formula of docs/method.md for the label and demonstration queries: gain and chance, object by object."""
     knowledge, scene, symbols = situation.knowledge, situation.scene, situation.symbols
     q = knowledge.predict_proba(scene.features)
-    answers = [r.symbol for r in situation.history if r.kind is QueryKind.LABEL and r.outcome is Outcome.ANSWERED]
-    names = [*symbols, NO_SYMBOL]
-    share = {name: (answers.count(name) + 1 / len(names)) / (len(answers) + 1) for name in names}
-    need = {}
-    for symbol, n in knowledge.positives.items():
-        need[symbol] = (1 / (1 + n) - 1 / (2 + n)) / 0.5
-    need[NO_SYMBOL] = NONE_NEED * max(need.values())
-    standardised = knowledge._standardiser.transform
+    beliefs = class_beliefs(situation, constants.reach, constants.doubt)
     seen = {(v.object_id, v.features.tobytes()): v.label for v in knowledge.labelled_views}
-    beliefs, novelty, shown = [], [], []
-    for row in range(len(scene)):
-        odds = {symbol: share[symbol] * q[row, j] / (1 - q[row, j]) for j, symbol in enumerate(symbols)}
-        odds[NO_SYMBOL] = share[NO_SYMBOL]
-        beliefs.append({name: odds[name] / sum(odds.values()) for name in names})
-        label = seen.get((scene.object_ids[row], scene.features[row].tobytes()))
-        shown.append({s: beliefs[-1][s] if label is None else float(label == s) for s in symbols})
-        point = standardised(scene.features[row : row + 1])[0]
-        told = [np.mean((point - standardised(v.features[None])[0]) ** 2) for v in knowledge.labelled_views]
-        novelty.append(1 - max((np.exp(-d / (2 * REACH**2)) for d in told), default=0.0))
+    labels = [seen.get((i, scene.features[row].tobytes())) for row, i in enumerate(scene.object_ids)]
+
+    def gain(row, j):
+        best = [k for k in range(len(symbols)) if q[row, k] == max(q[row])]
+        called = 1 / len(best) if j in best else 0.0
+        return 0.0 if labels[row] else (1 - called) / (1 + knowledge.positives[symbols[j]]) ** constants.decline
+
     found = {}
     for row, object_id in enumerate(scene.object_ids):
-        found[object_id] = novelty[row], sum(beliefs[row][name] * need[name] for name in names)
-    for symbol in symbols:
-        mass = [shown[row][symbol] for row in range(len(scene))]
-        absent = np.prod([1 - value for value in mass])
-        found[symbol] = np.dot(mass, novelty) / sum(mass), need[symbol], 1 - absent
+        chance = sum(beliefs[row][j] for j in range(len(symbols)))
+        found[object_id] = sum(beliefs[row][j] * gain(row, j) for j in range(len(symbols))) / chance, chance
+    for j, symbol in enumerate(symbols):
+        mass = [beliefs[row][j] if label is None else float(label == symbol) for row, label in enumerate(labels)]
+        total = sum(mass)
+        mean = sum(m * gain(row, j) for row, m in enumerate(mass)) / total if total else 0.0
+        found[symbol] = mean, 1 - np.prod([1 - m for m in mass])
     return found
 
 
+@pytest.mark.parametrize('constants', [DEFAULTS, Constants(reach=0.7, doubt=0.2, decline=1.5)])
 @pytest.mark.parametrize('labels', [[], ['snack'], ['snack', NO_SYMBOL, 'fruit', 'snack']])
-def test_features_are_the_formula_written_out(toy, labels):
+def test_features_are_the_formula_written_out(toy, labels, constants):
     history = (SUBSET_ASKED, *(label_record(label) for label in labels))
     situation = situation_of(toy, labels, history=history)
-    expected = values_by_brute_force(situation)
-    for action, row in zip(situation.candidates, value_features(situation), strict=True):
-        named = dict(zip(VALUE_FEATURES, row, strict=True))
-        if action.kind is QueryKind.LABEL:
-            novelty, need = expected[action.object_id]
-            assert named['novelty'] == pytest.approx(np.log(max(novelty, 1e-6)), abs=1e-7)
-            assert named['need'] == pytest.approx(np.log(need), abs=1e-9)
-            assert (named['chance'], named['price']) == (0.0, 0.0)
-        elif action.kind is QueryKind.DEMONSTRATION:
-            logs = [np.log(max(value, 1e-6)) for value in expected[action.symbol]]
-            assert [named['novelty'], named['need'], named['chance']] == pytest.approx(logs, abs=1e-6)
-            assert named['price'] == pytest.approx(np.log(2))
-        assert (named['silence'] == 1.0) == (action.kind is QueryKind.NO_QUERY)
-    assert np.isfinite(value_features(situation)).all()
+    expected = values_by_brute_force(situation, constants)
+    features = value_features(situation, constants)
+    for action, row in zip(situation.candidates, features, strict=True):
+        found = dict(zip(VALUE_FEATURES, row, strict=True))
+        if action.kind in (QueryKind.LABEL, QueryKind.DEMONSTRATION):
+            logs = [
+                np.log(max(value, LEAST))
+                for value in expected[action.symbol if action.object_id is None else action.object_id]
+            ]
+            assert [found['gain'], found['chance']] == pytest.approx(logs, abs=1e-6)
+            assert found['price'] == pytest.approx(np.log(situation.costs.of(action.kind) / 2))
+        assert (found['silence'] == 1.0) == (action.kind is QueryKind.NO_QUERY)
+    assert np.isfinite(features).all()
 
 
-def test_needs_by_hand(toy):
-    """Of errors 2, 1, 2/3, 1/2 the first example saves 1, the third 1/6; none counts a share of the largest."""
-    needs = class_needs(situation_of(toy, ['snack', 'snack', 'fruit', NO_SYMBOL]))
-    assert needs == pytest.approx([1, 1 / 6, 1 / 3, NONE_NEED])
-
-
-def test_beliefs_before_any_label_are_even_and_follow_the_answers(toy):
-    """One prior answer, shared among three symbols and none; then three of four answers said none."""
-    assert class_beliefs(situation_of(toy)) == pytest.approx(np.full((6, 4), 0.25))
-    answers = [label_record(NO_SYMBOL)] * 3 + [label_record('fruit'), label_record(None, outcome=Outcome.UNKNOWN)]
-    found = class_beliefs(situation_of(toy, history=(SUBSET_ASKED, *answers)))
-    assert found[0] == pytest.approx([0.05, 0.05, 0.25, 0.65])
-
-
-def test_novelty_by_hand(toy):
-    """A labelled view tells all about itself, and exp(-1/2) of what lies one reach away in every feature."""
-    table = np.zeros((6, 5))
-    table[:, 2] = [0, 1, 2, 3, 4, 9]
-    situation = situation_of(toy, ['snack'], table=table)
-    distance = situation.knowledge.distance_to_labelled(situation.scene)
-    expected = 1 - np.exp(-(distance**2) / (2 * REACH**2))
-    assert novelties(situation) == pytest.approx(expected)
-    assert novelties(situation)[0] == 0.0
-    assert novelties(situation_of(toy)) == pytest.approx(np.ones(6))
+def test_gains_by_hand(toy):
+    """Before any label each symbol is called by a third; then fewer examples gain more, and the labelled nothing."""
+    assert example_gains(situation_of(toy), 0.6) == pytest.approx(np.full((6, 3), 2 / 3))
+    situation = situation_of(toy, ['snack', 'snack', 'fruit', NO_SYMBOL])
+    gains, snack = example_gains(situation, 2.0), toy.symbols.index('snack')
+    assert (gains[:4] == 0).all()
+    for row in (4, 5):
+        called = int(np.argmax(situation.probabilities[row]))
+        worth = [1 / (1 + n) ** 2 for n in situation.knowledge.positives.values()]
+        worth[called] = 0.0
+        assert gains[row] == pytest.approx(worth)
+        assert gains[row, snack] in (0.0, pytest.approx(1 / 9))
 
 
 @pytest.mark.parametrize(
@@ -157,13 +139,40 @@ def test_the_relevant_features_come_first_unless_they_leave_no_answer(toy):
     assert decide(situation_of(toy))[0].kind is not QueryKind.FEATURE_SUBSET
 
 
-def test_price_matters_only_where_the_budget_is_short(toy):
-    """A turn more than the budget has labels makes it short."""
-    for budget, short in ((41.0, False), (40.9, True)):
-        situation = situation_of(toy, ['snack'], budget=budget)
-        price = value_features(situation)[:, VALUE_FEATURES.index('price')]
-        assert bool(price.max() > 0) is short
-        assert lead(situation) == (pytest.approx(2 / budget - np.sqrt(2 / 40)) if short else 0.0)
+@pytest.mark.parametrize(
+    ('budget', 'costs', 'expected'),
+    [
+        # 39 turns are left, with this one.
+        (80.0, Costs(), 0.0),
+        (78.0 + 2.0, Costs(), 0.0),
+        (39.0 + 2.0, Costs(), 1.0),
+        (60.5, Costs(), 0.5),
+        (20.0, Costs(), 1.0),
+        (80.0, Costs(2, 2, 2), 0.0),
+        (79.0, Costs(2, 2, 2), 1.0),
+        (60.5, Costs(2, 1, 2), 0.5),
+        (12.0, Costs(0.1, 2, 2), (78 - 10) / (1.9 * 39)),
+        (2.0, Costs(0, 0, 0), 0.0),
+    ],
+)
+def test_how_short_the_budget_is_by_hand(toy, budget, costs, expected):
+    """Labels for a penny would hide that demonstrations use up the budget, if theirs were the only price."""
+    situation = situation_of(toy, ['snack'], budget=budget, costs=costs)
+    assert scarcity(situation) == pytest.approx(expected)
+    assert (lead(situation, 0.5) == 0) == (expected == 0)
+    if expected:
+        assert lead(situation, 0.5) == pytest.approx(2 / budget - np.sqrt(2 / 40))
+    ratio = log_prices(situation)[0] - log_prices(situation)[3]
+    assert ratio == pytest.approx(expected * np.log(costs.demonstration / costs.label) if costs.label else 0.0)
+
+
+def test_the_unit_of_the_budget_does_not_matter(toy):
+    """Somebody who counts in thousandths would be asked other questions."""
+    for unit in (1e-3, 1e3):
+        costs = Costs(unit, 2 * unit, 2 * unit)
+        plain = decide(situation_of(toy, ['snack']))[1]
+        scaled = decide(situation_of(toy, ['snack'], costs=costs, budget=20 * unit, spent=2 * unit))[1]
+        np.testing.assert_allclose(scaled.utilities, plain.utilities, atol=1e-9)
 
 
 def test_a_short_budget_is_paced(toy):
@@ -174,21 +183,26 @@ def test_a_short_budget_is_paced(toy):
     assert decide(situation_of(toy, ['snack'], turn=40, spent=19.0))[0].kind is not QueryKind.NO_QUERY
 
 
-def test_the_missing_symbol_is_asked_for_and_a_failure_lowers_its_chance(toy):
+def test_the_missing_symbol_is_asked_for_where_turns_are_short(toy):
+    """And no more once there is none of it; others take its place."""
     labels = ['snack', 'snack', 'fruit', 'fruit']
-    before = value_features(situation_of(toy, labels, budget=500.0))
     assert decide(situation_of(toy, labels, budget=500.0))[0].symbol == 'main_dish'
-    in_vain = QueryRecord(1, QueryKind.DEMONSTRATION, None, 'main_dish', 2.0, Outcome.ANSWERED)
-    after = value_features(situation_of(toy, labels, budget=500.0, scene_turn=2, history=(SUBSET_ASKED, in_vain)))
+    in_vain = QueryRecord(2, QueryKind.DEMONSTRATION, None, 'main_dish', 2.0, Outcome.ANSWERED)
+    action, choice = decide(situation_of(toy, labels, budget=500.0, turn=3, history=(SUBSET_ASKED, in_vain)))
+    assert action.symbol != 'main_dish'
+    assert np.isnan(choice.utilities[toy.symbols.index('main_dish')])
+
+
+@pytest.mark.parametrize('kind', [QueryKind.LABEL, QueryKind.DEMONSTRATION])
+def test_a_teacher_who_does_not_know_lowers_the_chance_of_an_answer_to_such_questions(toy, kind):
+    silent = QueryRecord(2, kind, 90, 'snack', 1.0, Outcome.UNKNOWN)
     chance = VALUE_FEATURES.index('chance')
-    assert after[0, chance] == pytest.approx(before[0, chance] + np.log(2 / 3))
-    assert after[1, chance] == before[1, chance]
-
-
-def test_answers_that_say_nothing_lower_the_chance_of_an_answer(toy):
-    silent = (SUBSET_ASKED, *[label_record(None, outcome=Outcome.UNKNOWN)] * 2)
-    labels = value_features(situation_of(toy, history=silent))[3:9, VALUE_FEATURES.index('chance')]
-    assert labels == pytest.approx(np.full(6, np.log(0.5)))
+    before, after = (
+        value_features(situation_of(toy, scene_turn=3, turn=3, history=(SUBSET_ASKED, *more)))[:, chance]
+        for more in ((), (silent, silent))
+    )
+    expected = [np.log(0.5) if action.kind is kind else 0.0 for action in situation_of(toy, turn=3).candidates]
+    assert after - before == pytest.approx(expected)
 
 
 def test_a_question_that_nobody_heard_does_not_lower_the_chance_of_an_answer(toy):
@@ -260,13 +274,29 @@ def test_two_symbols_are_enough(toy):
 
 @pytest.mark.parametrize(
     ('weights', 'reason'),
-    [({}, 'value_per_cost needs weights'), ({'discriminability': 1}, "does not use 'discriminability'")],
+    [
+        ({}, 'value_per_cost needs weights'),
+        ({'reach': 1.0}, 'value_per_cost needs weights'),
+        ({'gain': 1, 'discriminability': 1}, "does not use 'discriminability'"),
+        ({'gain': 1, 'reach': 0.0}, 'reach must be above 0, not 0.0'),
+        ({'gain': 1, 'pace': -1.0}, 'pace must be above 0, not -1.0'),
+    ],
 )
 def test_weights_that_do_not_fit(weights, reason):
     with pytest.raises(SettingsError, match=reason):
         make_strategy('value_per_cost', weights)
 
 
-def test_other_strategies_do_not_take_its_weights():
-    with pytest.raises(SettingsError, match="dt_task_env does not use 'novelty'"):
-        make_strategy('dt_task_env', {'discriminability': 1, 'novelty': 1})
+def test_its_constants_can_be_set_beside_its_weights(toy):
+    """A user whose things look less alike would have no say."""
+    strategy = make_strategy('value_per_cost', {**SHIPPED, 'reach': 0.5, 'pace': 2.0})
+    assert strategy.constants == Constants(reach=0.5, pace=2.0)
+    assert decide(situation_of(toy, ['snack'], turn=10, spent=9.0))[0].kind is not QueryKind.NO_QUERY
+    late = decide(situation_of(toy, ['snack'], turn=10, spent=9.0), weights={**SHIPPED, 'pace': 2.0})
+    assert late[0].kind is QueryKind.NO_QUERY
+
+
+@pytest.mark.parametrize('name', ['gain', 'reach'])
+def test_other_strategies_do_not_take_its_weights(name):
+    with pytest.raises(SettingsError, match=f"dt_task_env does not use '{name}'"):
+        make_strategy('dt_task_env', {'discriminability': 1, name: 1})

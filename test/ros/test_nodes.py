@@ -38,12 +38,10 @@ def is_over(states: list[dict[str, Any]]) -> bool:
 
 
 def offline_queries(
-    strategy: str, budget: float, turns: int, tune_every: int = 0, task_name: str = TASK, seed: int = 4
+    strategy: str, budget: float, turns: int, task_name: str = TASK, seed: int = 4, **kernel: Any
 ) -> list[tuple[Any, ...]]:
     task = load_task(task_name)
-    episode = Episode(
-        episode_settings(task, strategy, budget, turns, tune_every=tune_every), generator(seed, 'learner')
-    )
+    episode = Episode(episode_settings(task, strategy, budget, turns, **kernel), generator(seed, 'learner'))
     # Turn by turn, as `run_episode` does, without the held-out images on which it measures accuracy.
     world = PerceivedWorld(WorldChoice(task, seed, seed).open())
     deque(play(episode, world, ScriptedTeacher(task.symbols, task.relevant_groups, seed)), maxlen=0)
@@ -70,12 +68,13 @@ def test_graph_asks_what_an_offline_run_asks(graph: Any, strategy: str) -> None:
 def test_tuning_learner_asks_what_an_offline_run_asks_and_tells_its_kernel(graph: Any) -> None:
     """The graph would tune at other turns, or nobody could see what it tuned to."""
     states, episodes = graph.listen('learner_state'), graph.listen('episode')
-    graph.start_robot(strategy='u_sampling', budget=8.0, turns=12, tune_every=2)
+    kernel = {'amplitude': 4.0}
+    graph.start_robot(strategy='u_sampling', budget=8.0, turns=12, tune_every=2, **kernel)
     graph.start(TeacherNode, **graph.world)
     graph.wait_for(lambda: is_over(states), 'the end of the episode')
     asked = asked_in(states[-1])
-    assert asked == offline_queries('u_sampling', 8.0, 12, tune_every=2)
-    assert asked != offline_queries('u_sampling', 8.0, 12)
+    assert asked == offline_queries('u_sampling', 8.0, 12, tune_every=2, **kernel)
+    assert asked != offline_queries('u_sampling', 8.0, 12, **kernel)
     assert episodes[-1]['tune_every'] == 2
     by_turn = {state['turn']: state['kernel'] for state in states}
     assert by_turn[1]['amplitude'] == 4.0

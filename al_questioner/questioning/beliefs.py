@@ -1,0 +1,71 @@
+"""What the things on the table are, or whether they are of no symbol at all, as far as the labels so far can tell.
+
+The classifiers tell symbols apart, but not what is of none: far from their labels they fall back to 1/2. What a
+question is worth depends on that, so here the labels vote directly. The derivation is in docs/method.md.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+
+from al_questioner.domain import NO_SYMBOL, Outcome, QueryKind
+from al_questioner.questioning.situation import Situation
+
+Array = NDArray[np.float64]
+
+
+def class_beliefs(situation: Situation, reach: float, doubt: float) -> Array:
+    """(|X|, |Y| + 1) probability that an object is of each symbol, or, last, of none.
+
+    The nearest labelled view of each of them votes with exp(-d^2 / (2 reach^2)), and `doubt` votes are shared among all
+    as they were among the answers so far (docs/method.md). A symbol that was asked for in this scene in vain is of no
+    object of it.
+
+    Args:
+        situation: what is seen and known.
+        reach: how far a label tells what things are, in standard deviations of a feature, root mean square.
+        doubt: votes that no label has, above 0.
+    """
+    votes = doubt * np.tile(class_shares(situation), (len(situation.scene), 1))
+    labels = np.array([view.label for view in situation.knowledge.labelled_views])
+    nearness = np.exp(-(situation.knowledge.distances_to_labelled(situation.scene) ** 2) / (2 * reach**2))
+    for column, name in enumerate((*situation.symbols, NO_SYMBOL)):
+        votes[:, column] += nearness[:, labels == name].max(axis=1, initial=0.0)
+    votes[:, [situation.symbols.index(symbol) for symbol in absent_symbols(situation)]] = 0.0
+    beliefs: Array = votes / votes.sum(axis=1, keepdims=True)
+    return beliefs
+
+
+def class_shares(situation: Situation) -> Array:
+    """(|Y| + 1,) share of the things of each symbol, or, last, of none, before anything is known of one.
+
+    That of none is estimated from the answers to label queries, with the prior of Jeffreys; what is left is divided
+    equally, since which symbols were heard of says more about the questions than about the table.
+    """
+    answers = [r.symbol for r in situation.history if r.kind is QueryKind.LABEL and r.outcome is Outcome.ANSWERED]
+    none = (answers.count(NO_SYMBOL) + 0.5) / (len(answers) + 1)
+    count = len(situation.symbols)
+    return np.append(np.full(count, (1 - none) / count), none)
+
+
+def absent_symbols(situation: Situation) -> set[str]:
+    """The symbols of which, the teacher said, nothing is in the present scene."""
+    return {
+        record.symbol
+        for record in situation.history
+        if record.kind is QueryKind.DEMONSTRATION
+        and record.turn >= situation.scene_turn
+        and record.outcome is Outcome.ANSWERED
+        and record.object_id is None
+        and record.symbol is not None
+    }
+
+
+def with_labels(situation: Situation, beliefs: Array) -> Array:
+    """(|X|, |Y|) the beliefs in the symbols, but certainty about the views that have been labelled."""
+    known = beliefs[:, :-1].copy()
+    for row, label in enumerate(situation.knowledge.labels_of(situation.scene)):
+        if label is not None:
+            known[row] = [float(label == symbol) for symbol in situation.symbols]
+    return known
