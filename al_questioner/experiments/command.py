@@ -41,7 +41,7 @@ from al_questioner.experiments.statistics import mean_and_deviation
 from al_questioner.experiments.storing import Store
 from al_questioner.experiments.studies import STUDIES, Study, make_studies
 from al_questioner.files import make_folder, write_text
-from al_questioner.questioning import read_weights
+from al_questioner.questioning import FEATURE_SETS, Weights, make_strategy, read_weights
 from al_questioner.simulation import WorldChoice
 from al_questioner.wording import number_of
 from al_questioner.world import load_task
@@ -85,7 +85,7 @@ def parser() -> Parser:
     result.add_argument('--samples', type=number(int, 1, 100_000), default=5, help='of each task (%(default)s)')
     first_help = 'number of the first sample (%(default)s)'
     result.add_argument('--first-sample', type=number(int, 0, 1_000_000), default=0, help=first_help)
-    result.add_argument('--weights-file', help='weights of dt_task_env; those that ship if not given')
+    result.add_argument('--weights-file', help=f'weights of {" or ".join(FEATURE_SETS)}; those that ship if not given')
     result.add_argument('--change-interval', type=number(int, 1, 10_000), help="turns between changes (the task's)")
     result.add_argument('--synchrony', type=number(float, 0, 1), help="how synchronously objects change (the task's)")
     result.add_argument(
@@ -122,9 +122,8 @@ def main(arguments: Sequence[str]) -> int:
         raise SettingsError('--backend dask and --scheduler ADDRESS belong together')
     weights = dict(shipped_weights())
     if given.weights_file:
-        if 'dt_task_env' not in given.strategy:
-            raise SettingsError('--weights-file is for dt_task_env, which is not among the strategies')
-        weights['dt_task_env'] = read_weights(Path(given.weights_file))
+        found = read_weights(Path(given.weights_file))
+        weights[_strategy_of(found, given.strategy)] = found
     plan = _plan(given, {name: found.values for name, found in weights.items()})
     names = list(STUDIES) if given.studies == [] else given.studies or []
     studies = make_studies(names, plan.variation, plan.samples)
@@ -173,6 +172,24 @@ def main(arguments: Sequence[str]) -> int:
     if failed:
         raise EpisodeError(f'{len(failed)} of {total} episodes failed; the same command tries them again')
     return 0
+
+
+def _strategy_of(weights: Weights, strategies: Sequence[str]) -> str:
+    """Which of the strategies that can be trained the weights are for.
+
+    Raises:
+        SettingsError: none of them is played, or they fit none that is.
+    """
+    trainable = [name for name in FEATURE_SETS if name in strategies]
+    reason = f'--weights-file is for {" or ".join(FEATURE_SETS)}, which is not among the strategies'
+    for name in trainable:
+        try:
+            make_strategy(name, weights.values)
+        except SettingsError as error:
+            reason = f'--weights-file: {error}'
+        else:
+            return name
+    raise SettingsError(reason)
 
 
 def _plan(given: argparse.Namespace, weights: Mapping[str, Mapping[str, float]]) -> Plan:

@@ -20,6 +20,7 @@ from al_questioner.cli import main
 from al_questioner.configuration import config_dir
 from al_questioner.experiments import playing
 from al_questioner.experiments.plan import Cell, Condition, Plan, Variation
+from al_questioner.experiments.results import read_results
 from al_questioner.experiments.studies import STUDIES, Study
 
 SMALL = ['--task', 'prepare_lunch', '--condition', '4/6', '--samples', '3', '--jobs', '1']
@@ -194,7 +195,22 @@ def test_an_interruption_says_what_is_there_and_the_next_run_too(
 def test_weights_that_nobody_would_use_are_refused(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     """Somebody would publish figures of other weights than those that were given."""
     file = config_dir() / 'weights' / 'value_per_cost.yaml'
-    arguments = ['--strategy', 'value_per_cost', '--weights-file', str(file), '--out', str(tmp_path / 'x')]
-    assert main(['experiment', *arguments]) == 2
-    assert '--weights-file is for dt_task_env' in capsys.readouterr().err
-    assert not (tmp_path / 'x').exists()
+    for strategy, reason in (
+        ('random_fsq', '--weights-file is for dt_task_env or value_per_cost, which is not among'),
+        ('dt_task_env', "strategy dt_task_env does not use 'gain'"),
+    ):
+        arguments = ['--strategy', strategy, '--weights-file', str(file), '--out', str(tmp_path / 'x')]
+        assert main(['experiment', *arguments]) == 2
+        assert reason in capsys.readouterr().err
+        assert not (tmp_path / 'x').exists()
+
+
+def test_weights_are_for_the_strategy_whose_features_they_name(tmp_path: Path) -> None:
+    """What was learnt from an expert would not be what is played."""
+    file = tmp_path / 'w.yaml'
+    file.write_text('weights: {gain: 1, silence: 1000}\n')
+    out = tmp_path / 'x'
+    strategies = ['--strategy', 'dt_task_env', 'value_per_cost', '--condition', '4/3', '--samples', '1', '--jobs', '1']
+    assert main(['experiment', *strategies, '--weights-file', str(file), '--out', str(out)]) == 0
+    spent = {(row.cell.task, row.cell.strategy): row.spent for row in read_results(out).episodes}
+    assert spent['prepare_lunch', 'value_per_cost'] == 0, 'with these weights nothing is worth a question'
