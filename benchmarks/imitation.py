@@ -35,6 +35,8 @@ from al_questioner.simulation import PerceivedWorld, WorldChoice, episode_settin
 from al_questioner.teaching import ScriptedTeacher
 from al_questioner.world import load_task
 
+AMPLITUDE = 4.0
+"""Of the demonstrations' learners."""
 CONDITIONS = ((15, 30), (25, 40), (25, 150), (500, 40), (500, 150))
 FIRST_HELD_OUT = 100
 BAGS = [Path(__file__).resolve().parents[1] / 'bags' / f'expert_{number}' for number in range(3)]
@@ -88,7 +90,7 @@ def condition_rows(policies: Mapping[str, Array], task_name: str, samples: int) 
     for name, weights in policies.items():
         for budget, turns in CONDITIONS:
             settings = dataclasses.replace(
-                episode_settings(task, 'dt_task_env', budget, turns),
+                episode_settings(task, 'dt_task_env', budget, turns, amplitude=AMPLITUDE),
                 weights=dict(zip(DECISION_FEATURES, map(float, weights), strict=True)),
             )
             results = []

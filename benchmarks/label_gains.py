@@ -29,7 +29,7 @@ from al_questioner.concepts import Selector
 from al_questioner.domain import NO_SYMBOL, generator
 from al_questioner.questioning import Choice, Episode, Situation, Strategy, known_strategies, make_strategy
 from al_questioner.questioning.beliefs import class_beliefs
-from al_questioner.questioning.value import DEFAULTS
+from al_questioner.questioning.value import DEFAULTS, called_shares
 from al_questioner.simulation import PerceivedWorld, WorldChoice, accuracy, episode_settings, turns
 from al_questioner.teaching import ScriptedTeacher
 from al_questioner.world import load_task
@@ -101,8 +101,7 @@ def measured(
     before = accuracy(knowledge.predict_proba(features), labels, symbols)
     after = knowledge.predict_after_each(scene.features[rows], names, features)
     q = situation.probabilities[rows]
-    largest = q == q.max(axis=1, keepdims=True)
-    called = largest / largest.sum(axis=1, keepdims=True)
+    called = called_shares(q)
     odds = (q / (1 - q)).sum(axis=1)
     beliefs = 1 - class_beliefs(situation, DEFAULTS.reach, DEFAULTS.doubt)[rows, -1]
     found = []

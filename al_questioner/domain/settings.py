@@ -75,7 +75,7 @@ class EpisodeSettings:
         budget: query budget, in the unit of `costs`; 0 or more.
         turns: number of turns, 1 or more.
         strategy: name of a questioning strategy.
-        weights: weight by decision feature, for the strategies that use them.
+        weights: weight by feature, and constant by name, for the strategies that use them.
         change_interval: turns between scene changes as the robot expects them: the window of the non-query time.
         costs: price of each kind of query.
         amplitude: variance of the Gaussian processes' kernel.

@@ -178,18 +178,13 @@ def _strategy_of(weights: Weights, strategies: Sequence[str]) -> str:
     """Which of the strategies that can be trained the weights are for.
 
     Raises:
-        SettingsError: none of them is played, or they fit none that is.
+        SettingsError: they are for none of these, or do not fit it.
     """
-    trainable = [name for name in FEATURE_SETS if name in strategies]
-    reason = f'--weights-file is for {" or ".join(FEATURE_SETS)}, which is not among the strategies'
-    for name in trainable:
-        try:
+    for name, feature_set in FEATURE_SETS.items():
+        if name in strategies and any(feature in feature_set.names for feature in weights.values):
             make_strategy(name, weights.values)
-        except SettingsError as error:
-            reason = f'--weights-file: {error}'
-        else:
             return name
-    raise SettingsError(reason)
+    raise SettingsError('--weights-file holds no weights for any of the strategies')
 
 
 def _plan(given: argparse.Namespace, weights: Mapping[str, Mapping[str, float]]) -> Plan:

@@ -28,11 +28,11 @@ def class_beliefs(situation: Situation, reach: float, doubt: float) -> Array:
         doubt: votes that no label has, above 0.
     """
     votes = doubt * np.tile(class_shares(situation), (len(situation.scene), 1))
-    labels = np.array([view.label for view in situation.knowledge.labelled_views])
-    nearness = np.exp(-(situation.knowledge.distances_to_labelled(situation.scene) ** 2) / (2 * reach**2))
+    labels = np.array([view.label for view in situation.knowledge.labelled_views], dtype=object)
+    nearness = np.exp(-((situation.knowledge.distances_to_labelled(situation.scene) / reach) ** 2) / 2)
     for column, name in enumerate((*situation.symbols, NO_SYMBOL)):
         votes[:, column] += nearness[:, labels == name].max(axis=1, initial=0.0)
-    votes[:, [situation.symbols.index(symbol) for symbol in absent_symbols(situation)]] = 0.0
+    votes[:, [situation.symbols.index(symbol) for symbol in situation.absent_symbols]] = 0.0
     beliefs: Array = votes / votes.sum(axis=1, keepdims=True)
     return beliefs
 
@@ -47,19 +47,6 @@ def class_shares(situation: Situation) -> Array:
     none = (answers.count(NO_SYMBOL) + 0.5) / (len(answers) + 1)
     count = len(situation.symbols)
     return np.append(np.full(count, (1 - none) / count), none)
-
-
-def absent_symbols(situation: Situation) -> set[str]:
-    """The symbols of which, the teacher said, nothing is in the present scene."""
-    return {
-        record.symbol
-        for record in situation.history
-        if record.kind is QueryKind.DEMONSTRATION
-        and record.turn >= situation.scene_turn
-        and record.outcome is Outcome.ANSWERED
-        and record.object_id is None
-        and record.symbol is not None
-    }
 
 
 def with_labels(situation: Situation, beliefs: Array) -> Array:

@@ -103,11 +103,9 @@ def settled_actions(situation: Situation) -> set[Action]:
     if has_asked(situation, QueryKind.FEATURE_SUBSET):
         settled.add(Action(QueryKind.FEATURE_SUBSET))
     for record in takewhile(lambda record: record.turn >= situation.scene_turn, reversed(situation.history)):
-        not_here = record.kind is QueryKind.DEMONSTRATION and record.object_id is None
-        if record.outcome is Outcome.UNANSWERED or record.kind is QueryKind.FEATURE_SUBSET:
-            continue
-        if not_here or record.outcome is not Outcome.ANSWERED:
+        if record.outcome in (Outcome.UNKNOWN, Outcome.SKIP) and record.kind is not QueryKind.FEATURE_SUBSET:
             settled.add(Action(record.kind, record.object_id, record.symbol))
+    settled |= {Action(QueryKind.DEMONSTRATION, symbol=symbol) for symbol in situation.absent_symbols}
     return settled
 
 

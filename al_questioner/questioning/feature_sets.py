@@ -51,6 +51,8 @@ FEATURE_SETS: Mapping[str, FeatureSet] = {
 class Observed:
     """A strategy whose choices carry the features of another one: what it shows that one.
 
+    What is worthless to that one counts as not considered, unless it is chosen.
+
     Args:
         strategy: who decides.
         feature_set: what is computed of every candidate, whatever the strategy computes itself.
@@ -66,5 +68,6 @@ class Observed:
 
     def choose(self, situation: Situation, rng: np.random.Generator) -> Choice:
         """The strategy's choice, with the features of the set."""
-        choice = self._strategy.choose(situation, rng)
-        return dataclasses.replace(choice, features=self._feature_set.of(situation))
+        choice, features = self._strategy.choose(situation, rng), self._feature_set.of(situation)
+        left_out = self._feature_set.is_worthless(features) & (np.arange(len(features)) != choice.index)
+        return dataclasses.replace(choice, utilities=np.where(left_out, np.nan, choice.utilities), features=features)

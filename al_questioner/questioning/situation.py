@@ -5,12 +5,13 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass
 from functools import cached_property
+from itertools import takewhile
 
 import numpy as np
 from numpy.typing import NDArray
 
 from al_questioner.concepts import Knowledge
-from al_questioner.domain import Action, Costs, QueryRecord, Scene
+from al_questioner.domain import Action, Costs, Outcome, QueryKind, QueryRecord, Scene
 from al_questioner.questioning.candidates import candidates
 
 
@@ -67,6 +68,19 @@ class Situation:
         scenes = math.ceil(self.turns / self.change_interval)
         number = (self.turn - 1) // self.change_interval + 1
         return self.budget * number / scenes - self.spent
+
+    @cached_property
+    def absent_symbols(self) -> frozenset[str]:
+        """The symbols of which, the teacher said, nothing is in the present scene."""
+        records = takewhile(lambda record: record.turn >= self.scene_turn, reversed(self.history))
+        return frozenset(
+            record.symbol
+            for record in records
+            if record.kind is QueryKind.DEMONSTRATION
+            and record.outcome is Outcome.ANSWERED
+            and record.object_id is None
+            and record.symbol is not None
+        )
 
     @cached_property
     def candidates(self) -> tuple[Action, ...]:

@@ -16,13 +16,13 @@ from numpy.typing import NDArray
 from al_questioner.domain import VALUE_CONSTANTS, VALUE_FEATURES, Outcome, QueryKind, SettingsError
 from al_questioner.questioning.beliefs import class_beliefs, with_labels
 from al_questioner.questioning.candidates import BUDGET_ROUNDING
-from al_questioner.questioning.choice import Choice, choose_best, rows_of
+from al_questioner.questioning.choice import TIE, Choice, choose_best, rows_of
 from al_questioner.questioning.situation import Situation
 
 Array = NDArray[np.float64]
 
 LEAST = 1e-6
-"""Smallest factor that is told from 0: the features stay finite."""
+"""Smallest factor, or constant, that is told from 0: the features stay finite."""
 LEAST_PRICE = 1e-2
 """Cheapest question, as a share of the dearest: what costs nothing is not worth infinitely much per cost."""
 
@@ -41,7 +41,7 @@ class Constants:
             turns: 1 spends evenly, towards 0 at once.
 
     Raises:
-        SettingsError: one that is not above 0.
+        SettingsError: one that is not a finite number, or below `LEAST`.
     """
 
     reach: float = 0.25
@@ -51,8 +51,11 @@ class Constants:
 
     def __post_init__(self) -> None:
         for name in VALUE_CONSTANTS:
-            if not getattr(self, name) > 0:
-                raise SettingsError(f'strategy value_per_cost: {name} must be above 0, not {getattr(self, name)}')
+            value = getattr(self, name)
+            if not (np.isfinite(value) and value >= LEAST):
+                raise SettingsError(
+                    f'strategy value_per_cost: {name} must be a number of {LEAST:g} or more, not {value}'
+                )
 
 
 DEFAULTS = Constants()
@@ -118,9 +121,8 @@ def value_features(situation: Situation, constants: Constants = DEFAULTS) -> Arr
 
 
 def is_worthless(features: Array) -> NDArray[np.bool_]:
-    """(C,) whether a candidate with these features, (C, 5), would gain nothing, or has no chance to."""
-    worthless: NDArray[np.bool_] = (features[:, [GAIN, CHANCE]] <= np.log(LEAST)).any(axis=1)
-    return worthless
+    """(C,) whether candidates with these features, (C, 5), would gain nothing."""
+    return np.asarray(features[:, GAIN] <= np.log(LEAST))
 
 
 def example_gains(situation: Situation, decline: float) -> Array:
@@ -129,21 +131,31 @@ def example_gains(situation: Situation, decline: float) -> Array:
     That is nothing where the classifiers call it so already, and where its view is labelled; else (1 + n)^-decline
     beside n examples of the symbol. Among symbols that are equally probable each is called with an equal share.
     """
-    largest = situation.probabilities == situation.probabilities.max(axis=1, keepdims=True)
-    mistaken = 1 - largest / largest.sum(axis=1, keepdims=True)
+    mistaken = 1 - called_shares(situation.probabilities)
     mistaken[situation.labelled] = 0.0
     n = np.array(list(situation.knowledge.positives.values()), dtype=np.float64)
     gains: Array = mistaken * (1 + n) ** -decline
     return gains
 
 
+def called_shares(probabilities: Array) -> Array:
+    """(n, |Y|) 1 for the symbol that the classifiers call a thing, 0 for others; of a tie, equal shares.
+
+    Args:
+        probabilities: (n, |Y|) q_y(x).
+    """
+    best = probabilities.max(axis=1, keepdims=True)
+    largest = probabilities >= best - TIE * best
+    return np.asarray(largest / largest.sum(axis=1, keepdims=True))
+
+
 def later_answers(situation: Situation) -> float:
     """Labels that can still be asked for once the relevant features are known: each of them gains the more for it."""
     costs = situation.costs
-    affordable = float(situation.turns_left)
-    if costs.label > 0:
-        affordable = np.floor((situation.budget_left - costs.feature_subset + BUDGET_ROUNDING) / costs.label)
-    return float(max(0.0, min(situation.turns_left, affordable)))
+    if costs.label == 0:
+        return float(situation.turns_left)
+    affordable = np.floor((situation.budget_left - costs.feature_subset + BUDGET_ROUNDING) / costs.label)
+    return float(np.clip(affordable, 0, situation.turns_left))
 
 
 def scarcity(situation: Situation) -> float:

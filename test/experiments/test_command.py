@@ -196,8 +196,8 @@ def test_weights_that_nobody_would_use_are_refused(tmp_path: Path, capsys: pytes
     """Somebody would publish figures of other weights than those that were given."""
     file = config_dir() / 'weights' / 'value_per_cost.yaml'
     for strategy, reason in (
-        ('random_fsq', '--weights-file is for dt_task_env or value_per_cost, which is not among'),
-        ('dt_task_env', "strategy dt_task_env does not use 'gain'"),
+        ('random_fsq', '--weights-file holds no weights for any of the strategies'),
+        ('dt_task_env', '--weights-file holds no weights for any of the strategies'),
     ):
         arguments = ['--strategy', strategy, '--weights-file', str(file), '--out', str(tmp_path / 'x')]
         assert main(['experiment', *arguments]) == 2

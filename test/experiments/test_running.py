@@ -235,6 +235,7 @@ def test_variations_change_what_is_played(tmp_path: Path) -> None:
         Variation(change_interval=3),
         Variation(synchrony=1.0, change_interval=3),
         Variation(wrong_rate=1.0),
+        Variation(amplitude=4.0),
     ):
         assert play_episode(cell, variation).accuracy != plain.accuracy
     env = Cell('prepare_lunch', 6, 12, 'dt_task_env', 0)

@@ -154,3 +154,29 @@ def test_settled_questions_are_not_drawn():
     teacher = ScriptedTeacher(task.symbols, task.relevant_groups, 0)
     asked = [record.kind for _, record in turns(episode, PerceivedWorld(choice.open()), teacher) if record]
     assert asked.count(QueryKind.FEATURE_SUBSET) <= 1
+
+
+def test_what_is_worthless_to_the_strategy_is_not_drawn():
+    """Feature counts would be matched by questions that no learner with these weights asks."""
+    from al_questioner.domain import QueryKind
+    from al_questioner.imitation.rollouts import SoftmaxQuestioner
+    from al_questioner.questioning import FEATURE_SETS, Episode
+    from al_questioner.simulation import PerceivedWorld, WorldChoice, episode_settings, turns
+    from al_questioner.teaching import ScriptedTeacher
+    from al_questioner.world import load_task
+
+    task = load_task('prepare_lunch')
+    settings = episode_settings(task, 'value_per_cost', 500, 30)
+    # Indifferent, but for silence: without scene changes, things that are labelled would soon be asked about again.
+    draws = SoftmaxQuestioner(np.array([0, 0, 0, 0, -50.0]), FEATURE_SETS['value_per_cost'])
+    episode = Episode(settings, np.random.default_rng(0), strategy=draws)
+    world = PerceivedWorld(WorldChoice(task, 0, 0).open())
+    teacher = ScriptedTeacher(task.symbols, task.relevant_groups, 0)
+    asked = set()
+    for _, record in turns(episode, world, teacher):
+        if record and record.kind is QueryKind.LABEL:
+            scene = world.scene(record.turn)
+            view = record.object_id, scene.features[scene.index_of(record.object_id)].tobytes()
+            assert view not in asked
+            asked.add(view)
+    assert len(asked) > 10

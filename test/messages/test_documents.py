@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
+import dataclasses
 import json
 
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from al_questioner.domain import Action, Answer, InputError, Outcome, Query, QueryKind, QueryRecord
+from al_questioner.domain import Action, Answer, EpisodeSettings, InputError, Outcome, Query, QueryKind, QueryRecord
 from al_questioner.messages import documents
 from al_questioner.messages.documents import DocumentError
 
@@ -105,3 +106,12 @@ def test_nan_is_never_written() -> None:
 def test_unknown_members_are_let_through() -> None:
     """A later version could not add a member without breaking this one."""
     assert documents.read('answer', answer_text(mood='good'))['mood'] == 'good'
+
+
+def test_documents_that_tell_no_amplitude_are_of_learners_that_had_four() -> None:
+    """A recording of before would be replayed with other models than it was made with."""
+    settings = EpisodeSettings(('cup', 'plate'), 5.0, 10, 'random_fsq', amplitude=9.0, length_scale=2.0)
+    told = documents.settings_members(settings)
+    assert documents.settings_of(told) == settings
+    silent = {name: value for name, value in told.items() if name not in ('amplitude', 'length_scale')}
+    assert documents.settings_of(silent) == dataclasses.replace(settings, amplitude=4.0, length_scale=None)

@@ -23,7 +23,7 @@ WEIGHTS = {
         'budget_consumption': -0.26,
         'non_query_time': -0.42,
     },
-    'value_per_cost': {'gain': 1, 'chance': 1, 'price': -1, 'ahead': 1000, 'silence': -10},
+    'value_per_cost': {'gain': 1, 'chance': 1, 'price': -1, 'ahead': 1e6, 'silence': -10},
 }
 
 

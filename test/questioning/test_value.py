@@ -17,7 +17,7 @@ from al_questioner.domain import (
     SettingsError,
     generator,
 )
-from al_questioner.questioning import Episode, Situation, make_strategy, read_weights
+from al_questioner.questioning import FEATURE_SETS, Choice, Episode, Observed, Situation, make_strategy, read_weights
 from al_questioner.questioning.beliefs import class_beliefs
 from al_questioner.questioning.value import (
     DEFAULTS,
@@ -31,7 +31,8 @@ from al_questioner.questioning.value import (
     value_features,
 )
 
-SHIPPED = read_weights(Path(__file__).resolve().parents[2] / 'config' / 'weights' / 'value_per_cost.yaml').values
+ROOT = Path(__file__).resolve().parents[2]
+SHIPPED = read_weights(ROOT / 'config' / 'weights' / 'value_per_cost.yaml').values
 SUBSET_ASKED = QueryRecord(1, QueryKind.FEATURE_SUBSET, None, None, 2.0, Outcome.ANSWERED, ('size', 'colour'))
 
 
@@ -68,7 +69,7 @@ def values_by_brute_force(situation, constants=DEFAULTS):
     labels = [seen.get((i, scene.features[row].tobytes())) for row, i in enumerate(scene.object_ids)]
 
     def gain(row, j):
-        best = [k for k in range(len(symbols)) if q[row, k] == max(q[row])]
+        best = [k for k in range(len(symbols)) if q[row, k] > max(q[row]) - 1e-9]
         called = 1 / len(best) if j in best else 0.0
         return 0.0 if labels[row] else (1 - called) / (1 + knowledge.positives[symbols[j]]) ** constants.decline
 
@@ -85,7 +86,7 @@ def values_by_brute_force(situation, constants=DEFAULTS):
 
 
 @pytest.mark.parametrize('constants', [DEFAULTS, Constants(reach=0.7, doubt=0.2, decline=1.5)])
-@pytest.mark.parametrize('labels', [[], ['snack'], ['snack', NO_SYMBOL, 'fruit', 'snack']])
+@pytest.mark.parametrize('labels', [[], ['snack'], [NO_SYMBOL] * 5, ['snack', NO_SYMBOL, 'fruit', 'snack']])
 def test_features_are_the_formula_written_out(toy, labels, constants):
     history = (SUBSET_ASKED, *(label_record(label) for label in labels))
     situation = situation_of(toy, labels, history=history)
@@ -125,6 +126,8 @@ def test_gains_by_hand(toy):
         ({'budget': 500.0, 'spent': 0.0, 'turn': 1}, 39),
         ({'budget': 2.0, 'spent': 0.0}, 0),
         ({'budget': 2.0, 'spent': 0.0, 'costs': Costs(0, 0, 0)}, 38),
+        # 0.3 / 0.1 is a little less than 3.
+        ({'budget': 0.5, 'spent': 0.0, 'costs': Costs(0.1, 0.2, 0.2)}, 3),
     ],
 )
 def test_what_the_relevant_features_still_help(toy, changes, answers):
@@ -153,6 +156,8 @@ def test_the_relevant_features_come_first_unless_they_leave_no_answer(toy):
         (60.5, Costs(2, 1, 2), 0.5),
         (12.0, Costs(0.1, 2, 2), (78 - 10) / (1.9 * 39)),
         (2.0, Costs(0, 0, 0), 0.0),
+        # As numbers are rounded, 44.9 - 2 is a little less than 39 times 1.1.
+        (44.9, Costs(0.5, 1.1, 2), 0.0),
     ],
 )
 def test_how_short_the_budget_is_by_hand(toy, budget, costs, expected):
@@ -166,6 +171,27 @@ def test_how_short_the_budget_is_by_hand(toy, budget, costs, expected):
     assert ratio == pytest.approx(expected * np.log(costs.demonstration / costs.label) if costs.label else 0.0)
 
 
+def test_prices_are_shares_of_the_dearest_and_silence_has_none(toy):
+    situation = situation_of(toy, ['snack'], costs=Costs(0.001, 1, 4))
+    prices = value_features(situation)[:, VALUE_FEATURES.index('price')]
+    s = scarcity(situation)
+    assert 0 < s < 1
+    expected = {
+        QueryKind.DEMONSTRATION: s * np.log(1 / 4),
+        QueryKind.LABEL: s * np.log(0.01),
+        QueryKind.FEATURE_SUBSET: 0.0,
+        QueryKind.NO_QUERY: 0.0,
+    }
+    assert prices == pytest.approx([expected[action.kind] for action in situation.candidates])
+
+
+def test_the_relevant_features_first_at_the_default_costs_alone(toy):
+    """One label that can follow is enough; where they cost more than they can bring they are not worth it."""
+    fresh = {'history': (), 'spent': 0.0, 'turn': 1}
+    assert decide(situation_of(toy, **fresh, budget=3.0))[0].kind is QueryKind.FEATURE_SUBSET
+    assert decide(situation_of(toy, **fresh, budget=25.0, costs=Costs(1, 2, 20)))[0].kind is QueryKind.LABEL
+
+
 def test_the_unit_of_the_budget_does_not_matter(toy):
     """Somebody who counts in thousandths would be asked other questions."""
     for unit in (1e-3, 1e3):
@@ -177,7 +203,7 @@ def test_the_unit_of_the_budget_does_not_matter(toy):
 
 def test_a_short_budget_is_paced(toy):
     """By a quarter of the turns half of the budget is gone, and no more."""
-    for spent, waits in ((9.0, False), (10.5, True)):
+    for spent, waits in ((9.0, False), (10.0, False), (10.01, True)):
         action, _ = decide(situation_of(toy, ['snack'], turn=10, spent=spent))
         assert (action.kind is QueryKind.NO_QUERY) is waits
     assert decide(situation_of(toy, ['snack'], turn=40, spent=19.0))[0].kind is not QueryKind.NO_QUERY
@@ -197,11 +223,13 @@ def test_the_missing_symbol_is_asked_for_where_turns_are_short(toy):
 def test_a_teacher_who_does_not_know_lowers_the_chance_of_an_answer_to_such_questions(toy, kind):
     silent = QueryRecord(2, kind, 90, 'snack', 1.0, Outcome.UNKNOWN)
     chance = VALUE_FEATURES.index('chance')
+    answered = dataclasses.replace(silent, outcome=Outcome.ANSWERED)
     before, after = (
         value_features(situation_of(toy, scene_turn=3, turn=3, history=(SUBSET_ASKED, *more)))[:, chance]
-        for more in ((), (silent, silent))
+        for more in ((answered, answered), (answered, silent, answered, silent))
     )
-    expected = [np.log(0.5) if action.kind is kind else 0.0 for action in situation_of(toy, turn=3).candidates]
+    # With the two answers that are imagined, four of four and four of six.
+    expected = [np.log(4 / 6) if action.kind is kind else 0.0 for action in situation_of(toy, turn=3).candidates]
     assert after - before == pytest.approx(expected)
 
 
@@ -278,8 +306,10 @@ def test_two_symbols_are_enough(toy):
         ({}, 'value_per_cost needs weights'),
         ({'reach': 1.0}, 'value_per_cost needs weights'),
         ({'gain': 1, 'discriminability': 1}, "does not use 'discriminability'"),
-        ({'gain': 1, 'reach': 0.0}, 'reach must be above 0, not 0.0'),
-        ({'gain': 1, 'pace': -1.0}, 'pace must be above 0, not -1.0'),
+        ({'gain': 1, 'reach': 0.0}, 'reach must be a number of 1e-06 or more, not 0.0'),
+        ({'gain': 1, 'doubt': np.inf}, 'doubt must be a number of 1e-06 or more, not inf'),
+        ({'gain': 1, 'decline': np.nan}, 'decline must be a number of 1e-06 or more, not nan'),
+        ({'gain': 1, 'pace': -1.0}, 'pace must be a number of 1e-06 or more, not -1.0'),
     ],
 )
 def test_weights_that_do_not_fit(weights, reason):
@@ -296,7 +326,58 @@ def test_its_constants_can_be_set_beside_its_weights(toy):
     assert late[0].kind is QueryKind.NO_QUERY
 
 
+def test_defaults_and_shipped_weights_are_those_of_the_documentation():
+    """The page would derive another questioner than the one that ships."""
+    page = (ROOT / 'docs' / 'method.md').read_text()
+    for name in ('reach', 'doubt', 'decline', 'pace'):
+        assert f'| `{name}` | {getattr(DEFAULTS, name):g} |' in page
+    assert make_strategy('value_per_cost', SHIPPED).constants == DEFAULTS
+    assert [SHIPPED[name] for name in VALUE_FEATURES] == [1, 1, -1, 1e6, -10]
+    assert '| weights of gain, chance, price | 1, 1, -1 |' in page
+    assert '| weight of ahead | 1e6 |' in page
+    assert '| weight of silence | -10 |' in page
+
+
+@pytest.mark.filterwarnings('error')
+@pytest.mark.parametrize('constants', [Constants(reach=1e-6, doubt=1e-6), Constants(1e6, 1e6, 1e6, 1e6)])
+@pytest.mark.parametrize('labels', [[], [NO_SYMBOL] * 5, ['snack'] * 6])
+def test_features_stay_finite(toy, labels, constants):
+    """A strategy whose values are no numbers would never ask again, and nobody would know why."""
+    in_vain = [QueryRecord(2, QueryKind.DEMONSTRATION, None, symbol, 2.0, Outcome.ANSWERED) for symbol in toy.symbols]
+    for history in ((), tuple(in_vain)):
+        features = value_features(situation_of(toy, labels, history=history), constants)
+        assert np.isfinite(features).all()
+
+
+def test_zero_weights_of_others_do_not_matter():
+    make_strategy('value_per_cost', {'gain': 1, 'discriminability': 0})
+
+
 @pytest.mark.parametrize('name', ['gain', 'reach'])
 def test_other_strategies_do_not_take_its_weights(name):
     with pytest.raises(SettingsError, match=f"dt_task_env does not use '{name}'"):
         make_strategy('dt_task_env', {'discriminability': 1, name: 1})
+
+
+def test_a_demonstration_shows_what_is_worthless_as_not_considered(toy):
+    """Whoever learns from it would weigh candidates that the learner will never take."""
+    situation = situation_of(toy, ['snack', NO_SYMBOL, 'fruit'])
+    feature_set = FEATURE_SETS['value_per_cost']
+    worthless = feature_set.is_worthless(feature_set.of(situation))
+    assert worthless.any()
+    for seed in range(20):
+        choice = Observed(RandomChoice(), feature_set).choose(situation, np.random.default_rng(seed))
+        assert not np.isnan(choice.utilities[choice.index])
+        left_out = np.isnan(choice.utilities)
+        left_out[choice.index] = worthless[choice.index]
+        np.testing.assert_array_equal(left_out, worthless)
+
+
+class RandomChoice:
+    """Considers everything."""
+
+    selector = None
+
+    def choose(self, situation, rng):
+        utilities = np.zeros(len(situation.candidates))
+        return Choice(int(rng.integers(len(utilities))), utilities)
