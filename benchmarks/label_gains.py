@@ -25,8 +25,9 @@ from measuring import print_table
 from numpy.typing import NDArray
 from scipy.stats import mannwhitneyu
 
+from al_questioner.arguments import number
 from al_questioner.concepts import Selector
-from al_questioner.domain import NO_SYMBOL, generator
+from al_questioner.domain import NO_SYMBOL, InputError, generator
 from al_questioner.questioning import Choice, Episode, Situation, Strategy, known_strategies, make_strategy
 from al_questioner.questioning.beliefs import class_beliefs
 from al_questioner.questioning.value import DEFAULTS, called_shares
@@ -165,14 +166,20 @@ def main() -> None:
     """Print both tables."""
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument('--task', nargs='+', default=['prepare_lunch', 'pack_lunchbox', 'kitchen_table'])
-    parser.add_argument('--strategy', nargs='+', default=['random_fsq', 'value_per_cost'], choices=known_strategies())
-    parser.add_argument('--budget', type=float, default=25.0)
-    parser.add_argument('--turns', type=int, default=40)
-    parser.add_argument('--first', type=int, default=1000)
-    parser.add_argument('--samples', type=int, default=20)
-    parser.add_argument('--every', type=int, default=5)
-    parser.add_argument('--jobs', type=int, default=os.cpu_count())
+    strategies = [name for name in known_strategies() if name != 'human']
+    parser.add_argument('--strategy', nargs='+', default=['random_fsq', 'value_per_cost'], choices=strategies)
+    parser.add_argument('--budget', type=number(float, 0, 1e6), default=25.0)
+    parser.add_argument('--turns', type=number(int, 1, 10_000), default=40)
+    parser.add_argument('--first', type=number(int, 0, 1_000_000), default=1000)
+    parser.add_argument('--samples', type=number(int, 1, 100_000), default=20)
+    parser.add_argument('--every', type=number(int, 1, 10_000), default=5)
+    parser.add_argument('--jobs', type=number(int, 1, 1024), default=os.cpu_count())
     given = parser.parse_args()
+    try:
+        for task in given.task:
+            load_task(task)
+    except InputError as error:
+        parser.error(str(error))
     samples = range(given.first, given.first + given.samples)
     cases = [
         Case(task, strategy, sample, given.budget, given.turns, given.every)
@@ -184,7 +191,7 @@ def main() -> None:
             by_task[case.task] += labels
     columns = ['', *(f'{n[0]} examples' if len(n) == 1 else f'{n[0]} to {n[-1]}' for n in EXAMPLES[:-1]), '8 or more']
     print_table(
-        'change of accuracy by one label',
+        'change of accuracy by one label, in thousandths',
         columns,
         list(itertools.chain(*itertools.starmap(gain_rows, by_task.items()))),
     )

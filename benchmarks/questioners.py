@@ -70,7 +70,7 @@ def print_all(results: Results, strategy: str) -> None:
     for task in results.tasks:
         print(f'\n{task}, {len(alike.samples)} samples\n')
         print_accuracies(alike, task)
-    for other in PAPER_STRATEGIES:
+    for other in (name for name in PAPER_STRATEGIES if name in results.strategies):
         print(f'\n{strategy} against {other}\n')
         print_tests(results, strategy, dict.fromkeys(cells, other))
     print(f'\n{strategy} against the best control of each cell\n')

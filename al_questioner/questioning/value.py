@@ -60,28 +60,29 @@ class Constants:
 
 DEFAULTS = Constants()
 
+BY_DERIVATION: Mapping[str, float] = {'gain': 1.0, 'chance': 1.0, 'price': -1.0, 'ahead': 1e6, 'silence': -10.0}
+"""Weights with which the features add up to the logarithm of a value; that of being ahead makes the pace a rule."""
+
 
 class ValuePerCost:
     """value_per_cost: the question of largest value, or, where the budget is short, of largest value per cost.
 
     Args:
-        weights: weight by name in `VALUE_FEATURES`, 0 for one that is missing; and, by name, those of the `Constants`
-            that are not to have their default.
+        weights: by name in `VALUE_FEATURES` the weights that are not to be those of `BY_DERIVATION`, and by name those
+            of the `Constants` that are not to have their default.
 
     Raises:
-        SettingsError: no weights, one for another feature, or a constant out of its range.
+        SettingsError: a weight for another feature, or a constant out of its range.
     """
 
     selector = None
 
     def __init__(self, weights: Mapping[str, float]) -> None:
-        if not any(name in VALUE_FEATURES for name in weights):
-            raise SettingsError(f'strategy value_per_cost needs weights for some of {", ".join(VALUE_FEATURES)}')
         known = (*VALUE_FEATURES, *VALUE_CONSTANTS)
         for name, weight in weights.items():
             if name not in known and weight != 0:
                 raise SettingsError(f'strategy value_per_cost does not use {name!r}; it uses {", ".join(known)}')
-        self.weights = np.array([float(weights.get(name, 0.0)) for name in VALUE_FEATURES])
+        self.weights = np.array([float(weights.get(name, BY_DERIVATION[name])) for name in VALUE_FEATURES])
         self.constants = Constants(**{name: float(weights[name]) for name in VALUE_CONSTANTS if name in weights})
 
     def choose(self, situation: Situation, rng: np.random.Generator) -> Choice:

@@ -10,6 +10,9 @@ from pathlib import Path
 from al_questioner.configuration import read_yaml
 from al_questioner.domain import WEIGHED, SettingsError
 
+MEMBERS = ('weights', 'provenance', 'training')
+"""Of a weights file; how the weights were learnt is for people."""
+
 
 @dataclass(frozen=True)
 class Weights:
@@ -28,9 +31,13 @@ def read_weights(path: Path) -> Weights:
     """Read a file with a mapping `weights` of decision features to numbers, and a text `provenance`.
 
     Raises:
-        InputError: the file cannot be read, an unknown decision feature, or a weight that is not a finite number.
+        InputError: the file cannot be read, a member that a weights file does not have, an unknown decision feature, or
+            a weight that is not a finite number.
     """
     content = read_yaml(path)
+    for name in content:
+        if name not in MEMBERS:
+            raise SettingsError(f'{path}: unknown member {name!r}; a weights file has {", ".join(MEMBERS)}')
     values = content.get('weights')
     if not isinstance(values, dict) or not values:
         raise SettingsError(f'{path} has no mapping "weights" of decision features to numbers')
@@ -38,5 +45,6 @@ def read_weights(path: Path) -> Weights:
         if name not in WEIGHED:
             raise SettingsError(f'{path}: unknown decision feature {name!r}; known: {", ".join(WEIGHED)}')
         if isinstance(value, bool) or not isinstance(value, (int, float)) or not math.isfinite(value):
-            raise SettingsError(f'{path}: the weight of {name} must be a finite number, not {value!r}')
+            hint = ' (in YAML a power of ten has a point and a sign: 1.0e+6)' if 'e' in str(value).lower() else ''
+            raise SettingsError(f'{path}: the weight of {name} must be a finite number, not {value!r}{hint}')
     return Weights({name: float(value) for name, value in values.items()}, str(content.get('provenance', '')).strip())

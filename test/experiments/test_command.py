@@ -208,7 +208,7 @@ def test_weights_that_nobody_would_use_are_refused(tmp_path: Path, capsys: pytes
 def test_weights_are_for_the_strategy_whose_features_they_name(tmp_path: Path) -> None:
     """What was learnt from an expert would not be what is played."""
     file = tmp_path / 'w.yaml'
-    file.write_text('weights: {gain: 1, silence: 1000}\n')
+    file.write_text('weights: {silence: 1000000000}\n')
     out = tmp_path / 'x'
     strategies = ['--strategy', 'dt_task_env', 'value_per_cost', '--condition', '4/3', '--samples', '1', '--jobs', '1']
     assert main(['experiment', *strategies, '--weights-file', str(file), '--out', str(out)]) == 0

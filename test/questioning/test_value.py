@@ -20,6 +20,7 @@ from al_questioner.domain import (
 from al_questioner.questioning import FEATURE_SETS, Choice, Episode, Observed, Situation, make_strategy, read_weights
 from al_questioner.questioning.beliefs import class_beliefs
 from al_questioner.questioning.value import (
+    BY_DERIVATION,
     DEFAULTS,
     LEAST,
     Constants,
@@ -303,8 +304,6 @@ def test_two_symbols_are_enough(toy):
 @pytest.mark.parametrize(
     ('weights', 'reason'),
     [
-        ({}, 'value_per_cost needs weights'),
-        ({'reach': 1.0}, 'value_per_cost needs weights'),
         ({'gain': 1, 'discriminability': 1}, "does not use 'discriminability'"),
         ({'gain': 1, 'reach': 0.0}, 'reach must be a number of 1e-06 or more, not 0.0'),
         ({'gain': 1, 'doubt': np.inf}, 'doubt must be a number of 1e-06 or more, not inf'),
@@ -319,8 +318,9 @@ def test_weights_that_do_not_fit(weights, reason):
 
 def test_its_constants_can_be_set_beside_its_weights(toy):
     """A user whose things look less alike would have no say."""
-    strategy = make_strategy('value_per_cost', {**SHIPPED, 'reach': 0.5, 'pace': 2.0})
+    strategy = make_strategy('value_per_cost', {'reach': 0.5, 'pace': 2.0, 'price': -0.5})
     assert strategy.constants == Constants(reach=0.5, pace=2.0)
+    assert strategy.weights.tolist() == [1, 1, -0.5, 1e6, -10]
     assert decide(situation_of(toy, ['snack'], turn=10, spent=9.0))[0].kind is not QueryKind.NO_QUERY
     late = decide(situation_of(toy, ['snack'], turn=10, spent=9.0), weights={**SHIPPED, 'pace': 2.0})
     assert late[0].kind is QueryKind.NO_QUERY
@@ -332,7 +332,8 @@ def test_defaults_and_shipped_weights_are_those_of_the_documentation():
     for name in ('reach', 'doubt', 'decline', 'pace'):
         assert f'| `{name}` | {getattr(DEFAULTS, name):g} |' in page
     assert make_strategy('value_per_cost', SHIPPED).constants == DEFAULTS
-    assert [SHIPPED[name] for name in VALUE_FEATURES] == [1, 1, -1, 1e6, -10]
+    assert SHIPPED == BY_DERIVATION
+    assert list(SHIPPED.values()) == [1, 1, -1, 1e6, -10]
     assert '| weights of gain, chance, price | 1, 1, -1 |' in page
     assert '| weight of ahead | 1e6 |' in page
     assert '| weight of silence | -10 |' in page

@@ -31,6 +31,8 @@ def test_shipped_weights(name, strategy, provenance):
     ('text', 'reason'),
     [
         ('weights: {cleverness: 1}', "unknown decision feature 'cleverness'"),
+        ('weights: {gain: 1e6}', "must be a finite number, not '1e6' .in YAML a power of ten has a point"),
+        ('weights: {gain: 1}\nreach: 0.5', "unknown member 'reach'; a weights file has weights, provenance, training"),
         ('weights: {discriminability: .nan}', 'must be a finite number, not nan'),
         ('weights: {discriminability: high}', "must be a finite number, not 'high'"),
         ('weights: {discriminability: true}', 'must be a finite number, not True'),
