@@ -44,7 +44,8 @@ def parser() -> Parser:
     result.add_argument('--strategy', help=f"one of {', '.join(STRATEGIES)}, or of an installed package (the task's)")
     result.add_argument('--weights-file', help='YAML file with weights of the decision features')
     result.add_argument('--budget', type=float, help="query budget (the task's)")
-    result.add_argument('--turns', type=int, help="length of the episode (the task's)")
+    turns = number(int, 1, LARGEST_TURN)
+    result.add_argument('--turns', type=turns, help="length of the episode (the task's)")
     tune_every = number(int, 0, LARGEST_TURN)
     tune_help = "turns from one re-optimisation of the models' kernel to the next, 0 for never (%(default)s)"
     result.add_argument('--tune-every', type=tune_every, default=0, metavar='K', help=tune_help)

@@ -41,6 +41,7 @@ from al_questioner.experiments.statistics import mean_and_deviation
 from al_questioner.experiments.storing import Store
 from al_questioner.experiments.studies import STUDIES, Study, make_studies
 from al_questioner.files import make_folder, write_text
+from al_questioner.messages.schemas import LARGEST_TURN
 from al_questioner.questioning import FEATURE_SETS, Weights, make_strategy, read_weights
 from al_questioner.simulation import WorldChoice
 from al_questioner.wording import number_of
@@ -56,8 +57,10 @@ def condition(text: str) -> Condition:
         found = Condition(float(budget), int(turns))
     except ValueError:
         slash = ''
-    if not slash or not (0 <= found.budget < float('inf') and found.turns >= 1):
-        raise argparse.ArgumentTypeError(f'must be one of {", ".join(PAPER_CONDITIONS)}, or BUDGET/TURNS, not {text}')
+    if not slash or not (0 <= found.budget < float('inf') and 1 <= found.turns <= LARGEST_TURN):
+        conditions = ', '.join(PAPER_CONDITIONS)
+        limits = f'BUDGET/TURNS of 1 to {LARGEST_TURN} turns'
+        raise argparse.ArgumentTypeError(f'must be one of {conditions}, or {limits}, not {text}')
     return found
 
 

@@ -119,10 +119,15 @@ def _panels(
 
 
 def _finish(figure: Figure, columns: int, path: Path) -> Path:
-    """Save a figure with the legend of its first panel below."""
+    """Save a figure with the legend of its first panel below, in fewer columns than these where they would not fit."""
     handles, labels = figure.axes[0].get_legend_handles_labels()
-    figure.legend(handles, labels, loc='outside lower center', ncols=columns, frameon=False)
-    return save(figure, path)
+    while True:
+        legend = figure.legend(handles, labels, loc='outside lower center', ncols=columns, frameon=False)
+        # How wide it is depends on the names, which other packages choose, too.
+        if columns == 1 or legend.get_window_extent().width <= figure.bbox.width:
+            return save(figure, path)
+        legend.remove()
+        columns -= 1
 
 
 def _line(strategy: str) -> dict[str, Any]:

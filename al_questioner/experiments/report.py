@@ -153,7 +153,7 @@ def _first_paragraph(results: Results) -> str:
                 where = f'{task}, {condition_name(condition)}'
                 beaten.append(f'{where}: {best} {controls[best]:.3f}, {OURS} {ours:.3f} ({p_text(p)})')
     if not cells:
-        return 'No control was played beside the strategies of the paper.'
+        return _not_compared(results.strategies)
     if not beaten:
         where = 'In the only cell no control is' if cells == 1 else f'In none of the {cells} cells is a control'
         return f'{where} more accurate, in the mean, than {OURS}.'
@@ -165,6 +165,17 @@ def _first_paragraph(results: Results) -> str:
         listed = '\n'.join(f'- {line}' for line in others)
         parts.append(f'Other strategies of the paper are more accurate than it in these cells:\n\n{listed}')
     return '\n\n'.join(parts)
+
+
+def _not_compared(strategies: Sequence[str]) -> str:
+    """Why the method of the paper stands beside no control."""
+    controls = any(name in CONTROLS for name in strategies)
+    if OURS not in strategies:
+        beside = 'Controls were played, but' if controls else 'No control was played, and'
+        return f'{beside} {OURS}, the method of the paper, was not.'
+    if not controls:
+        return f'No control was played beside {OURS}.'
+    return f'No control was played in the same cell as {OURS}.'
 
 
 def _second_paragraph(results: Results, change_intervals: Mapping[str, int]) -> str:

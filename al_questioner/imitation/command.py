@@ -22,7 +22,7 @@ from al_questioner.imitation.demonstration import Demonstration
 from al_questioner.imitation.feature_matching import Iteration, MatchingSettings
 from al_questioner.imitation.pictures import draw_training
 from al_questioner.imitation.training import METHODS, Training, TrainingSettings, train, weights_document
-from al_questioner.questioning import FEATURE_SETS
+from al_questioner.questioning import FEATURE_SETS, read_weights
 from al_questioner.recording import digest
 from al_questioner.recording.bags import STORAGE_SUFFIXES
 from al_questioner.simulation import PerceivedWorld
@@ -74,6 +74,7 @@ def main(arguments: Sequence[str]) -> int:
     picture = given.picture or given.out.with_suffix('.png')
     if picture.resolve() == given.out.resolve():
         raise InputError(f'{picture} cannot be the weights and the picture: name one of them otherwise')
+    _check_replaceable(given.out)
     for path in (given.out, picture):
         check_writable(path)
     paths = _without_other_files(given.bags)
@@ -116,6 +117,20 @@ def main(arguments: Sequence[str]) -> int:
     for path in (given.out, picture):
         console.print(f'  {path}', highlight=False, soft_wrap=True)
     return 0
+
+
+def _check_replaceable(out: Path) -> None:
+    """See that nothing but weights of before would be lost.
+
+    Raises:
+        InputError: there is another file; a bag's metadata, for example, are YAML as well.
+    """
+    if not out.is_file() or out.stat().st_size == 0:
+        return
+    try:
+        read_weights(out)
+    except InputError as error:
+        raise InputError(f'--out: {out} exists and is no weights file ({error}); it is not overwritten') from error
 
 
 def _compare_eagerness(

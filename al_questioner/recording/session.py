@@ -287,7 +287,11 @@ def _seen_and_decided(
     decision = recorded.decisions.get(stamp)
     if cloud is None or decision is None:
         missing = 'objects' if cloud is None else 'decision'
-        raise BagError(f'{path}: turn {turn} of {settings.turns} was recorded without its {missing}')
+        # A learner that is killed and resumed may leave such a gap: its session has what no message told.
+        raise BagError(
+            f'{path}: turn {turn} of {settings.turns} was recorded without its {missing};'
+            ' if the learner kept a session, `session DIR --bag NEW_BAG` writes a whole bag'
+        )
     return scene_of_cloud(deserialize(cloud)), decision_of_cloud(deserialize(decision), settings.symbols, turn)
 
 

@@ -24,13 +24,17 @@ RIM_M = 0.14
 SQUASH = 0.82
 """Height of a square metre of the table that is one wide: the picture is taken from above and in front."""
 
+FONT = cv2.FONT_HERSHEY_SIMPLEX
+TEXT_SCALE = 0.46
+"""Of all texts, in a picture of full width."""
+
 LEADER_PX = 20
 """From a number to its thing, in a picture of full width, above which a line leads from one to the other."""
 
 
 @dataclass(frozen=True)
 class Mark:
-    """How an object is marked: a ring around it, and a text under it.
+    """How an object is marked: a ring around it, and a text under it, or, if numbers are there, elsewhere beside it.
 
     Attributes:
         color: red, green, blue in 0..255.
@@ -113,10 +117,10 @@ def draw_scene(
         _ring(canvas, extents[object_id], mark, zoom)
     for extent, nearest in pasted.values():
         _leader(canvas, extent, nearest, zoom)
-    for o in order:
-        _number(canvas, o.object_id, extents[o.object_id], marked.get(o.object_id), zoom)
+    taken = [_number(canvas, o.object_id, extents[o.object_id], marked.get(o.object_id), zoom) for o in order]
     for object_id, mark in marked.items():
-        _label(canvas, extents[object_id], mark, zoom)
+        if mark.label:
+            taken.append(_label(canvas, extents[object_id], mark, taken, zoom))
     return TablePicture(canvas, pixels)
 
 
@@ -189,10 +193,10 @@ def _ring(canvas: NDArray[np.uint8], extent: Extent, mark: Mark, zoom: float) ->
     cv2.ellipse(canvas, center, axes, 0, 0, 360, mark.color, max(1, round(3.5 * zoom)), cv2.LINE_AA)
 
 
-def _number(canvas: NDArray[np.uint8], object_id: int, extent: Extent, mark: Mark | None, zoom: float) -> None:
+def _number(canvas: NDArray[np.uint8], object_id: int, extent: Extent, mark: Mark | None, zoom: float) -> Extent:
     color = (250, 250, 250) if mark is None else mark.color
     ink = (30, 30, 30) if mark is None else (255, 255, 255)
-    _tag(canvas, str(object_id), _number_at(extent, zoom), color, ink, 0.46 * zoom)
+    return _tag(canvas, str(object_id), _number_at(extent, zoom), color, ink, TEXT_SCALE * zoom)
 
 
 def _number_at(extent: Extent, zoom: float) -> Pixel:
@@ -207,19 +211,35 @@ def _leader(canvas: NDArray[np.uint8], extent: Extent, nearest: Pixel, zoom: flo
         cv2.line(canvas, begin, nearest, (250, 250, 250), max(1, round(1.5 * zoom)), cv2.LINE_AA)
 
 
-def _label(canvas: NDArray[np.uint8], extent: Extent, mark: Mark, zoom: float) -> None:
-    if mark.label:
-        below = (extent[0] + extent[2]) // 2, extent[3] + round(14 * zoom)
-        _tag(canvas, mark.label, below, mark.color, (255, 255, 255), 0.46 * zoom)
+def _label(canvas: NDArray[np.uint8], extent: Extent, mark: Mark, taken: Sequence[Extent], zoom: float) -> Extent:
+    """The text of a mark, where it hides none of the plates that are there already; below, if it does everywhere."""
+    left, top, right, bottom = extent
+    across, gap = (left + right) // 2, round(14 * zoom)
+    places = [(x, y) for x in (across, left, right) for y in (bottom + gap, top - gap)]
+    scale = TEXT_SCALE * zoom
+    plates = [_plate(canvas, mark.label, place, scale) for place in places]
+    free = [place for place, plate in zip(places, plates, strict=True) if not any(_meet(plate, t) for t in taken)]
+    return _tag(canvas, mark.label, (free or places)[0], mark.color, (255, 255, 255), scale)
 
 
-def _tag(canvas: NDArray[np.uint8], text: str, middle: tuple[int, int], ground: RGB, ink: RGB, scale: float) -> None:
-    """A text on a rounded plate, kept inside the picture."""
-    (width, height), _ = cv2.getTextSize(text, cv2.FONT_HERSHEY_SIMPLEX, scale, 1)
+def _meet(one: Extent, other: Extent) -> bool:
+    """Whether two rectangles have a pixel in common."""
+    return one[0] <= other[2] and other[0] <= one[2] and one[1] <= other[3] and other[1] <= one[3]
+
+
+def _plate(canvas: NDArray[np.uint8], text: str, middle: Pixel, scale: float) -> Extent:
+    """Left, top, right, bottom of the plate of a text, kept inside the picture."""
+    (width, height), _ = cv2.getTextSize(text, FONT, scale, 1)
     half_w, half_h = width // 2 + 4, height // 2 + 4
     x = int(np.clip(middle[0], half_w + 2, canvas.shape[1] - half_w - 3))
     y = int(np.clip(middle[1], half_h + 2, canvas.shape[0] - half_h - 3))
-    cv2.rectangle(canvas, (x - half_w, y - half_h), (x + half_w, y + half_h), ground, -1, cv2.LINE_AA)
-    cv2.rectangle(canvas, (x - half_w, y - half_h), (x + half_w, y + half_h), (60, 60, 60), 1, cv2.LINE_AA)
-    origin = x - width // 2, y + height // 2
-    cv2.putText(canvas, text, origin, cv2.FONT_HERSHEY_SIMPLEX, scale, ink, 1, cv2.LINE_AA)
+    return x - half_w, y - half_h, x + half_w, y + half_h
+
+
+def _tag(canvas: NDArray[np.uint8], text: str, middle: Pixel, ground: RGB, ink: RGB, scale: float) -> Extent:
+    """A text on a rounded plate."""
+    plate = left, top, right, bottom = _plate(canvas, text, middle, scale)
+    cv2.rectangle(canvas, (left, top), (right, bottom), ground, -1, cv2.LINE_AA)
+    cv2.rectangle(canvas, (left, top), (right, bottom), (60, 60, 60), 1, cv2.LINE_AA)
+    cv2.putText(canvas, text, (left + 4, bottom - 4), FONT, scale, ink, 1, cv2.LINE_AA)
+    return plate

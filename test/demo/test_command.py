@@ -83,6 +83,7 @@ def test_progress_and_summary_are_printed(tmp_path: Path, capsys: pytest.Capture
         (['--json', '/proc/no/such.json'], '/proc/no cannot be made a folder'),
         (['--json', '/proc/such.json'], '/proc/such.json cannot be written'),
         (['--out', '/dev/null'], '/dev/null cannot be made a folder'),
+        (['--turns', '100000000000'], 'must be at least 1 and at most 10000, not 100000000000'),
         (['--tune-every', '-1'], '--tune-every'),
         (['--tune-every', '2.5'], '--tune-every'),
         (['--turn-period', '-1'], '--turn-period'),

@@ -130,7 +130,8 @@ def test_unusable_arguments_end_with_status_2_and_one_line(tmp_path: Path, capsy
     for arguments, reason in (
         (['--condition', 'C9'], 'C1, C2, C3, C4, or BUDGET/TURNS'),
         (['--condition', '5'], 'C1, C2, C3, C4, or BUDGET/TURNS'),
-        (['--condition', '-5/40'], 'BUDGET/TURNS, not -5/40'),
+        (['--condition', '-5/40'], 'turns, not -5/40'),
+        (['--condition', '5/10001'], 'BUDGET/TURNS of 1 to 10000 turns, not 5/10001'),
         (['--samples', '-3'], 'at most 100000, not -3'),
         (['--samples', '0'], 'must be at least 1'),
         (['--strategy', 'clever'], 'unknown strategy'),

@@ -52,7 +52,15 @@ def test_the_first_paragraph_says_where_none_is() -> None:
     page = page_of(made({'dt_task_env': OURS, 'random_fsq': WORSE}))
     assert 'In the only cell no control is more accurate, in the mean, than dt_task_env.' in page
     assert 'Other strategies' not in page
-    assert 'No control was played' in page_of(made({'dt_task_env': OURS}))
+
+
+def test_the_first_paragraph_says_what_was_not_compared() -> None:
+    """The page would say that no control was played although controls were, and their accuracies stand below."""
+    assert 'No control was played beside dt_task_env.' in page_of(made({'dt_task_env': OURS}))
+    controls = page_of(made({'random_fsq': WORSE, 'rarest_demo': BETTER}))
+    assert 'Controls were played, but dt_task_env, the method of the paper, was not.' in controls
+    assert 'No control was played' not in controls
+    assert 'No control was played, and dt_task_env' in page_of(made({'value_per_cost': OURS}))
 
 
 def test_means_deviations_and_tests_are_those_of_the_tables() -> None:

@@ -172,6 +172,21 @@ def test_earlier_weights_survive_a_failed_training(tmp_path: Path) -> None:
     assert out.read_text() == 'weights: {discriminability: 1.0}'
 
 
+def test_only_weights_are_overwritten(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    """A bag would lose its metadata to a mistyped --out, and be unreadable."""
+    bag = shutil.copytree(BAGS[0], tmp_path / 'bag')
+    before = (bag / 'metadata.yaml').read_bytes()
+    assert run(bag, '--method', 'choice', '--out', bag / 'metadata.yaml') == 2
+    error = capsys.readouterr().err
+    assert 'metadata.yaml exists and is no weights file' in error
+    assert error.count('\n') == 1
+    assert (bag / 'metadata.yaml').read_bytes() == before
+    assert not (bag / 'metadata.png').exists()
+    (tmp_path / 'w.yaml').write_text('weights: {discriminability: 1.0}')
+    assert run(bag, '--method', 'choice', '--out', tmp_path / 'w.yaml', '--validation', 0) == 0
+    assert len(weights_of(tmp_path / 'w.yaml')) == len(DECISION_FEATURES)
+
+
 @pytest.mark.parametrize(
     ('budget', 'turns', 'least', 'latest'),
     [(15, 30, 11, 26), (25, 40, 18, 36), pytest.param(500, 150, 100, 150, marks=pytest.mark.slow)],

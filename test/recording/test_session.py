@@ -105,7 +105,10 @@ def test_an_unfinished_recording_counts_as_far_as_it_goes(bags, tmp_path):
     ('missing', 'reason'),
     [
         ([('turn', 3)], 'turn 3 of 8 was not recorded'),
-        ([('decision', 4)], 'turn 4 of 8 was recorded without its decision'),
+        (
+            [('decision', 4)],
+            'turn 4 of 8 was recorded without its decision; if the learner kept a session, `session DIR',
+        ),
         ([('objects', 8)], 'turn 8 of 8 was recorded without its objects'),
         ([('objects', 4)], 'turn 4 of 8 was recorded without its objects'),
         ([('episode', 1)], 'no episode was recorded'),

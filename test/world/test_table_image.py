@@ -87,3 +87,35 @@ def test_the_picture_does_not_depend_on_the_order_of_the_scene(small: Task) -> N
 def test_a_wide_picture_is_wide(small: Task) -> None:
     observation = replace(SimulatedWorld(small, 1).scene(1)[0])
     assert draw_scene([observation], width_px=400).image.shape[1] == 400
+
+
+def test_the_text_of_a_mark_hides_no_number() -> None:
+    """An answer would cover the number of what stands before the thing that it is about: what is that one called?"""
+    middle = Observation(1, (0.7, 0.4, 0.0), flat_view(60, 60, 800), {})
+    # Its number begins where the text would be; the second one's, where the text would be above.
+    before = Observation(22, (0.75, 0.25, 0.0), flat_view(60, 60, 800), {})
+    behind = Observation(33, (0.73, 0.44, 0.0), flat_view(60, 60, 800), {})
+    for others in ([before], [before, behind]):
+        scene = [middle, *others]
+        unmarked, ringed = draw_scene(scene).image, draw_scene(scene, {1: Mark(RED)}).image
+        marked = draw_scene(scene, {1: Mark(RED, 'snack')}).image
+        changed = (marked != ringed).any(axis=2)
+        assert changed.sum() > 500
+        # The plates of other things are nearly white, and nothing else here is.
+        assert (unmarked.min(axis=2) == 250).sum() > 300
+        assert not (changed & (unmarked.min(axis=2) == 250)).any()
+
+
+def test_a_text_with_numbers_all_around_is_below() -> None:
+    """It would be missing where things stand close together."""
+    middle = Observation(1, (0.7, 0.4, 0.0), flat_view(60, 60, 800), {})
+    places = [(x, y) for x in np.arange(0.55, 0.9, 0.03) for y in np.arange(0.2, 0.6, 0.04)]
+    crowd = [
+        Observation(10 + i, (float(x), float(y), 0.0), flat_view(60, 60, 800), {}) for i, (x, y) in enumerate(places)
+    ]
+    scene = [middle, *crowd]
+    changed = draw_scene(scene, {1: Mark(RED, 'snack')}).image != draw_scene(scene, {1: Mark(RED)}).image
+    rows, columns = np.nonzero(changed.any(axis=2))
+    column, row = draw_scene(scene).pixels[1]
+    assert rows.min() > row
+    assert abs(columns.mean() - column) < 10

@@ -103,7 +103,7 @@ class ByLine:
                     self._out, question_line(board.moment.query, board.phase is Phase.CORRECTING, board.progress)
                 )
             line = self._lines.peek(LOOK_PERIOD)
-            if line is not None and (here or read_line(line) in (Wish.HELP, Wish.QUIT, Wish.UNDO)):
+            if line is not None and self._is_due(line, here, board.phase):
                 self._lines.take()
                 if not self._heed(line):
                     return
@@ -116,6 +116,13 @@ class ByLine:
                 self._stopped.wait(LOOK_PERIOD)
             elif line is not None:
                 self._stopped.wait(LOOK_PERIOD)
+
+    @staticmethod
+    def _is_due(line: str, here: str, phase: Phase) -> bool:
+        """Whether it is a line's turn: an answer waits for its question, `undo` for the answer that it takes back."""
+        wish = read_line(line)
+        # Were it refused instead, the answer meant to replace that one would be given to the next question.
+        return bool(here) or wish in (Wish.HELP, Wish.QUIT) or (wish is Wish.UNDO and phase is not Phase.SENDING)
 
     def _takes_back(self) -> bool:
         """Whether the next line, if there is one already, takes the last answer of the episode back."""

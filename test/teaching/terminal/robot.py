@@ -1,8 +1,9 @@
 """A robot that asks three questions of whoever is at this process's terminal; for the tests.
 
-    python robot.py FILE [--deaf]
+    python robot.py FILE [--deaf | --slow]
 
-Every answer is written to FILE, a line each. With --deaf none is acknowledged. SIGTERM ends it as it ends a node.
+Every answer is written to FILE, a line each. With --deaf none is acknowledged, with --slow after a while.
+SIGTERM ends it as it ends a node.
 """
 
 from __future__ import annotations
@@ -28,10 +29,10 @@ ACTIONS = {
 
 
 class Robot:
-    """Takes every answer at once, and corrections as well."""
+    """Takes every answer, and corrections as well."""
 
-    def __init__(self, file: Path, deaf: bool) -> None:
-        self.file, self.deaf = file, deaf
+    def __init__(self, file: Path, deaf: bool, slow: bool) -> None:
+        self.file, self.deaf, self.slow = file, deaf, slow
         self.session = Session('anna', self.hear)
         self.records: list[QueryRecord] = []
         self.session.enter('episode')
@@ -48,13 +49,18 @@ class Robot:
             self.session.ask(Query(f'q{turn}', turn, action, choices, 1, 4, 3 - turn, 1, text))
 
     def hear(self, _: str, answer: Answer) -> None:
-        """Write an answer down, and go on."""
+        """Write an answer down, and take it when it is time."""
         with self.file.open('a') as file:
             file.write(f'{answer.query_id} {answer.outcome.value} {answer.content} {answer.replaces is not None}\n')
         # As the logger of a node and the middleware do, past Python's stderr.
         os.write(2, b'[INFO] heard an answer\n[WARN] the disk is nearly full\n')
-        if self.deaf:
-            return
+        if self.slow:
+            threading.Timer(0.5, self.take, [answer]).start()
+        elif not self.deaf:
+            self.take(answer)
+
+    def take(self, answer: Answer) -> None:
+        """Acknowledge an answer, and go on."""
         self.session.acknowledge(answer.answer_id, True, '')
         if answer.replaces is None:
             self.records.append(QueryRecord(len(self.records) + 1, QueryKind.LABEL, 7, 'fruit', 1.0, Outcome.ANSWERED))
@@ -64,7 +70,7 @@ class Robot:
 def main() -> None:
     """Attend in a thread, as the node does."""
     stopped = threading.Event()
-    robot = Robot(Path(sys.argv[1]), '--deaf' in sys.argv)
+    robot = Robot(Path(sys.argv[1]), '--deaf' in sys.argv, '--slow' in sys.argv)
     for number in (signal.SIGTERM, signal.SIGINT):
         signal.signal(number, lambda *_: stopped.set())
     thread = threading.Thread(target=attend, args=(robot.session, stopped))

@@ -202,6 +202,20 @@ def test_a_script_answers_a_line_for_each_question(tmp_path: Path) -> None:
     ]
 
 
+def test_undo_in_a_script_waits_until_the_answer_is_taken(tmp_path: Path) -> None:
+    """`undo` would be dropped, and the answer after it be told as that to the next question: a wrong label."""
+    done = piped(tmp_path, 'fruit\nundo\nsnack\n#12\ncolour\nundo\nsize\n', '--slow')
+    assert done.returncode == 0
+    assert 'on its way' not in done.stderr
+    assert said(tmp_path) == [
+        'q1 answered fruit False',
+        'q1 answered snack True',
+        'q2 answered 12 False',
+        "q3 answered ('colour',) False",
+        "q3 answered ('size',) True",
+    ]
+
+
 @pytest.mark.parametrize('text', ['', 'help\n', 'quit\nfruit\n'])
 def test_the_end_of_the_input_or_quit_leaves_the_question_open(tmp_path: Path, text: str) -> None:
     """A script would not learn that the robot still waits."""
