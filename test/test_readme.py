@@ -23,5 +23,5 @@ def test_episode_snippet_asks_and_learns(capsys) -> None:
     """The loop that people build on would not run."""
     exec(SNIPPETS[1], {})
     asked = capsys.readouterr().out.splitlines()
-    assert len(asked) == len(set(asked)) == 5
+    assert len(asked) == len(set(asked)) == 4
     assert all(line.endswith('?') for line in asked)
