@@ -16,6 +16,8 @@ from al_questioner.questioning.situation import Situation
 
 TIE = 1e-9
 """Candidates within this relative distance of the best are equal: the rest is rounding."""
+NO_ANSWER = (Outcome.UNKNOWN, Outcome.SKIP)
+"""What somebody says who heard the question and leaves it open."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -94,16 +96,18 @@ def choose_best(
 def settled_actions(situation: Situation) -> set[Action]:
     """The questions that it is pointless to put again.
 
-    That is the feature subset query once it has been asked; what the teacher did not know the name of, as long as it
-    looks the same; and, until the scene changes, what the teacher skipped or did not know otherwise, and the symbols
-    that the teacher said nothing here belongs to. A question that nobody heard is not settled.
+    That is the feature subset query once it has been asked, or, if the teacher had no answer to it, asked twice; what
+    the teacher did not know the name of, as long as it looks the same; and, until the scene changes, what the teacher
+    skipped or did not know otherwise, and the symbols that the teacher said nothing here belongs to. A question that
+    nobody heard is not settled, but the feature subset query, which waits for a late answer.
     """
     unnameable = np.flatnonzero(situation.knowledge.is_unnameable(situation.scene))
     settled = {Action(QueryKind.LABEL, situation.scene.object_ids[row]) for row in unnameable}
-    if has_asked(situation, QueryKind.FEATURE_SUBSET):
+    subset_queries = [record for record in situation.history if record.kind is QueryKind.FEATURE_SUBSET]
+    if len(subset_queries) > 1 or any(record.outcome not in NO_ANSWER for record in subset_queries):
         settled.add(Action(QueryKind.FEATURE_SUBSET))
     for record in takewhile(lambda record: record.turn >= situation.scene_turn, reversed(situation.history)):
-        if record.outcome in (Outcome.UNKNOWN, Outcome.SKIP) and record.kind is not QueryKind.FEATURE_SUBSET:
+        if record.outcome in NO_ANSWER:
             settled.add(Action(record.kind, record.object_id, record.symbol))
     settled |= {Action(QueryKind.DEMONSTRATION, symbol=symbol) for symbol in situation.absent_symbols}
     return settled

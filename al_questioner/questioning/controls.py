@@ -11,9 +11,9 @@ from abc import ABC, abstractmethod
 import numpy as np
 from numpy.typing import NDArray
 
-from al_questioner.domain import QueryKind
+from al_questioner.domain import Action, QueryKind
 from al_questioner.questioning.candidates import is_affordable
-from al_questioner.questioning.choice import Choice, choose_best, has_asked, nothing_considered, rows_of
+from al_questioner.questioning.choice import Choice, choose_best, nothing_considered, rows_of, settled_actions
 from al_questioner.questioning.decision_features import prediction_entropy
 from al_questioner.questioning.situation import Situation
 
@@ -44,7 +44,8 @@ class SubsetFirst(ABC):
 
     def _subset_is_due(self, situation: Situation) -> bool:
         both = situation.costs.feature_subset + situation.costs.of(self.kind)
-        return not has_asked(situation, QueryKind.FEATURE_SUBSET) and is_affordable(both, situation.budget_left)
+        settled = Action(QueryKind.FEATURE_SUBSET) in settled_actions(situation)
+        return not settled and is_affordable(both, situation.budget_left)
 
 
 class UnlabelledFirst(SubsetFirst):

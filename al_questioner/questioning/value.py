@@ -111,7 +111,11 @@ def value_features(situation: Situation, constants: Constants = DEFAULTS) -> Arr
         factors[demonstrations, GAIN] = (shown * gains).sum(axis=0) / np.maximum(shown.sum(axis=0), LEAST)
         here = 1 - np.prod(1 - shown, axis=0)
         factors[demonstrations, CHANCE] = here * _answered(situation, QueryKind.DEMONSTRATION)
-    factors[rows_of(situation, QueryKind.FEATURE_SUBSET), GAIN] = later_answers(situation)
+    subset = rows_of(situation, QueryKind.FEATURE_SUBSET)
+    factors[subset, GAIN], factors[subset, CHANCE] = (
+        later_answers(situation),
+        _answered(situation, QueryKind.FEATURE_SUBSET),
+    )
     asks = np.array([action.kind is not QueryKind.NO_QUERY for action in situation.candidates])
     features = np.zeros((len(factors), len(VALUE_FEATURES)))
     features[:, :2] = np.log(np.maximum(factors, LEAST))

@@ -1,5 +1,7 @@
 """What each strategy chooses."""
 
+import dataclasses
+
 import numpy as np
 import pytest
 
@@ -9,7 +11,7 @@ from al_questioner.questioning import STRATEGIES, Situation, UncertaintySampling
 from al_questioner.questioning.choice import choose_best, settled_actions
 
 CONTROLS = ('u_sampling_fsq', 'random_fsq', 'farthest_fsq', 'rarest_demo')
-SUBSET_ASKED = QueryRecord(1, QueryKind.FEATURE_SUBSET, None, None, 2.0, Outcome.UNKNOWN)
+SUBSET_ASKED = QueryRecord(1, QueryKind.FEATURE_SUBSET, None, None, 2.0, Outcome.ANSWERED, ('size',))
 
 
 def situation_of(toy, labels=(), features=None, **changes):
@@ -186,6 +188,25 @@ def test_what_is_settled_is_not_asked_again(toy):
         situation_of(toy, history=history)
     ), 'what went unanswered in the very turn of the change'
     assert settled_actions(situation_of(toy, history=history, scene_turn=3)) == {subset}
+
+
+@pytest.mark.parametrize('outcome', [Outcome.UNKNOWN, Outcome.SKIP])
+def test_the_relevant_features_are_asked_for_a_second_time_if_there_was_no_answer(toy, outcome):
+    """They are worth more than any other answer, but whoever does not know them is not to be asked in every scene."""
+    subset = Action(QueryKind.FEATURE_SUBSET)
+    first, second = (QueryRecord(turn, subset.kind, None, None, 2.0, outcome) for turn in (1, 6))
+    unheard = dataclasses.replace(first, outcome=Outcome.UNANSWERED)
+    for history, scene_turn, settled in (
+        ((first,), 1, True),
+        ((first,), 6, False),
+        ((first, second), 6, True),
+        ((first, second), 11, True),
+        ((unheard,), 6, True),
+    ):
+        situation = situation_of(toy, turn=12, history=history, scene_turn=scene_turn)
+        assert (subset in settled_actions(situation)) is settled
+        for name in ('u_sampling_fsq', 'random_fsq', 'farthest_fsq', 'rarest_demo', 'value_per_cost'):
+            assert (chosen(name, situation) == subset) is not settled
 
 
 @pytest.mark.parametrize('strategy', ['u_sampling', 'dt_iros', 'dt_task', 'dt_task_env'])
