@@ -184,7 +184,7 @@ def _strategy_of(weights: Weights, strategies: Sequence[str]) -> str:
         SettingsError: they are for none of these, or do not fit it.
     """
     for name, feature_set in FEATURE_SETS.items():
-        if name in strategies and any(feature in feature_set.names for feature in weights.values):
+        if name in strategies and any(each in (*feature_set.names, *feature_set.constants) for each in weights.values):
             make_strategy(name, weights.values)
             return name
     raise SettingsError('--weights-file holds no weights for any of the strategies')

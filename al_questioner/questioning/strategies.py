@@ -124,7 +124,7 @@ def make_strategy(name: str, weights: Mapping[str, float]) -> Strategy:
 
     Args:
         name: one of `known_strategies()`.
-        weights: weight by decision feature; of the strategies that ship only the decision-theoretic ones use them.
+        weights: by feature; of the strategies that ship only the decision-theoretic ones and value_per_cost use them.
 
     Raises:
         SettingsError: an unknown name, weights that do not fit the strategy, or a contributed one that cannot be made.

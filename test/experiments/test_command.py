@@ -215,3 +215,12 @@ def test_weights_are_for_the_strategy_whose_features_they_name(tmp_path: Path) -
     assert main(['experiment', *strategies, '--weights-file', str(file), '--out', str(out)]) == 0
     spent = {(row.cell.task, row.cell.strategy): row.spent for row in read_results(out).episodes}
     assert spent['prepare_lunch', 'value_per_cost'] == 0, 'with these weights nothing is worth a question'
+
+
+def test_a_weights_file_of_a_constant_alone_is_whole(tmp_path: Path) -> None:
+    """What the documentation calls a whole file would be refused."""
+    file, out = tmp_path / 'w.yaml', str(tmp_path / 'x')
+    file.write_text('weights: {reach: 0.4}\n')
+    tiny = ['--task', 'prepare_lunch', '--condition', '4/3', '--samples', '1', '--jobs', '1']
+    command = ['experiment', '--strategy', 'value_per_cost', *tiny, '--weights-file', str(file), '--out', out]
+    assert main(command) == 0
