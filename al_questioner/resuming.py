@@ -5,7 +5,7 @@ from __future__ import annotations
 import contextlib
 
 from al_questioner.differences import differences
-from al_questioner.domain import Answer, Decision, InputError, LateAnswerError, generator
+from al_questioner.domain import AUTO, Answer, Decision, InputError, LateAnswerError, generator
 from al_questioner.questioning import Episode, Human, Remembered
 from al_questioner.recording.session_events import (
     Begun,
@@ -310,6 +310,9 @@ def _same_episode(log: SessionLog, first: SessionEvent, wanted: Begun) -> Begun:
     if not isinstance(first, Begun):
         raise SessionLogError(f'{log.folder}: its first event is not the beginning of an episode')
     ignored = NOT_SETTINGS if wanted.episode_id else NOT_SETTINGS | {'episode_id'}
+    if wanted.view_tolerance == AUTO:
+        # Logs of before have the number that was the default then; they go on with it.
+        ignored |= {'view_tolerance'}
     differing = differences(first.members(), wanted.members(), ignored)
     if differing:
         raise SessionLogError(f'{log.folder}: the session there has {"; ".join(differing)}')

@@ -1,14 +1,14 @@
-"""What the documents `episode` and `learner_state` tell of an episode."""
+"""What the documents `episode` and `learner_state`, and a node's diagnostics, tell of an episode."""
 
 from __future__ import annotations
 
 import dataclasses
-from collections.abc import Sequence
+import statistics
+from collections.abc import Mapping, Sequence
 
 import numpy as np
 from numpy.typing import NDArray
 
-from al_questioner.domain import Scene
 from al_questioner.messages import documents
 from al_questioner.messages.documents import Document
 from al_questioner.questioning import Episode
@@ -26,13 +26,12 @@ def episode_members(begun: Begun, feature_names: Sequence[str]) -> Document:
     }
 
 
-def state_members(episode: Episode, scene: Scene, beliefs: NDArray[np.float64]) -> Document:
+def state_members(episode: Episode, beliefs: NDArray[np.float64]) -> Document:
     """Members of the `learner_state` document: all up to the last turn that is over.
 
     Args:
         episode: after its first turn began.
-        scene: of the present turn, n objects.
-        beliefs: (n, |Y|) q_y(x) of it.
+        beliefs: (n, |Y|) q_y(x) of the scene of the present turn.
     """
     return {
         'turn': episode.turns_over,
@@ -50,9 +49,22 @@ def state_members(episode: Episode, scene: Scene, beliefs: NDArray[np.float64]) 
             str(object_id): {
                 symbol: round(float(p), 6) for symbol, p in zip(episode.settings.symbols, row, strict=True)
             }
-            for object_id, row in zip(scene.object_ids, beliefs, strict=True)
+            for object_id, row in zip(episode.scene.object_ids, beliefs, strict=True)
         },
     }
+
+
+def noise_text(noise: Mapping[str, float]) -> str:
+    """What the sensors' noise is, for people.
+
+    Args:
+        noise: of each feature by its name, as share of its spread among things.
+    """
+    if not noise:
+        return 'not estimated'
+    noisiest = max(noise, key=lambda name: noise[name])
+    usual = statistics.median(noise.values())
+    return f"{usual:.2g} of a feature's spread (median); the noisiest is {noisiest}: {noise[noisiest]:.2g}"
 
 
 def _last_answer(episode: Episode) -> Document | None:

@@ -252,6 +252,14 @@ def test_a_session_of_other_settings_is_refused(tmp_path: Path, changes: dict[st
     resumed.close()
 
 
+def test_a_log_with_a_fixed_view_tolerance_goes_on_with_it_where_none_is_asked_for(tmp_path: Path) -> None:
+    """Sessions that were begun before the tolerance was estimated could not be gone on with."""
+    started(tmp_path, view_tolerance=0.25).close()
+    resumed = started(tmp_path, view_tolerance='auto')
+    assert resumed.begun.view_tolerance == 0.25
+    resumed.close()
+
+
 def test_a_log_that_leads_elsewhere_is_an_error(tmp_path: Path, world: PerceivedWorld) -> None:
     """A robot of another version would go on as if it had asked what it never asks."""
     session = started(tmp_path)

@@ -5,6 +5,7 @@ from al_questioner.concepts.knowledge import VIEW_TOLERANCE, Knowledge
 from al_questioner.concepts.models import ConceptModels, compile_models
 from al_questioner.concepts.selection import Selector, rank_p_values, select_features
 from al_questioner.concepts.standardiser import Standardiser
+from al_questioner.concepts.view_memory import ViewMemory
 
 __all__ = [
     'VIEW_TOLERANCE',
@@ -13,6 +14,7 @@ __all__ = [
     'Knowledge',
     'Selector',
     'Standardiser',
+    'ViewMemory',
     'compile_models',
     'rank_p_values',
     'select_features',

@@ -26,7 +26,10 @@ from al_questioner.domain import (
 )
 
 VIEW_TOLERANCE = 1e-3
-"""Root mean square change, in standard deviations, up to which an object is still the same view: none but rounding."""
+"""Root mean square change, in standard deviations, up to which an object is still the same view: none but rounding.
+
+Noise is taken out before, by a `ViewMemory`.
+"""
 
 
 @dataclass(frozen=True, eq=False)
@@ -52,7 +55,7 @@ class Knowledge:
         length_scale: of the kernel in standard deviations; None for the square root of the number of features in use.
         selector: selects features computationally after every label; None for all that the teacher has not ruled out.
         view_tolerance: an object whose features moved by less is still the same view; root mean square over the
-            features, in standard deviations. The default means 'not at all'; a live camera's noise needs more.
+            features, in standard deviations. The default means 'not at all'.
     """
 
     def __init__(
@@ -63,8 +66,8 @@ class Knowledge:
         selector: Selector | None = None,
         view_tolerance: float = VIEW_TOLERANCE,
     ) -> None:
-        if not (np.isfinite(view_tolerance) and view_tolerance >= 0):
-            raise InputError(f'view_tolerance must be a number of 0 or more, not {view_tolerance}')
+        if not (isinstance(view_tolerance, (int, float)) and np.isfinite(view_tolerance) and view_tolerance >= 0):
+            raise InputError(f"view_tolerance must be 'auto' or a number of 0 or more, not {view_tolerance!r}")
         self.symbols = tuple(symbols)
         self.feature_names: tuple[str, ...] = ()
         self.groups: tuple[str, ...] = ()
@@ -132,18 +135,42 @@ class Knowledge:
         self._learn_anew()
         return True
 
+    @property
+    def spread(self) -> Array:
+        """(m,) how much each feature differs among the views seen, in its own unit; empty before the first scene."""
+        return self._standardiser.spread
+
+    def implausible_readings(self, scene: Scene) -> list[tuple[int, str, float]]:
+        """Object id, feature name and value of each reading of a scene that no sensor means, see `PlausibleRange`.
+
+        They count as the end of the feature's range.
+        """
+        found = np.argwhere(self._standardiser.plausible_range.are_implausible(scene.features))
+        return [
+            (scene.object_ids[row], scene.feature_names[column], float(scene.features[row, column]))
+            for row, column in found
+        ]
+
+    def check_features(self, scene: Scene) -> None:
+        """Make sure that a scene has the features of the scenes before.
+
+        Raises:
+            SceneError: it has others.
+        """
+        if self.feature_names and scene.feature_names != self.feature_names:
+            raise SceneError(_layout_difference(self.feature_names, scene.feature_names))
+
     def observe(self, scene: Scene) -> None:
         """Take in what the scene says about the features' spread; a view that is already known says nothing new.
 
         Raises:
             SceneError: the features are not those of the scenes before.
         """
+        self.check_features(scene)
         if not self.feature_names:
             self.feature_names = scene.feature_names
             self.groups = tuple(dict.fromkeys(group_of(name) for name in scene.feature_names))
             self._standardiser = Standardiser(len(scene.feature_names))
-        elif scene.feature_names != self.feature_names:
-            raise SceneError(_layout_difference(self.feature_names, scene.feature_names))
         views = [row.tobytes() for row in scene.features.astype(np.float32)]
         new = [self._last_views.get(i) != view for i, view in zip(scene.object_ids, views, strict=True)]
         if any(new):

@@ -5,24 +5,30 @@ from __future__ import annotations
 import numpy as np
 
 from al_questioner.concepts.arrays import Array
+from al_questioner.concepts.plausible_range import PlausibleRange
 from al_questioner.domain import FloatArray, InputError
 
 
 class Standardiser:
     """Running mean and variance of every feature.
 
-    Before the first observation it changes nothing. A feature that never varied is centred and not scaled.
+    Before the first observation it changes nothing. A feature that never varied is centred and not scaled. Implausible
+    readings do not count, and are taken for the end of their feature's range, see `PlausibleRange`.
 
     Attributes:
         count: number of observations.
         mean: (m,) float64.
         scale: (m,) float64, the standard deviation, 1 for a constant feature.
+        plausible_range: of each feature.
     """
 
     def __init__(self, n_features: int) -> None:
         self.count = 0
         self.mean: Array = np.zeros(n_features)
+        self._mean_of_all: Array = np.zeros(n_features)
+        self._varies = np.zeros(n_features, dtype=bool)
         self.scale: Array = np.ones(n_features)
+        self.plausible_range = PlausibleRange(n_features)
         self._squared_deviations: Array = np.zeros(n_features)
 
     def update(self, features: FloatArray) -> None:
@@ -36,15 +42,25 @@ class Standardiser:
             return
         total = self.count + len(batch)
         batch_mean = batch.mean(axis=0)
-        shift = batch_mean - self.mean
+        shift = batch_mean - self._mean_of_all
         self._squared_deviations += ((batch - batch_mean) ** 2).sum(axis=0)
         self._squared_deviations += shift**2 * (self.count * len(batch) / total)
-        self.mean = self.mean + shift * (len(batch) / total)
+        self._mean_of_all = self._mean_of_all + shift * (len(batch) / total)
         self.count = total
-        deviation = np.sqrt(self._squared_deviations / total)
+        self.plausible_range.add(batch)
+        self.mean, deviation = self._mean_of_all.copy(), np.sqrt(self._squared_deviations / total)
+        for column in np.flatnonzero(self.plausible_range.is_limited):
+            readings = self.plausible_range.plausible(int(column))
+            self.mean[column], deviation[column] = readings.mean(), readings.std()
         # Observations are float32: a spread below their resolution is rounding, and must not be blown up.
-        varies = deviation > np.finfo(np.float32).eps * np.abs(self.mean)
-        self.scale = np.where(varies, deviation, 1.0)
+        self._varies = deviation > np.finfo(np.float32).eps * np.abs(self.mean)
+        self.scale = np.where(self._varies, deviation, 1.0)
+
+    @property
+    def spread(self) -> Array:
+        """(m,) how much a feature differs among things; where it does not, the size of its values (1 for zero)."""
+        size = np.where(self.mean == 0, 1.0, np.abs(self.mean))
+        return np.where(self._varies, self.scale, size)
 
     def transform(self, features: FloatArray) -> Array:
         """(n, m) float64 standardised features.
@@ -52,7 +68,7 @@ class Standardiser:
         Raises:
             InputError: not m columns.
         """
-        return (self._table(features) - self.mean) / self.scale
+        return (self.plausible_range.clip(self._table(features)) - self.mean) / self.scale
 
     def _table(self, features: FloatArray) -> Array:
         table = np.asarray(features, dtype=np.float64)

@@ -29,16 +29,19 @@ from al_questioner.domain.errors import (
 from al_questioner.domain.seeing import Camera, FloatArray, Observation, Scene, View, group_of
 from al_questioner.domain.settings import (
     AMPLITUDE,
+    AUTO,
     DECISION_FEATURES,
     VALUE_CONSTANTS,
     VALUE_FEATURES,
     WEIGHED,
     Costs,
     EpisodeSettings,
+    ViewTolerance,
 )
 
 __all__ = [
     'AMPLITUDE',
+    'AUTO',
     'DECISION_FEATURES',
     'NO_SYMBOL',
     'SAYABLE_OUTCOMES',
@@ -66,6 +69,7 @@ __all__ = [
     'SceneError',
     'SettingsError',
     'View',
+    'ViewTolerance',
     'generator',
     'group_of',
 ]

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field
+from typing import Final, Literal
 
 import numpy as np
 
@@ -35,6 +36,13 @@ WEIGHED = (*DECISION_FEATURES, *VALUE_FEATURES, *VALUE_CONSTANTS)
 
 AMPLITUDE = 100.0
 """Variance of the Gaussian processes' kernel of a learner, unless it is told otherwise: see docs/method.md, Beliefs."""
+
+
+AUTO: Final = 'auto'
+"""The view tolerance that is found from the looks themselves."""
+
+ViewTolerance = float | Literal['auto']
+"""When two looks at a thing are the same view: see `questioning.Episode`."""
 
 
 @dataclass(frozen=True)

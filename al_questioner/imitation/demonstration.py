@@ -9,8 +9,17 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import NDArray
 
-from al_questioner.concepts import VIEW_TOLERANCE
-from al_questioner.domain import Action, Decision, EpisodeSettings, InputError, QueryKind, QueryRecord, generator
+from al_questioner.domain import (
+    AUTO,
+    Action,
+    Decision,
+    EpisodeSettings,
+    InputError,
+    QueryKind,
+    QueryRecord,
+    ViewTolerance,
+    generator,
+)
 from al_questioner.questioning import FEATURE_SETS, Episode, FeatureSet, Observed, make_strategy
 from al_questioner.simulation import PerceivedWorld, WorldChoice, turns
 from al_questioner.teaching import ScriptedTeacher
@@ -59,7 +68,7 @@ class Demonstration:
         feature_names: of the objects.
         queries: what was asked, and what came of it.
         change_turns: turns that began with a scene change.
-        view_tolerance: of the learner, see `concepts.Knowledge`.
+        view_tolerance: of the learner, see `questioning.Episode`.
         feature_set: whose weights are to be learnt.
     """
 
@@ -71,7 +80,7 @@ class Demonstration:
     feature_names: tuple[str, ...] = ()
     queries: tuple[QueryRecord, ...] = ()
     change_turns: tuple[int, ...] = ()
-    view_tolerance: float = VIEW_TOLERANCE
+    view_tolerance: ViewTolerance = AUTO
     feature_set: FeatureSet = FEATURE_SETS['dt_task_env']
 
     @property

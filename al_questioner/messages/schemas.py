@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import Any
 
-from al_questioner.domain import SAYABLE_OUTCOMES, WEIGHED, Outcome, QueryKind
+from al_questioner.domain import AUTO, SAYABLE_OUTCOMES, WEIGHED, Outcome, QueryKind
 
 JsonSchema = dict[str, Any]
 
@@ -109,7 +109,7 @@ SCHEMAS: dict[str, JsonSchema] = {
             'tune_every': _COUNT,
             'amplitude': _POSITIVE,
             'length_scale': {'anyOf': [_POSITIVE, {'type': 'null'}]},
-            'view_tolerance': _AMOUNT,
+            'view_tolerance': {'anyOf': [_AMOUNT, {'const': AUTO}]},
         },
     ),
     'turn': _record(

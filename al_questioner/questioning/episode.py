@@ -8,8 +8,9 @@ from collections.abc import Mapping
 import numpy as np
 from numpy.typing import NDArray
 
-from al_questioner.concepts import VIEW_TOLERANCE, Knowledge
+from al_questioner.concepts import VIEW_TOLERANCE, Knowledge, ViewMemory
 from al_questioner.domain import (
+    AUTO,
     DECISION_FEATURES,
     Action,
     Answer,
@@ -21,6 +22,7 @@ from al_questioner.domain import (
     QueryKind,
     QueryRecord,
     Scene,
+    ViewTolerance,
 )
 from al_questioner.questioning.answers import AnswerBook, content_of
 from al_questioner.questioning.candidates import choices, question_text
@@ -41,7 +43,8 @@ class Episode:
     Args:
         settings: what is given to the learner before it asks.
         rng: breaks the strategy's ties.
-        view_tolerance: when two views of an object are the same, see `Knowledge`.
+        view_tolerance: when two views of an object are the same: a number, see `Knowledge`, or 'auto': they differ by
+            no more than the sensors' noise, see `ViewMemory`.
         strategy: who decides in the place of the strategy that the settings name.
 
     Attributes:
@@ -57,14 +60,15 @@ class Episode:
         self,
         settings: EpisodeSettings,
         rng: np.random.Generator,
-        view_tolerance: float = VIEW_TOLERANCE,
+        view_tolerance: ViewTolerance = AUTO,
         strategy: Strategy | None = None,
     ) -> None:
         self.settings = settings
         self._rng = rng
         self._strategy = make_strategy(settings.strategy, settings.weights) if strategy is None else strategy
-        self._view_tolerance = view_tolerance
-        self.knowledge = new_knowledge(settings, view_tolerance, self._strategy)
+        self._views = ViewMemory() if view_tolerance == AUTO else None
+        self._view_tolerance = VIEW_TOLERANCE if view_tolerance == AUTO else view_tolerance
+        self.knowledge = new_knowledge(settings, self._view_tolerance, self._strategy)
         self._records: dict[int, QueryRecord] = {}
         self._beliefs: dict[int, NDArray[np.float64]] = {}
         self._pending: Query | None = None
@@ -134,6 +138,22 @@ class Episode:
         return tuple(self._records[turn] for turn in sorted(self._records))
 
     @property
+    def scene(self) -> Scene:
+        """The scene of the present turn, without the sensors' noise.
+
+        Raises:
+            RuntimeError: no turn has begun.
+        """
+        if not self._scenes:
+            raise RuntimeError('the first turn has not begun')
+        return self._scenes[-1]
+
+    @property
+    def view_noise(self) -> Mapping[str, float]:
+        """Noise of each feature by its name, as share of its spread among things; empty if it is not estimated."""
+        return {} if self._views is None else self._views.noise
+
+    @property
     def positives(self) -> Mapping[str, int]:
         """Number of positive examples of each symbol."""
         return self.knowledge.positives
@@ -155,6 +175,9 @@ class Episode:
             raise RuntimeError(f'query {self.awaited.query_id} has not been answered yet')
         if self.turns_left == 0:
             raise RuntimeError(f'the episode is over: all {self.settings.turns} turns have passed')
+        self.knowledge.check_features(scene)
+        if self._views is not None:
+            scene = self._views.steady(scene, self.knowledge.spread)
         self.knowledge.observe(scene)
         if self._pending is not None and not self._is_in_view(self._pending, scene):
             self._withdraw(self._pending)

@@ -9,7 +9,7 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
 
-from al_questioner.domain import Decision, EpisodeSettings, InputError, Outcome, QueryRecord, Scene
+from al_questioner.domain import Decision, EpisodeSettings, InputError, Outcome, QueryRecord, Scene, ViewTolerance
 from al_questioner.messages import documents
 from al_questioner.messages.clouds import decision_of_cloud, scene_of_cloud
 from al_questioner.messages.documents import Document
@@ -59,7 +59,7 @@ class Session:
         source: the bag.
         episode_id: of the episode.
         settings: of the episode.
-        view_tolerance: of the learner, see `concepts.Knowledge`.
+        view_tolerance: of the learner, see `questioning.Episode`.
         seed: of the learner.
         world: the simulated world, as `task`, `seed`, `sample` and `dataset`; None if it was another one.
         feature_names: m names.
@@ -69,7 +69,7 @@ class Session:
     source: Path
     episode_id: str
     settings: EpisodeSettings
-    view_tolerance: float
+    view_tolerance: ViewTolerance
     seed: int
     world: Document | None
     feature_names: tuple[str, ...]
@@ -242,7 +242,7 @@ def _session(path: Path, recorded: _Recorded, document: Document, states: Sequen
         source=path,
         episode_id=episode_id,
         settings=settings,
-        view_tolerance=float(document.get('view_tolerance', 1e-3)),
+        view_tolerance=document.get('view_tolerance', 1e-3),
         seed=document['seed'],
         world=document['world'],
         feature_names=names,

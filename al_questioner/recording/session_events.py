@@ -11,7 +11,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from al_questioner.domain import Action, Answer, EpisodeSettings, Query, QueryKind, Scene
+from al_questioner.domain import Action, Answer, EpisodeSettings, Query, QueryKind, Scene, ViewTolerance
 from al_questioner.messages import documents
 from al_questioner.messages.documents import Document
 from al_questioner.recording.session_log import Event, LogContents
@@ -25,7 +25,7 @@ class Begun:
         episode_id: of the episode.
         settings: of the episode.
         seed: of the learner.
-        view_tolerance: of the learner, see `concepts.Knowledge`.
+        view_tolerance: of the learner, see `questioning.Episode`.
         world: the simulated world, as `task`, `seed`, `sample` and `dataset`; None if it is another one.
         version: of this package.
     """
@@ -33,7 +33,7 @@ class Begun:
     episode_id: str
     settings: EpisodeSettings
     seed: int
-    view_tolerance: float
+    view_tolerance: ViewTolerance
     world: Document | None
     version: str
 

@@ -52,7 +52,7 @@ from al_questioner.ros.types import CLOUD_TYPES, MARKER_TYPES, header
 from al_questioner.ros.worlds import declare_world, new_episode_id, world_members
 from al_questioner.simulation import WorldChoice, episode_settings
 from al_questioner.teaching import read_plain_answer
-from al_questioner.telling import episode_members, state_members
+from al_questioner.telling import episode_members, noise_text, state_members
 from al_questioner.throttle import Throttle
 from al_questioner.world import Task, load_task
 
@@ -100,6 +100,8 @@ class LearnerNode(QuestionerNode):
         self._stale_clouds = 0
         self._awaits_scene = False
         self._last_turn_start = 0.0
+        self._view_noise = noise_text({})
+        self._implausible: dict[str, str] = {}
 
         self._publish_episode = self.document_publisher('episode')
         self._publish_turn = self.document_publisher('turn')
@@ -136,7 +138,7 @@ class LearnerNode(QuestionerNode):
         # Word for word as before: perception, if it is new too, shows what the question is about.
         self._publish_turn({'turn': seen.turn, 'stamp': stamp_members(seen.stamp), 'world': self._world})
         self._put(seen, decision)
-        self._show(seen, self._beliefs(seen))
+        self._show(seen, self._beliefs())
 
     def _begin_turn(self) -> None:
         """Ask perception for the scene of the next turn."""
@@ -161,15 +163,33 @@ class LearnerNode(QuestionerNode):
         scene = scene_of_cloud(cloud)
         seen = Seen(self._session.episode.turn + 1, self._stamps.last, cloud.header.frame_id, scene)
         decision = self._session.ask(seen)
+        self._tell_of_sensors()
         self._awaits_scene = False
         self._request.stop()
         if decision.turn == 1:
             self._announce(scene)
         self._put(seen, decision)
         if self._session.episode.awaits_answer:
-            self._show(seen, self._beliefs(seen))
+            self._show(seen, self._beliefs())
         else:
             self._end_turn()
+
+    def _tell_of_sensors(self) -> None:
+        """Take note of the noise for /diagnostics, and say once of each feature what it read that cannot be."""
+        episode = self._session.episode
+        self._view_noise = noise_text(episode.view_noise)
+        for object_id, feature, value in episode.knowledge.implausible_readings(episode.scene):
+            if feature not in self._implausible:
+                self._implausible[feature] = f'{value:g} of object {object_id}'
+                self.get_logger().warning(
+                    f'{feature} of object {object_id} reads {value:g}, far from all else it ever read: taken for the'
+                    " end of the feature's range"
+                )
+
+    def counts(self) -> Mapping[str, object]:
+        """What the node counts, and what is known of the sensors."""
+        implausible = {f'implausible {feature}': what for feature, what in dict(self._implausible).items()}
+        return {**super().counts(), 'view noise': self._view_noise, **implausible}
 
     def _put(self, seen: Seen, decision: Decision) -> None:
         """Publish a decision, and the question that waits, again if nobody answered it in the turn before."""
@@ -276,8 +296,8 @@ class LearnerNode(QuestionerNode):
         seen = self._session.seen
         if seen is None:
             return
-        beliefs = self._beliefs(seen)
-        self._state.say(state_members(self._session.episode, seen.scene, beliefs))
+        beliefs = self._beliefs()
+        self._state.say(state_members(self._session.episode, beliefs))
         pause = float(self._given['turn_period']) - (time.monotonic() - self._last_turn_start)
         if pause > 0:
             self.after(pause, self._begin_turn)
@@ -290,13 +310,14 @@ class LearnerNode(QuestionerNode):
         """Publish what is known now, outside of the course of the turns."""
         seen = self._session.seen
         if seen is not None:
-            beliefs = self._beliefs(seen)
+            beliefs = self._beliefs()
             self._show(seen, beliefs)
-            self._state.say(state_members(self._session.episode, seen.scene, beliefs))
+            self._state.say(state_members(self._session.episode, beliefs))
 
-    def _beliefs(self, seen: Seen) -> NDArray[np.float64]:
-        """(n, |Y|) q_y(x) of a scene."""
-        return self._session.episode.knowledge.predict_proba(seen.scene.features)
+    def _beliefs(self) -> NDArray[np.float64]:
+        """(n, |Y|) q_y(x) of the present scene."""
+        episode = self._session.episode
+        return episode.knowledge.predict_proba(episode.scene.features)
 
     def _show(self, seen: Seen, beliefs: NDArray[np.float64]) -> None:
         """Publish the scene, the beliefs and the pending query for people who watch."""
@@ -383,7 +404,7 @@ def _session(settings: EpisodeSettings, world: WorldChoice, given: Mapping[str, 
         episode_id=str(given['episode_id']) or (new_episode_id(world) if is_new else ''),
         settings=settings,
         seed=world.seed,
-        view_tolerance=float(given['view_tolerance']),
+        view_tolerance=given['view_tolerance'],
         world=world_members(world),
         version=__version__,
     )

@@ -167,8 +167,8 @@ class QuestionerNode(Node):
         """
         return ''
 
-    def counts(self) -> Mapping[str, int]:
-        """What the node counts, for /diagnostics."""
+    def counts(self) -> Mapping[str, object]:
+        """What the node counts and measures, for /diagnostics."""
         return {f'refused on {topic}': count for topic, count in dict(self._refused).items()}
 
     def destroy_node(self) -> None:

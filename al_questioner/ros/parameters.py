@@ -35,6 +35,7 @@ class Setting:
         unit: of a number, empty for a mere count or name.
         lower: smallest number allowed.
         upper: largest number allowed.
+        word: if not empty, what can be given in the place of a number; the default is one of the two.
     """
 
     name: str
@@ -43,6 +44,7 @@ class Setting:
     unit: str = ''
     lower: float = -math.inf
     upper: float = math.inf
+    word: str = ''
 
     def checked(self, value: object) -> Value:
         """The value in the type of the parameter.
@@ -50,11 +52,14 @@ class Setting:
         Raises:
             InputError: another type, not finite, or outside the range.
         """
-        kind = type(self.default)
+        if self.word and value == self.word:
+            return self.word
+        kind = float if self.word else type(self.default)
         if kind is float and type(value) is int:
             value = float(value)
         if not isinstance(value, kind) or (isinstance(value, bool) and kind is not bool):
-            raise InputError(f'parameter {self.name} must be of type {kind.__name__}, not {value!r}')
+            expected = f"be a number or '{self.word}'" if self.word else f'be of type {kind.__name__}'
+            raise InputError(f'parameter {self.name} must {expected}, not {value!r}')
         if isinstance(value, (int, float)) and not isinstance(value, bool):
             if not math.isfinite(value):
                 raise InputError(f'parameter {self.name} must be a finite number, not {value}')
@@ -71,7 +76,11 @@ class Setting:
         """What `ros2 param describe` shows."""
         unit = f' [{self.unit}]' if self.unit else ''
         descriptor = ParameterDescriptor(
-            name=self.name, type=_TYPES[type(self.default)], description=self.description + unit, read_only=True
+            name=self.name,
+            type=ParameterType.PARAMETER_NOT_SET if self.word else _TYPES[type(self.default)],
+            description=self.description + unit,
+            read_only=True,
+            dynamic_typing=bool(self.word),
         )
         bounded = math.isfinite(self.lower) or math.isfinite(self.upper)
         if type(self.default) is float and bounded:

@@ -2,8 +2,7 @@
 
 from __future__ import annotations
 
-from al_questioner.concepts import VIEW_TOLERANCE
-from al_questioner.domain import AMPLITUDE
+from al_questioner.domain import AMPLITUDE, AUTO
 from al_questioner.messages.schemas import LARGEST_TURN
 from al_questioner.questioning import STRATEGIES
 from al_questioner.ros.parameters import Setting
@@ -79,10 +78,11 @@ def learner_settings(task: Task) -> tuple[Setting, ...]:
         ),
         Setting(
             'view_tolerance',
-            VIEW_TOLERANCE,
-            'change up to which an object is the same view',
+            AUTO,
+            'change up to which an object is the same view; auto: what the noise of the sensors explains',
             'standard deviations',
             lower=0.0,
+            word=AUTO,
         ),
         Setting(
             'turn_period',

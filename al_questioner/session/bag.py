@@ -76,8 +76,8 @@ class _Writing:
         """Write the state of the learner after a turn; none before the first, and none while it waits."""
         seen, episode = self._replay.seen, self._replay.episode
         if seen is not None and not episode.awaits_answer:
-            beliefs = episode.knowledge.predict_proba(seen.scene.features)
-            self._say('learner_state', state_members(episode, seen.scene, beliefs))
+            beliefs = episode.knowledge.predict_proba(episode.scene.features)
+            self._say('learner_state', state_members(episode, beliefs))
 
     def _decided(self, event: Decided) -> None:
         seen, decision = self._replay.seen, self._replay.decision

@@ -57,6 +57,19 @@ def test_numbers_are_checked_and_integers_taken_for_floats(value: object, taken:
         assert isinstance(setting.checked(value), float)
 
 
+@pytest.mark.parametrize(
+    ('value', 'taken'), [('auto', 'auto'), (1, 1.0), (0.5, 0.5), ('automatic', None), (-0.1, None), (True, None)]
+)
+def test_a_number_can_have_a_word_in_its_place(value: object, taken: object) -> None:
+    """`view_tolerance:=auto` would be refused, or a misspelt word be taken."""
+    setting = Setting('view_tolerance', 'auto', 'a change', lower=0.0, word='auto')
+    if taken is None:
+        with pytest.raises(InputError, match='parameter view_tolerance'):
+            setting.checked(value)
+    else:
+        assert setting.checked(value) == taken
+
+
 @pytest.mark.parametrize(('default', 'value'), [(3, True), (3, 2.0), ('a', 3), (False, 1)])
 def test_other_types_are_refused(default: object, value: object) -> None:
     """A truth value would be taken for a number, or a number for a name."""

@@ -1,0 +1,118 @@
+"""Readings that no sensor means: the 65535 or 3e38 that stands for 'nothing' among values of 0 to 1."""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+
+from al_questioner.concepts.arrays import Array
+from al_questioner.domain import FloatArray
+
+LEAST_OTHERS = 3
+"""Number of different other readings below which nothing can be said of one that is far away."""
+FAR, FAR_AMONG_FEW = 20.0, 20_000.0
+"""A reading is implausible if it is farther from the others than FAR + FAR_AMONG_FEW / k^2 times the range of k others.
+
+Few readings say little of the range: of the simulated tables' features, some are 0 for nearly everything, and none
+comes nearer to this limit than 2/3 of it.
+"""
+LARGEST_SHARE = 0.25
+"""Share of the readings that can be implausible; what is more frequent is what the feature looks like."""
+ALWAYS_EXAMINED = 200
+"""Number of readings up to which all features are examined with every view; later, those with a new extreme."""
+
+
+class PlausibleRange:
+    """The range of each feature's plausible readings, from all readings so far.
+
+    What is implausible may show only later, when more is known of the range.
+
+    Args:
+        n_features: m.
+
+    Attributes:
+        lowest, highest: (m,) the ends of the range; infinite at an end beyond which nothing was read.
+    """
+
+    def __init__(self, n_features: int) -> None:
+        self.lowest: Array = np.full(n_features, -np.inf)
+        self.highest: Array = np.full(n_features, np.inf)
+        self._extremes = np.full((2, n_features), np.nan)
+        self._table: NDArray[np.float64] = np.zeros((0, n_features))
+        self._count = 0
+
+    @property
+    def is_limited(self) -> NDArray[np.bool_]:
+        """(m,) whether a feature has implausible readings."""
+        return np.asarray(np.isfinite(self.lowest) | np.isfinite(self.highest))
+
+    def add(self, readings: Array) -> None:
+        """Take in (n, m) readings."""
+        self._append(readings)
+        low, high = readings.min(axis=0), readings.max(axis=0)
+        is_new = ~((low >= self._extremes[0]) & (high <= self._extremes[1])) | (self._count <= ALWAYS_EXAMINED)
+        self._extremes = np.array([np.fmin(self._extremes[0], low), np.fmax(self._extremes[1], high)])
+        columns = np.flatnonzero(is_new)
+        for column, ordered in zip(columns, np.sort(self._readings[:, columns], axis=0).T, strict=True):
+            self.lowest[column], self.highest[column] = _plausible_ends(ordered)
+
+    def plausible(self, column: int) -> Array:
+        """The plausible readings of a feature."""
+        readings: Array = self._readings[:, column]
+        found: Array = readings[(readings >= self.lowest[column]) & (readings <= self.highest[column])]
+        return found
+
+    def clip(self, readings: Array) -> Array:
+        """(n, m) readings with the implausible ones at the end of their range."""
+        return np.clip(readings, self.lowest, self.highest) if self.is_limited.any() else readings
+
+    def are_implausible(self, readings: FloatArray) -> NDArray[np.bool_]:
+        """(n, m) which of the readings are beyond their range."""
+        return np.asarray((readings < self.lowest) | (readings > self.highest))
+
+    @property
+    def _readings(self) -> Array:
+        return self._table[: self._count]
+
+    def _append(self, readings: Array) -> None:
+        needed = self._count + len(readings)
+        if needed > len(self._table):
+            larger = np.zeros((max(needed, 2 * len(self._table)), self._table.shape[1]))
+            larger[: self._count] = self._readings
+            self._table = larger
+        self._table[self._count : needed] = readings
+        self._count = needed
+
+
+def _plausible_ends(ordered: Array) -> tuple[float, float]:
+    """Ends of the range of a feature's plausible readings, given all of them in order."""
+    first, last = 0, len(ordered)
+    most = int(LARGEST_SHARE * len(ordered))
+    while most:
+        below, above = _implausible_at_the_ends(ordered[first:last], most)
+        if below == above == 0:
+            break
+        first, last, most = first + below, last - above, most - below - above
+    return ordered[first] if first else -np.inf, ordered[last - 1] if last < len(ordered) else np.inf
+
+
+def _implausible_at_the_ends(ordered: Array, most: int) -> tuple[int, int]:
+    """Number of readings at the lower and the upper end, at most so many in all, that are too far from the others.
+
+    Beyond the widest gap at each end: both at once first, since each hides how far the other one is.
+    """
+    rises = np.diff(ordered)
+    if len(rises) <= LEAST_OTHERS or not rises.any():
+        return 0, 0
+    below = 1 + int(np.argmax(rises[:most]))
+    above = 1 + int(np.argmax(rises[::-1][:most]))
+    for low, high in ((below, above), (below, 0), (0, above)):
+        others = ordered[low : len(ordered) - high]
+        if low + high > most or len(others) < LEAST_OTHERS:
+            continue
+        known = 1 + np.count_nonzero(rises[low : len(rises) - high])
+        limit = (FAR + FAR_AMONG_FEW / known**2) * (others[-1] - others[0])
+        gaps = [rises[low - 1]] * (low > 0) + [rises[-high]] * (high > 0)
+        if known >= LEAST_OTHERS and min(gaps) > limit:
+            return low, high
+    return 0, 0

@@ -1,0 +1,163 @@
+"""What each thing looks like, apart from the noise of the sensors: another view only if it really is one."""
+
+from __future__ import annotations
+
+import dataclasses
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from al_questioner.concepts.arrays import Array
+from al_questioner.concepts.view_noise import ViewNoise
+from al_questioner.domain import FloatArray, Scene
+
+MANY_FEATURES_MOVED, FAR_IN_ALL = 0.15, 0.5
+"""In spreads: no noise moves half of the features by more than the first, and all by the second in root mean square."""
+LARGEST_STEP = 3.0
+"""In spreads: a feature that moves by more counts no more: one wrong reading is no change of the whole thing."""
+AGREEMENT = 0.25
+"""Of the squared distance of two looks from the nearest known view: they agree if theirs is smaller."""
+CERTAIN = 12.0
+"""Standard deviations of the noise in half of the features, from which one look is enough to see a change."""
+SMALLEST_CHANGE = 0.1
+"""In spreads, root mean square over the features: what changes by less is the same view however quiet the sensors."""
+LEAST_THINGS = 3
+"""Number of things from which the spread of a feature among things is known well enough to compare with it."""
+LOOKS_TO_FOLLOW = 8
+"""Pairs of looks from which the noise is known well enough to follow a slow drift."""
+VIEWS_KEPT = 64
+"""Views of a thing that are recognised when they come back."""
+
+
+@dataclass
+class _KnownView:
+    """A view as it is kept, (m,) raw features, and the last look at it, which differs by noise and drift."""
+
+    kept: NDArray[np.float32]
+    look: NDArray[np.float32]
+
+
+class _Track:
+    """The views of one thing."""
+
+    def __init__(self, features: NDArray[np.float32]) -> None:
+        self.views = [_KnownView(features, features)]
+        self.current = self.views[0]
+        self.last_look = features
+        self.doubtful: NDArray[np.float32] | None = None
+
+    def begin_view(self, features: NDArray[np.float32]) -> None:
+        self.current = _KnownView(features, features)
+        self.views = [*self.views[1 - VIEWS_KEPT :], self.current]
+        self.doubtful = None
+
+
+class ViewMemory:
+    """Gives every thing the very features that it had when its view was first seen, until it really looks different.
+
+    A look is a view that is known if it differs from the last look at it by no more than noise (see `ViewNoise`). It is
+    another view at once if most of its features have moved far beyond noise. A smaller change counts when the next
+    look confirms it: a burst of noise or a wrong reading does not come back the same.
+
+    Where readings repeat exactly, as in the simulated world, scenes pass unchanged.
+    """
+
+    def __init__(self) -> None:
+        self._tracks: dict[int, _Track] = {}
+        self._names: tuple[str, ...] = ()
+        self._noise = ViewNoise(0)
+        self._spread: Array = np.zeros(0)
+        self._spread_is_known = False
+
+    @property
+    def noise(self) -> dict[str, float]:
+        """Standard deviation of each feature's noise by its name, in spreads of the feature; empty before two looks."""
+        if self._noise.count == 0:
+            return {}
+        return dict(zip(self._names, (self._noise.deviations / self._spread).tolist(), strict=True))
+
+    def steady(self, scene: Scene, spread: Array) -> Scene:
+        """The scene without noise: what looks the same has the same features, to the bit, as when it was first seen.
+
+        Args:
+            scene: what is seen now, with the features of the scenes before.
+            spread: (m,) spread of each feature among things.
+        """
+        if not self._names:
+            self._names, self._noise = scene.feature_names, ViewNoise(len(scene.feature_names))
+        self._spread, self._spread_is_known = spread, len(self._tracks) >= LEAST_THINGS
+        looks = np.array(scene.features, dtype=np.float32)
+        known = [row for row, object_id in enumerate(scene.object_ids) if object_id in self._tracks]
+        tracks = [self._tracks[scene.object_ids[row]] for row in known]
+        if tracks:
+            self._learn_noise(looks[known], tracks)
+        kept = looks.copy()
+        for row, track in zip(known, tracks, strict=True):
+            kept[row] = self._settle(track, looks[row])
+        new = [row for row, object_id in enumerate(scene.object_ids) if object_id not in self._tracks]
+        self._tracks.update({scene.object_ids[row]: _Track(looks[row]) for row in new})
+        return scene if np.array_equal(kept, scene.features) else dataclasses.replace(scene, features=kept)
+
+    def _learn_noise(self, looks: NDArray[np.float32], tracks: Sequence[_Track]) -> None:
+        """Learn from how much the things that seem still differ from the look before."""
+        differences = _differences(looks, [track.last_look for track in tracks])
+        self._noise.learn(differences[~self._have_moved(differences)], self._spread)
+        for track, look in zip(tracks, looks, strict=True):
+            track.last_look = look
+
+    def _settle(self, track: _Track, look: NDArray[np.float32]) -> NDArray[np.float32]:
+        """The features that a known thing has, given a look at it."""
+        if np.array_equal(look, track.current.look):
+            track.doubtful = None
+            return track.current.kept
+        differences = _differences(look, [view.look for view in track.views])
+        excess = self._noise.excess(differences)
+        nearest = int(np.argmin(excess))
+        if excess[nearest] <= 1:
+            track.current, track.doubtful = track.views[nearest], None
+            if self._noise.count >= LOOKS_TO_FOLLOW:
+                track.current.look = look
+        elif self._size(differences[[nearest]])[0] <= SMALLEST_CHANGE:
+            track.current, track.doubtful = track.views[nearest], None
+        elif self._is_certain(differences[[nearest]]) or self._is_confirmed(track, look, excess[nearest]):
+            track.begin_view(look)
+        else:
+            track.doubtful = look
+        return track.current.kept
+
+    def _is_certain(self, difference: Array) -> bool:
+        """Whether one look, with its (1, m) difference from the nearest view, is enough to see a change."""
+        in_deviations = _lower_median(np.abs(self._noise.scale(difference)))
+        return bool(self._have_moved(difference)[0] and in_deviations[0] > CERTAIN)
+
+    def _is_confirmed(self, track: _Track, look: NDArray[np.float32], excess: float) -> bool:
+        """Whether a thing looked the same in the look before, far more so than like the nearest view that is known."""
+        if track.doubtful is None:
+            return False
+        between = self._noise.excess(_differences(look, [track.doubtful]))[0]
+        return bool(between <= min(1.0, AGREEMENT * excess))
+
+    def _have_moved(self, differences: Array) -> NDArray[np.bool_]:
+        """(k,) whether (k, m) differences are more than any sensor's noise, as far as that can be told."""
+        if not self._spread_is_known:
+            return np.zeros(len(differences), dtype=bool)
+        many: NDArray[np.bool_] = _lower_median(np.abs(differences) / self._spread) > MANY_FEATURES_MOVED
+        return many & (self._size(differences) > FAR_IN_ALL)
+
+    def _size(self, differences: Array) -> Array:
+        """(k,) root mean square of (k, m) differences, in spreads, each of at most `LARGEST_STEP`."""
+        steps = np.minimum(np.abs(differences) / self._spread, LARGEST_STEP)
+        return np.asarray(np.sqrt(np.mean(steps**2, axis=1)))
+
+
+def _differences(looks: FloatArray, others: Sequence[FloatArray]) -> Array:
+    """(k, m) of one look, or of k, and (m,) k others."""
+    return np.asarray(np.subtract(looks, np.array(others), dtype=np.float64))
+
+
+def _lower_median(values: Array) -> Array:
+    """(k,) of each row of (k, m): of an even number the smaller one in the middle."""
+    middle = (values.shape[1] - 1) // 2
+    return np.asarray(np.partition(values, middle, axis=1)[:, middle])

@@ -1,0 +1,134 @@
+"""How much the readings of a thing differ from look to look while nothing moves: the noise of the sensors."""
+
+from __future__ import annotations
+
+import numpy as np
+from scipy.special import chdtri, ndtri
+
+from al_questioner.concepts.arrays import Array
+
+LOOKS_KEPT = 256
+"""Number of pairs of looks that the estimate rests on: the latest ones, so that it follows a noise that changes."""
+PRIOR_LOOKS, PRIOR_ENDS = 8, 64
+"""Weight of what is usual in the estimate of one feature's noise, and where it ends; both in pairs of looks."""
+SMALLEST_NOISE = 0.005
+"""In spreads of a feature: what changes by less says nothing about a thing, however quiet the sensor is."""
+FALSE_ALARM = 1e-6
+"""Chance with which noise alone is taken for a change."""
+LARGEST_NORM = 3.0
+"""Times the median: to which a look's length is cut to estimate correlations, so that a burst does not decide."""
+SHARE_DROPPED, LEAST_DROPPED = 0.1, 2
+"""Share and least number of the largest differences that the estimate leaves out: they may be changes."""
+WORST_LOOK, WORST_MARGIN = 0.9, 1.5
+"""Quantile of how far looks at still things differed, and the multiple of it that still is no change."""
+
+
+class ViewNoise:
+    """Standard deviation of each feature's noise, and when two looks differ by more than it explains.
+
+    Of two looks at the same thing every feature differs by sqrt(2) times its noise, unless the thing has changed. The
+    mean square of such differences, the largest left out, does not care about the few that are changes.
+
+    Args:
+        n_features: m.
+
+    Attributes:
+        count: number of pairs of looks so far.
+    """
+
+    def __init__(self, n_features: int) -> None:
+        self.count = 0
+        self._pairs: Array = np.zeros((LOOKS_KEPT, n_features))
+        self._spread: Array = np.ones(n_features)
+        self._deviations: Array = np.zeros(n_features)
+        self._limit = 1.0
+        self._is_estimated = False
+
+    def learn(self, differences: Array, spread: Array) -> None:
+        """Take in looks; the noise is estimated when somebody wants to know it.
+
+        Args:
+            differences: (k, m) between two looks at each of k things that seem not to have changed.
+            spread: (m,) of each feature among things. No noise is smaller than `SMALLEST_NOISE` of it, and as long as
+                there are few looks, that of a feature leans towards what is usual, compared to the spread.
+        """
+        latest = differences[-LOOKS_KEPT:]
+        self._pairs[(self.count + np.arange(len(latest))) % LOOKS_KEPT] = latest
+        self.count += len(latest)
+        self._spread = spread
+        self._is_estimated = False
+
+    @property
+    def deviations(self) -> Array:
+        """(m,) standard deviation of the noise of each feature, in its unit."""
+        if not self._is_estimated:
+            self._estimate()
+        return self._deviations
+
+    def scale(self, differences: Array) -> Array:
+        """(k, m) differences between two looks in standard deviations of such a difference."""
+        return np.asarray(differences / (np.sqrt(2.0) * self.deviations))
+
+    def excess(self, differences: Array) -> Array:
+        """(k,) how far (k, m) differences between two looks go beyond noise: above 1, it does not explain them.
+
+        The mean square of the differences in standard deviations, over the value that noise alone exceeds with the
+        chance `FALSE_ALARM`. Where the noise of the features is correlated, the sum is treated as a chi-squared number
+        of fewer degrees of freedom (Satterthwaite 1946). Noise with bursts gets a limit by what its looks were like.
+        """
+        scaled = self.scale(differences)
+        return np.asarray(np.mean(scaled**2, axis=1) / self._limit)
+
+    def _estimate(self) -> None:
+        pairs = self._pairs[: self.count]
+        n, m = pairs.shape
+        found = _trimmed_deviations(pairs) / np.sqrt(2.0) / self._spread
+        usual = np.sort(found)[(m - 1) // 2]
+        prior = PRIOR_LOOKS * max(0.0, 1 - n / PRIOR_ENDS)
+        mixed = np.sqrt((n * found**2 + prior * usual**2) / (n + prior))
+        self._deviations = np.maximum(mixed, SMALLEST_NOISE) * self._spread
+        self._is_estimated = True
+        scaled = self.scale(pairs)
+        freedom = _degrees_of_freedom(scaled)
+        worst = np.quantile(np.mean(scaled**2, axis=1), WORST_LOOK) if n else 0.0
+        self._limit = max(chdtri(freedom, FALSE_ALARM) / freedom, WORST_MARGIN * worst)
+
+
+def _trimmed_deviations(pairs: Array) -> Array:
+    """(m,) standard deviation of each column of (n, m) differences around 0, if they are normal but for the largest."""
+    n, m = pairs.shape
+    if n == 0:
+        return np.zeros(m)
+    kept = n - min(n - 1, max(LEAST_DROPPED, round(SHARE_DROPPED * n)))
+    quantile = ndtri((1 + kept / n) / 2)
+    # The mean square of a standard normal number that is known to lie within its quantiles.
+    expected = 1.0
+    if kept < n:
+        expected = 1 - 2 * quantile * np.exp(-(quantile**2) / 2) / (np.sqrt(2 * np.pi) * kept / n)
+    squares = np.sort(pairs**2, axis=0)[:kept]
+    return np.asarray(np.sqrt(squares.mean(axis=0) / expected))
+
+
+def _degrees_of_freedom(looks: Array) -> float:
+    """Of the squared length of a row: trace(C)^2 / trace(C^2) of the rows' covariance C, from all pairs of rows.
+
+    Args:
+        looks: (n, m) differences in standard deviations.
+
+    Returns:
+        A number from 1 (all features move together) to m (independent).
+    """
+    n, m = looks.shape
+    norms = np.linalg.norm(looks, axis=1)
+    moving = norms > 0
+    if moving.sum() < 2:
+        return float(m)
+    looks, norms = looks[moving], norms[moving]
+    cut = looks * np.minimum(1.0, LARGEST_NORM * np.median(norms) / norms)[:, None]
+    products = cut @ cut.T
+    of_itself = np.diagonal(products)
+    n = len(cut)
+    mean_square = (np.sum(products**2) - np.sum(of_itself**2)) / (n * (n - 1))
+    if mean_square <= 0:
+        return float(m)
+    return float(np.clip(np.mean(of_itself) ** 2 / mean_square, 1.0, m))

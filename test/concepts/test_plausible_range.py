@@ -1,0 +1,85 @@
+"""A reading far from all others does not move the scale of its feature; what is merely rare does."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from al_questioner.concepts import Standardiser
+from al_questioner.concepts.plausible_range import PlausibleRange
+
+WRONG = [1000.0, 65535.0, 3e38, -999.0, -3.4e38]
+
+
+def readings_of(n: int) -> np.ndarray:
+    return np.random.default_rng(0).random((n, 3))
+
+
+@pytest.mark.parametrize('wrong', WRONG)
+@pytest.mark.parametrize('row', [0, 11, 39])
+def test_one_wrong_reading_leaves_the_scale_as_it_is_without_it(wrong: float, row: int) -> None:
+    clean = readings_of(40)
+    spoiled = clean.copy()
+    spoiled[row, 1] = wrong
+    standardiser = Standardiser(3)
+    for batch in np.split(spoiled, 4):
+        standardiser.update(batch)
+    others = np.delete(clean[:, 1], row)
+    assert standardiser.mean[1] == pytest.approx(others.mean())
+    assert standardiser.scale[1] == pytest.approx(others.std())
+    assert standardiser.plausible_range.is_limited.tolist() == [False, True, False]
+
+
+def test_a_wrong_reading_is_taken_for_the_end_of_the_range() -> None:
+    spoiled = readings_of(40)
+    spoiled[5, 0] = 65535
+    standardiser = Standardiser(3)
+    standardiser.update(spoiled)
+    highest = np.delete(spoiled[:, 0], 5).max()
+    found = standardiser.transform(np.array([[65535.0, 0.5, 0.5], [highest, 0.5, 0.5]]))
+    assert found[0].tolist() == found[1].tolist()
+
+
+def test_a_wrong_reading_among_the_first_ones_shows_once_more_is_known() -> None:
+    standardiser = Standardiser(1)
+    standardiser.update(np.array([[0.2], [1000.0]]))
+    standardiser.update(readings_of(30)[:, :1])
+    assert standardiser.scale[0] < 1
+
+
+def test_a_sentinel_that_comes_again_and_again_and_one_at_either_end() -> None:
+    spoiled = readings_of(40)
+    spoiled[:6, 0], spoiled[6:9, 0] = 65535, -32768
+    limits = PlausibleRange(3)
+    limits.add(spoiled)
+    assert 0 <= limits.lowest[0] < limits.highest[0] <= 1
+    assert limits.are_implausible(spoiled)[:, 0].sum() == 9
+
+
+def test_what_is_rare_or_heavy_tailed_is_plausible() -> None:
+    rng = np.random.default_rng(1)
+    sparse = np.where(rng.random(100) < 0.05, rng.random(100), 0.0)
+    heavy = rng.lognormal(0, 1.5, 100)
+    binary = (rng.random(100) < 0.01).astype(float)
+    limits = PlausibleRange(3)
+    limits.add(np.column_stack([sparse, heavy, binary]))
+    assert not limits.is_limited.any()
+
+
+def test_what_many_things_read_is_no_mistake() -> None:
+    readings = readings_of(40)
+    readings[:20, 0] += 10_000
+    limits = PlausibleRange(3)
+    limits.add(readings)
+    assert not limits.is_limited.any()
+
+
+def test_a_clean_feature_has_the_same_bits_whatever_its_neighbour_reads() -> None:
+    clean, spoiled = Standardiser(3), Standardiser(3)
+    table = readings_of(40)
+    wrong = table.copy()
+    wrong[3, 1] = 3e38
+    for one, batches in ((clean, np.split(table, 4)), (spoiled, np.split(wrong, 4))):
+        for batch in batches:
+            one.update(batch)
+    assert clean.transform(table)[:, [0, 2]].tobytes() == spoiled.transform(table)[:, [0, 2]].tobytes()

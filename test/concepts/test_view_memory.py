@@ -1,0 +1,171 @@
+"""What wobbles is the same view, what has changed is another one."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator
+
+import numpy as np
+import pytest
+
+from al_questioner.concepts.view_memory import ViewMemory
+from al_questioner.domain import Scene
+
+LOOKS = 40
+CHANGE = 20
+"""Number of the look from which the first thing is another one, where it is."""
+
+Noise = Callable[[np.random.Generator, int, tuple[int, int]], np.ndarray]
+
+
+def normal(size: float) -> Noise:
+    return lambda rng, look, shape: size * rng.normal(size=shape)
+
+
+def bursts(size: float) -> Noise:
+    """Every tenth look, by chance, ten times the noise."""
+    return lambda rng, look, shape: size * rng.normal(size=shape) * (10 if rng.random() < 0.1 else 1)
+
+
+def long_burst(size: float) -> Noise:
+    return lambda rng, look, shape: size * rng.normal(size=shape) * (10 if 30 <= look < 33 else 1)
+
+
+def rare_burst(size: float) -> Noise:
+    """Readings repeat exactly, but for some looks."""
+    return lambda rng, look, shape: size * rng.normal(size=shape) * (rng.random() < 0.1)
+
+
+def one_noisy_feature(size: float, quiet: float) -> Noise:
+    def make(rng: np.random.Generator, look: int, shape: tuple[int, int]) -> np.ndarray:
+        return rng.normal(size=shape) * np.where(np.arange(shape[1]) == 0, size, quiet)
+
+    return make
+
+
+def drift(step: float, size: float) -> Noise:
+    return lambda rng, look, shape: size * rng.normal(size=shape) + step * look
+
+
+def common(size: float) -> Noise:
+    """A lamp that flickers: all features of all things move together."""
+    return lambda rng, look, shape: size * rng.normal() + size / 10 * rng.normal(size=shape)
+
+
+NOISES = {
+    **{f'normal {size}': normal(size) for size in (0.0005, 0.005, 0.02, 0.05, 0.1)},
+    **{f'bursts {size}': bursts(size) for size in (0.0005, 0.005)},
+    'long burst': long_burst(0.005),
+    'rare burst': rare_burst(0.02),
+    'one is all noise': one_noisy_feature(1.0, 0.002),
+    'one is noisy': one_noisy_feature(0.3, 0.005),
+    'drift': drift(0.01, 0.005),
+    'drift alone': drift(0.02, 0.0005),
+    'common': common(0.02),
+}
+
+
+def scenes(
+    noise: Noise, n: int, m: int, seed: int, change: np.ndarray | None = None
+) -> Iterator[tuple[Scene, np.ndarray]]:
+    """Looks at n things, and the spread of each feature, which differs by far; features are in odd units."""
+    rng = np.random.default_rng(seed)
+    unit = 10 ** rng.uniform(-2, 3, m)
+    things = rng.normal(size=(n, m)) + rng.normal(size=m) * 3
+    spread = things.std(axis=0)
+    names = tuple(f'group_{i}' for i in range(m))
+    for look in range(1, LOOKS + 1):
+        if look == CHANGE and change is not None:
+            things = things.copy()
+            things[0] += change * spread
+        table = (things + noise(rng, look, (n, m)) * spread) * unit
+        yield Scene(tuple(range(n)), np.zeros((n, 3), np.float32), table.astype(np.float32), names), spread * unit
+
+
+def views_seen(noise: Noise, n: int, m: int, seed: int, change: np.ndarray | None = None) -> list[list[int]]:
+    """Of each thing, the numbers of the looks at which it got features that it had not had before."""
+    memory = ViewMemory()
+    known: list[set[bytes]] = [set() for _ in range(n)]
+    found: list[list[int]] = [[] for _ in range(n)]
+    for look, (scene, spread) in enumerate(scenes(noise, n, m, seed, change), start=1):
+        for thing, row in enumerate(memory.steady(scene, spread).features):
+            if row.tobytes() not in known[thing]:
+                known[thing].add(row.tobytes())
+                found[thing].append(look)
+    return found
+
+
+SIZES = [(4, 3), (4, 26), (10, 74), (12, 12)]
+
+
+@pytest.mark.parametrize('name', NOISES)
+@pytest.mark.parametrize(('n', 'm'), SIZES)
+def test_noise_makes_no_other_view(name: str, n: int, m: int) -> None:
+    for seed in range(2):
+        assert views_seen(NOISES[name], n, m, seed) == [[1]] * n
+
+
+@pytest.mark.parametrize('name', NOISES)
+@pytest.mark.parametrize(('n', 'm'), SIZES)
+def test_another_thing_is_seen_by_the_second_look_at_it(name: str, n: int, m: int) -> None:
+    change = np.random.default_rng(5).choice([-1.5, 1.5], size=m)
+    first, *others = views_seen(NOISES[name], n, m, 0, change)
+    assert len(first) == 2
+    # A burst at that very moment may hide it for its duration.
+    assert CHANGE <= first[1] <= CHANGE + 2
+    assert others == [[1]] * (n - 1)
+
+
+@pytest.mark.parametrize('size', [0.0005, 0.005, 0.05])
+def test_a_change_of_some_features_only_is_seen_once_it_is_confirmed(size: float) -> None:
+    change = np.where(np.arange(26) < 5, 1.0, 0.0)
+    first, *others = views_seen(normal(size), 4, 26, 0, change)
+    assert first == [1, CHANGE + 1]
+    assert others == [[1]] * 3
+
+
+def test_readings_that_repeat_exactly_pass_unchanged_and_changes_count_at_once() -> None:
+    change = np.random.default_rng(5).normal(size=26)
+    memory = ViewMemory()
+    for scene, spread in scenes(normal(0), 4, 26, 0, change):
+        assert memory.steady(scene, spread) is scene
+
+
+def test_a_view_that_comes_back_has_the_features_that_it_had() -> None:
+    memory = ViewMemory()
+    rng = np.random.default_rng(0)
+    views, others, names = rng.normal(size=(2, 5)), rng.normal(size=(3, 5)), tuple(f'group_{i}' for i in range(5))
+    kept = []
+    for look in range(40):
+        table = np.vstack([views[look // 10 % 2], others])
+        table = (table + 0.01 * rng.normal(size=table.shape)).astype(np.float32)
+        scene = Scene((0, 1, 2, 3), np.zeros((4, 3), np.float32), table, names)
+        kept.append(memory.steady(scene, np.ones(5)).features[0].tobytes())
+    assert kept[20:] == kept[:20]
+    assert len(set(kept)) == 2
+
+
+def test_a_wrong_reading_of_one_feature_is_not_another_view() -> None:
+    memory = ViewMemory()
+    kept = set()
+    for look, (scene, spread) in enumerate(scenes(normal(0.01), 4, 12, 0)):
+        if look % 7 == 5:
+            scene.features[2, look % 12] = 65535
+        kept.add(memory.steady(scene, spread).features[2].tobytes())
+    assert len(kept) == 1
+
+
+def test_the_estimate_names_the_noise_of_each_feature() -> None:
+    memory = ViewMemory()
+    for scene, spread in scenes(one_noisy_feature(0.3, 0.02), 8, 10, 1):
+        memory.steady(scene, spread)
+    noise = list(memory.noise.values())
+    assert noise[0] == pytest.approx(0.3, rel=0.2)
+    assert noise[1:] == pytest.approx([0.02] * 9, rel=0.2)
+
+
+def test_before_anything_was_seen_twice_no_noise_is_told() -> None:
+    memory = ViewMemory()
+    assert memory.noise == {}
+    scene, spread = next(scenes(normal(0.1), 4, 3, 0))
+    memory.steady(scene, spread)
+    assert memory.noise == {}
