@@ -59,7 +59,7 @@ def test_a_label_query_shows_all_that_it_takes_to_answer(person: Any, made: Any,
     for part in (
         'Teaching as anna',
         'turn 2 of 7',
-        'budget 4 of 6 left',
+        'costs 1, which leaves 4 of 6 of the budget',
         'What is object 7?',
         'Object 7: right, at x 1.20 m, y 0.40 m',
         '[7]',
