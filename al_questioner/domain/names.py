@@ -102,7 +102,7 @@ def unsayable(name: str, has_key: bool = True) -> str:
         return 'a comma parts names'
     if loose.startswith('{'):
         return 'what begins with a brace is read as a JSON document'
-    if name != unicodedata.normalize('NFC', name):
+    if name != composed(name):
         return 'its Unicode is decomposed, letters apart from their accents (NFD): write it composed (NFC)'
     usual = usual_form(name)
     return '' if name == usual else f'it holds full-width or other unusual characters: write {usual!r}'
@@ -145,7 +145,12 @@ def usual_form(name: str) -> str:
         else character
         for character in name
     )
-    return unicodedata.normalize('NFC', ''.join(ordinary))
+    return composed(''.join(ordinary))
+
+
+def composed(name: str) -> str:
+    """A name in the form of Unicode that keyboards give."""
+    return unicodedata.normalize('NFC', name)
 
 
 def meant(word: str, names: Iterable[str]) -> list[str]:
@@ -154,7 +159,7 @@ def meant(word: str, names: Iterable[str]) -> list[str]:
     Several if it is not clear; none if it is like none.
     """
     known = list(dict.fromkeys(names))
-    for form in (str, str.strip, _composed, loosely)[: None if len(word) <= LONGEST_SAID else 1]:
+    for form in (str, str.strip, _trimmed, loosely)[: None if len(word) <= LONGEST_SAID else 1]:
         wanted = form(word)
         found = [name for name in known if form(name) == wanted]
         if wanted and found:
@@ -191,8 +196,8 @@ def parted(text: str) -> list[str]:
     return [part for part in parts if part]
 
 
-def _composed(word: str) -> str:
-    return unicodedata.normalize('NFC', word.strip())
+def _trimmed(word: str) -> str:
+    return composed(word.strip())
 
 
 def _plain(character: str) -> str:

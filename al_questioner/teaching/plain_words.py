@@ -2,11 +2,12 @@
 
 from __future__ import annotations
 
+import dataclasses
 import re
 from collections.abc import Collection
 
 from al_questioner.domain import NO_SYMBOL, Answer, AnswerError, Content, Outcome, Query, QueryKind
-from al_questioner.domain.names import SKIP_WORDS, UNKNOWN_WORDS, meant, parted, quoted, suggestion
+from al_questioner.domain.names import SKIP_WORDS, UNKNOWN_WORDS, composed, meant, parted, quoted, suggestion
 
 OUTCOMES = {**dict.fromkeys(UNKNOWN_WORDS, Outcome.UNKNOWN), **dict.fromkeys(SKIP_WORDS, Outcome.SKIP)}
 """What words say that are no answer, at every question."""
@@ -33,6 +34,20 @@ def read_plain_answer(text: str, query: Query, teacher_id: str = 'plain', others
     if isinstance(content, Outcome):
         outcome, content = content, None
     return Answer(query.query_id, f'{query.query_id}/{teacher_id}', teacher_id, outcome, content)
+
+
+def respelt(answer: Answer, names: Collection[str]) -> Answer:
+    """The answer of a document with its names in the form of Unicode in which the learner has them."""
+    content = answer.content
+    if isinstance(content, str):
+        return dataclasses.replace(answer, content=_known(content, names))
+    if isinstance(content, tuple):
+        return dataclasses.replace(answer, content=tuple(_known(name, names) for name in content))
+    return answer
+
+
+def _known(name: str, names: Collection[str]) -> str:
+    return name if name in names else next((known for known in names if composed(known) == composed(name)), name)
 
 
 def _content(text: str, query: Query, others: Collection[str]) -> Content | Outcome:

@@ -6,9 +6,8 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from al_questioner.domain import Action, AnswerError, Content, Outcome, Query, QueryKind
-from al_questioner.teaching import read_plain_answer
-
+from al_questioner.domain import Action, Answer, AnswerError, Content, Outcome, Query, QueryKind
+from al_questioner.teaching import read_plain_answer, respelt
 
 CHOICES = {
     QueryKind.LABEL: ('main_dish', 'snack'),
@@ -128,6 +127,23 @@ def test_what_may_mean_two_things_or_misses_one_is_refused_with_them(
     """The robot would guess, or leave the person to find out what is wrong with the word."""
     with pytest.raises(AnswerError, match=reason):
         read_plain_answer(text, query(kind, choices), others=('undo', 'quit'))
+
+
+@pytest.mark.parametrize(
+    ('content', 'expected'),
+    [
+        ('Fru\u0308chte', 'Früchte'),
+        ('Früchte', 'Früchte'),
+        ('früchte', 'früchte'),
+        (('gro\u0308ße', 'size'), ('größe', 'size')),
+        (7, 7),
+        (None, None),
+    ],
+)
+def test_names_of_a_document_are_known_in_any_form_of_unicode(content: Content, expected: Content) -> None:
+    """A teacher's program on a Mac would be told that the very word that it sent is unknown."""
+    answer = Answer('q1', 'a1', 'mac', Outcome.ANSWERED, content)
+    assert respelt(answer, ('Früchte', 'cup', 'größe', 'size')).content == expected
 
 
 @pytest.mark.parametrize('kind', CHOICES)

@@ -11,7 +11,6 @@ from __future__ import annotations
 
 import os
 import re
-import unicodedata
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from pathlib import Path
@@ -22,7 +21,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from al_questioner.domain import Camera, InputError, View
-from al_questioner.domain.names import meant
+from al_questioner.domain.names import composed, meant
 
 _SUFFIXES = ('_crop.png', '_depthcrop.png', '_maskcrop.png', '_loc.txt')
 _STEM = re.compile(r'(?P<category>.+)_(?P<instance>\d+)_(?P<video>\d+)_(?P<frame>\d+)')
@@ -135,8 +134,8 @@ def _index_category(category: str, folder: Path, skipped: list[Skipped]) -> list
     found: list[CropFiles] = []
     for name in _names(folder, skipped):
         path = folder / name
-        prefix, _, number = _composed(name).rpartition('_')
-        if not path.is_dir() or prefix != _composed(folder.name) or not number.isdecimal():
+        prefix, _, number = composed(name).rpartition('_')
+        if not path.is_dir() or prefix != composed(folder.name) or not number.isdecimal():
             skipped.append(Skipped(path, f'not a folder named {folder.name}_N'))
             continue
         complete = _index_object(category, path, skipped)
@@ -144,10 +143,6 @@ def _index_category(category: str, folder: Path, skipped: list[Skipped]) -> list
             skipped.append(Skipped(path, 'holds no complete crop'))
         found += complete
     return found
-
-
-def _composed(name: str) -> str:
-    return unicodedata.normalize('NFC', name)
 
 
 def _index_object(category: str, folder: Path, skipped: list[Skipped]) -> list[CropFiles]:
@@ -164,7 +159,7 @@ def _index_object(category: str, folder: Path, skipped: list[Skipped]) -> list[C
         missing = [suffix for suffix in _SUFFIXES if suffix not in suffixes]
         if match is None:
             skipped.append(Skipped(folder / stem, 'not named CATEGORY_N_V_F'))
-        elif _composed(f'{match["category"]}_{match["instance"]}') != _composed(folder.name):
+        elif composed(f'{match["category"]}_{match["instance"]}') != composed(folder.name):
             skipped.append(Skipped(folder / stem, f'belongs to another object than its folder {folder.name}'))
         elif missing:
             skipped.append(Skipped(folder / stem, f'incomplete: no {", ".join(missing)}'))
