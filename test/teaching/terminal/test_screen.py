@@ -193,3 +193,9 @@ def test_a_question_that_waits_tells_the_time_that_is_left_now(person: Any, made
     board = person.session.board()
     assert 'turn 5 of 7' in shown(board, Look())
     assert 'turns left 2' in question_line(board.moment.query, False, board.progress)
+
+
+def test_a_line_keeps_names_with_blanks_and_commas_apart(made: Any) -> None:
+    """A person would take one name for two, and be refused."""
+    assert '[main dish, cup, none, ?, skip]' in question_line(made.label(1, symbols=('main dish', 'cup')), False)
+    assert '[size,"bbox[0,1]" ? skip]' in question_line(made.feature_subset(1, ('size', 'bbox[0,1]')), False)
