@@ -9,14 +9,13 @@ from __future__ import annotations
 import operator
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
-from functools import cached_property, lru_cache
+from functools import cached_property, lru_cache, partial
 from pathlib import Path
 
 import numpy as np
 from numpy.typing import NDArray
 
 from al_questioner.concepts import Kernel, Knowledge
-from al_questioner.configuration import config_dir
 from al_questioner.domain import (
     AMPLITUDE,
     Costs,
@@ -29,11 +28,9 @@ from al_questioner.domain import (
     generator,
 )
 from al_questioner.perception import perceive, view_features
-from al_questioner.questioning import STRATEGIES, Episode, Strategy, new_knowledge, read_weights
+from al_questioner.questioning import STRATEGIES, Episode, Strategy, new_knowledge, read_weights, shipped_file
 from al_questioner.teaching import Teacher
 from al_questioner.world import Task, World, make_world
-
-DEFAULT_COSTS = Costs()
 
 
 @dataclass(frozen=True)
@@ -64,13 +61,22 @@ class WorldChoice:
         return make_world(self.task, self.seed, self.sample, self.dataset)
 
 
-class PerceivedWorld:
-    """A world as feature vectors; a scene that stays is perceived once, a view that comes back is measured once."""
+See = Callable[[Sequence[Observation]], Scene]
+"""Makes feature vectors of observations."""
 
-    def __init__(self, world: World) -> None:
+
+class PerceivedWorld:
+    """A world as feature vectors; a scene that stays is perceived once, a view that comes back is measured once.
+
+    Args:
+        world: that is perceived.
+        see: how; as our perception does if not given.
+    """
+
+    def __init__(self, world: World, see: See | None = None) -> None:
         self._world = world
         # Views are equal if they are the same object; a world keeps those it has shown anyway.
-        self._measure = lru_cache(maxsize=None)(view_features)
+        self._see = see or partial(perceive, measure=lru_cache(maxsize=None)(view_features))
         self._seen: tuple[Observation, ...] = ()
         self._scene: Scene | None = None
 
@@ -95,13 +101,13 @@ class PerceivedWorld:
         observations = self._world.scene(turn)
         same = len(observations) == len(self._seen) and all(map(operator.is_, observations, self._seen))
         if self._scene is None or not same:
-            self._seen, self._scene = observations, perceive(observations, self._measure)
+            self._seen, self._scene = observations, self._see(observations)
         return self._scene
 
     @cached_property
     def test_set(self) -> tuple[NDArray[np.float32], tuple[str, ...]]:
         """(k, m) features of the held-out observations, and their k symbols."""
-        return perceive(self._world.test_observations()).features, self._world.test_labels()
+        return self._see(self._world.test_observations()).features, self._world.test_labels()
 
     @cached_property
     def validation_set(self) -> tuple[NDArray[np.float32], tuple[str, ...]]:
@@ -110,7 +116,7 @@ class PerceivedWorld:
         Raises:
             InputError: the world has no second draw.
         """
-        return perceive(self._world.validation_observations()).features, self._world.validation_labels()
+        return self._see(self._world.validation_observations()).features, self._world.validation_labels()
 
 
 def episode_settings(
@@ -120,7 +126,7 @@ def episode_settings(
     turns: int | None = None,
     change_interval: int | None = None,
     weights_file: str | None = None,
-    costs: Costs = DEFAULT_COSTS,
+    costs: Costs | None = None,
     amplitude: float = AMPLITUDE,
     length_scale: float | None = None,
     tune_every: int = 0,
@@ -134,11 +140,11 @@ def episode_settings(
         InputError: a value out of range, an unknown strategy, or a weights file that cannot be used.
     """
     name = task.episode.strategy if strategy is None else strategy
-    shipped = config_dir() / 'weights' / f'{name}.yaml'
-    if weights_file and name in STRATEGIES and not shipped.is_file():
+    shipped = shipped_file(name)
+    if weights_file and name in STRATEGIES and shipped is None:
         raise SettingsError(f'strategy {name} uses no weights, but the weights file {weights_file} is given')
     path = Path(weights_file).expanduser() if weights_file else shipped
-    weights = read_weights(path).values if weights_file or shipped.is_file() else {}
+    weights = {} if path is None else read_weights(path).values
     return EpisodeSettings(
         symbols=task.symbols,
         budget=task.episode.budget if budget is None else budget,
@@ -146,7 +152,7 @@ def episode_settings(
         strategy=name,
         weights=weights,
         change_interval=task.scenes.change_interval if change_interval is None else change_interval,
-        costs=costs,
+        costs=task.episode.costs if costs is None else costs,
         amplitude=amplitude,
         length_scale=length_scale,
         tune_every=tune_every,
@@ -166,6 +172,7 @@ def accuracy(probabilities: NDArray[np.float64], labels: Sequence[str], symbols:
         that guessing among them would get, so that a learner that knows nothing is at chance.
     """
     truth = np.array([symbols.index(label) for label in labels])
+    probabilities = np.asarray(probabilities)
     largest = probabilities == probabilities.max(axis=1, keepdims=True)
     hits = largest[np.arange(len(truth)), truth] / largest.sum(axis=1)
     return float(hits.mean())

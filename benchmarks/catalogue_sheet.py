@@ -31,7 +31,7 @@ def main() -> None:
     parser.add_argument('--out', type=Path, required=True)
     given = parser.parse_args()
     task = load_task(given.task)
-    kinds = [k for k in CATALOGUES[task.appearance.catalogue] if given.only in (None, k.symbol)]
+    kinds = [k for k in CATALOGUES[task.appearance.catalogue or 'pack_lunchbox'] if given.only in (None, k.symbol)]
     rng = generator(1, 'catalogue_sheet')
     sights = []
     for kind in kinds:

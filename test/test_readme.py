@@ -19,9 +19,14 @@ def test_concept_models_snippet_runs() -> None:
     exec(SNIPPETS[0], {**given, 'scene': scene})
 
 
-def test_episode_snippet_asks_and_learns(capsys) -> None:
+def test_episode_snippets_ask_learn_and_recognise(capsys) -> None:
     """The loop that people build on would not run."""
-    exec(SNIPPETS[1], {})
+    known: dict[str, object] = {}
+    exec(SNIPPETS[1], known)
     asked = capsys.readouterr().out.splitlines()
     assert len(asked) == len(set(asked)) == 4
     assert all(line.endswith('?') for line in asked)
+    exec(SNIPPETS[2], known)
+    recognised = [line.split() for line in capsys.readouterr().out.splitlines()]
+    assert len(recognised) == 3
+    assert all(name in ('cup', 'plate', 'none') and 0 <= float(p) <= 1 for name, p in recognised)

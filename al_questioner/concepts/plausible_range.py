@@ -13,8 +13,8 @@ LEAST_OTHERS = 3
 FAR, FAR_AMONG_FEW = 20.0, 20_000.0
 """A reading is implausible if it is farther from the others than FAR + FAR_AMONG_FEW / k^2 times the range of k others.
 
-Few readings say little of the range: of the simulated tables' features, some are 0 for nearly everything. In 48 worlds of
-four tasks none comes nearer to the limit than four fifths of it.
+Few readings say little of the range: of the simulated tables' features, some are 0 for nearly everything. In 48 worlds
+of four tasks none comes nearer to the limit than four fifths of it.
 """
 LARGEST_SHARE = 0.25
 """Share of the readings that can be implausible; what is more frequent is what the feature looks like."""

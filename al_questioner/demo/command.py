@@ -22,6 +22,7 @@ from al_questioner.messages.schemas import LARGEST_TURN
 from al_questioner.questioning import STRATEGIES
 from al_questioner.simulation import (
     Evaluation,
+    PerceivedWorld,
     TurnWatcher,
     WorldChoice,
     episode_settings,
@@ -29,6 +30,7 @@ from al_questioner.simulation import (
 )
 from al_questioner.teaching import ScriptedTeacher
 from al_questioner.world import load_task
+from al_questioner.world.made_up import MadeUpWorld, made_up_scene
 
 PATIENCE = 30.0
 """Seconds without progress after which the warning of a node ends the demo."""
@@ -61,6 +63,8 @@ def parser() -> Parser:
     result.add_argument('--json', type=Path, metavar='FILE', help='write the episode as JSON')
     result.add_argument('--record', type=Path, metavar='BAG', help='record the episode into a new bag, not offline')
     result.add_argument('--namespace', help='of the ROS topics, not offline (one of its own for each run)')
+    dry_help = 'offline, on made-up features: tries a task without the robot whose things it is about'
+    result.add_argument('--dry-run', action='store_true', help=dry_help)
     where = result.add_mutually_exclusive_group()
     where.add_argument('--offline', action='store_true', help='the same episode without ROS')
     where.add_argument('--one-process', action='store_true', help='the ROS nodes in this process, not one process each')
@@ -70,9 +74,13 @@ def parser() -> Parser:
 def main(arguments: Sequence[str]) -> int:
     """Run the demo."""
     given = parser().parse_args(arguments)
-    for option in ('record', 'namespace'):
+    without_ros = '--dry-run' if given.dry_run else '--offline'
+    given.offline = given.offline or given.dry_run
+    for option in ('record', 'namespace', 'one_process'):
         if given.offline and getattr(given, option):
-            raise InputError(f'--{option} is of no use --offline: there is no ROS graph')
+            raise InputError(f'--{option.replace("_", "-")} is of no use {without_ros}: there is no ROS graph')
+    if given.dry_run and given.dataset:
+        raise InputError('--dataset is of no use --dry-run: its features are made up')
     if given.record and given.one_process:
         raise InputError('--record needs a process for each node: leave --one-process out')
     if given.record and given.record.exists():
@@ -90,10 +98,16 @@ def main(arguments: Sequence[str]) -> int:
         weights_file=given.weights_file,
         tune_every=given.tune_every,
     )
+    made_up = MadeUpWorld(choice.task, choice.seed, choice.sample) if given.dry_run else None
     teacher = ScriptedTeacher(
-        choice.task.symbols, choice.task.relevant_groups, given.seed, given.wrong_rate, given.unknown_rate
+        choice.task.symbols,
+        choice.task.relevant_groups if made_up is None else made_up.relevant_groups,
+        given.seed,
+        given.wrong_rate,
+        given.unknown_rate,
     )
-    evaluation = Evaluation(choice, settings)
+    world = None if made_up is None else PerceivedWorld(made_up, made_up_scene)
+    evaluation = Evaluation(choice, settings, world)
     make_folder(given.out)
     if given.json is not None:
         make_folder(given.json.parent)
@@ -108,9 +122,9 @@ def main(arguments: Sequence[str]) -> int:
         else:
             _play_graph(given, evaluation, progress.after_turn)
     result = evaluation.result()
-    pictures = draw_pictures(result, evaluation.world, given.out)
+    pictures = draw_pictures(result, evaluation.world, given.out, has_views=made_up is None)
     if given.json is not None:
-        document = episode_document(result, teacher, evaluation.world)
+        document = {**episode_document(result, teacher, evaluation.world), 'dry_run': given.dry_run}
         write_text(given.json, json.dumps(document, indent=1) + '\n')
     console.print(summary(result))
     _tell(console, evaluation.world.report())

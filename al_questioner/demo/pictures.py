@@ -17,8 +17,11 @@ from al_questioner.wording import number_of
 from al_questioner.world.table_image import Mark, draw_scene
 
 
-def draw_pictures(result: EpisodeResult, world: PerceivedWorld, folder: Path) -> list[Path]:
-    """Write `learning_curve.png`, `timeline.png` and `scene.png`, and return their paths.
+def draw_pictures(result: EpisodeResult, world: PerceivedWorld, folder: Path, has_views: bool = True) -> list[Path]:
+    """Write `learning_curve.png`, `timeline.png` and, if the world has views of its things, `scene.png`.
+
+    Returns:
+        Their paths.
 
     Raises:
         OSError: the folder cannot be written.
@@ -26,7 +29,8 @@ def draw_pictures(result: EpisodeResult, world: PerceivedWorld, folder: Path) ->
     folder.mkdir(parents=True, exist_ok=True)
     with plt.rc_context(STYLE):
         figures = {'learning_curve': _learning_curve(result), 'timeline': _timeline(result, world)}
-        figures['scene'] = _scene(result, world)
+        if has_views:
+            figures['scene'] = _scene(result, world)
         return [save(figure, folder / f'{name}.png') for name, figure in figures.items()]
 
 
@@ -79,18 +83,19 @@ def _scene(result: EpisodeResult, world: PerceivedWorld) -> Figure:
     turns = result.settings.turns
     starts = [1, *world.change_turns(turns)]
     ends = [*(turn - 1 for turn in starts[1:]), turns]
-    about = [
-        [record for record in result.queries if start <= record.turn <= end and record.object_id is not None]
+    asked = [
+        [record for record in result.queries if start <= record.turn <= end]
         for start, end in zip(starts, ends, strict=True)
     ]
+    about = [{record.object_id: record for record in records if record.object_id is not None} for records in asked]
     best = max(range(len(starts)), key=lambda index: len(about[index]))
-    marks = {record.object_id: _mark(record) for record in about[best] if record.object_id is not None}
+    marks = {object_id: _mark(record) for object_id, record in about[best].items()}
     picture = draw_scene(world.observations(starts[best]), marks).image
     height, width, _ = picture.shape
     figure, axes = plt.subplots(figsize=(9, 9 * height / width + 0.5))
     axes.imshow(picture)
     axes.set_axis_off()
-    count = Counter(record.kind for record in about[best])
+    count = Counter(record.kind for record in asked[best])
     told = (
         ', '.join(
             number_of(count[kind], f'{kind_name(kind)} query', f'{kind_name(kind)} queries')

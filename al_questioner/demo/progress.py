@@ -6,6 +6,7 @@ from types import TracebackType
 
 from rich import progress as bars
 from rich.console import Console
+from rich.markup import escape
 
 from al_questioner.domain import NO_SYMBOL, Action, EpisodeSettings, Outcome, QueryKind, QueryRecord
 from al_questioner.questioning.candidates import question_text
@@ -21,7 +22,7 @@ class Progress:
         self._settings = settings
         self._spent = 0.0
         console.print(
-            f'[bold]{task.name}[/bold]: learning {", ".join(settings.symbols)} by asking'
+            f'[bold]{escape(task.name)}[/bold]: learning {escape(", ".join(settings.symbols))} by asking'
             f' ({settings.strategy}, budget {settings.budget:g}, {number_of(settings.turns, "turn")})',
             soft_wrap=True,
         )
@@ -49,7 +50,9 @@ class Progress:
             self._spent += record.cost
             question = question_text(Action(record.kind, record.object_id, record.symbol), self._settings.symbols)
             self._console.print(
-                f'turn {turn:>3}  {question}  [green]{answer_text(record)}[/green]', highlight=False, soft_wrap=True
+                f'turn {turn:>3}  {escape(question)}  [green]{escape(answer_text(record))}[/green]',
+                highlight=False,
+                soft_wrap=True,
             )
         self._bar.update(
             self._task,

@@ -6,6 +6,7 @@ from collections import Counter
 from dataclasses import asdict
 from typing import Any
 
+from rich.markup import escape
 from rich.table import Table
 
 from al_questioner import __version__
@@ -61,7 +62,7 @@ def summary(result: EpisodeResult) -> Table:
     kinds = Counter(record.kind for record in result.queries)
     asked = ', '.join(f'{kinds[kind]} {kind.value.replace("_", " ")}' for kind in QueryKind if kinds[kind])
     table = Table(
-        title=f'{result.choice.task.name} · {settings.strategy} · seed {result.choice.seed}',
+        title=f'{escape(result.choice.task.name)} · {settings.strategy} · seed {result.choice.seed}',
         show_header=False,
         title_justify='left',
     )
@@ -77,5 +78,6 @@ def summary(result: EpisodeResult) -> Table:
     if settings.tune_every:
         kernel = f'amplitude {result.kernel.amplitude:.3g}, length scale {result.kernel.length_scale:.3g}'
         table.add_row(f'kernel, tuned every {settings.tune_every} turns', kernel)
-    table.add_row('told', ', '.join(f'{count} {symbol}' for symbol, count in labels_told(result).items()))
+    told = ', '.join(f'{count} {symbol}' for symbol, count in labels_told(result).items())
+    table.add_row('told', escape(told))
     return table

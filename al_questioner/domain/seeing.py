@@ -2,13 +2,16 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+import operator
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
+from typing import SupportsIndex
 
 import numpy as np
-from numpy.typing import NDArray
+from numpy.typing import ArrayLike, NDArray
 
 from al_questioner.domain.errors import SceneError
+from al_questioner.domain.names import listed
 
 FloatArray = NDArray[np.floating]
 
@@ -68,6 +71,8 @@ def group_of(feature_name: str) -> str:
 class Scene:
     """The objects seen this turn, as feature vectors; one observation per object.
 
+    Lists will do for tuples and arrays; what is no array of floating-point numbers becomes one of float32.
+
     Attributes:
         object_ids: one distinct non-negative id per object.
         positions: (n, 3) float32, metres in the table's frame.
@@ -75,8 +80,8 @@ class Scene:
         feature_names: m distinct names; the group of a feature is `group_of` its name.
 
     Raises:
-        SceneError: no object, no feature, a shape that does not fit, a repeated id or name, or a value that is not
-            finite.
+        SceneError: no object, no feature, a shape that does not fit, an id that is no whole number, a name that is no
+            text, a repeated id or name, or a value that is no finite number.
     """
 
     object_ids: tuple[int, ...]
@@ -85,6 +90,13 @@ class Scene:
     feature_names: tuple[str, ...]
 
     def __post_init__(self) -> None:
+        for name, read in (
+            ('object_ids', _ids),
+            ('feature_names', _names),
+            ('positions', _numbers),
+            ('features', _numbers),
+        ):
+            object.__setattr__(self, name, read(getattr(self, name), name))
         n, m = len(self.object_ids), len(self.feature_names)
         if n == 0:
             raise SceneError('the scene is empty: it holds no object')
@@ -133,3 +145,28 @@ class Scene:
             return self.object_ids.index(object_id)
         except ValueError:
             raise KeyError(object_id) from None
+
+
+def _ids(values: Iterable[SupportsIndex], what: str) -> tuple[int, ...]:
+    try:
+        return tuple(map(operator.index, values))
+    except TypeError:
+        raise SceneError(f'{what} must be whole numbers, not {values!r}') from None
+
+
+def _names(values: Iterable[str], what: str) -> tuple[str, ...]:
+    names = listed(values)
+    if names is None:
+        raise SceneError(f'{what} must be a list of names, not {values!r}')
+    return names
+
+
+def _numbers(values: ArrayLike, what: str) -> FloatArray:
+    """The array itself if it is one of floating-point numbers, so that what was measured stays as it is to the bit."""
+    if isinstance(values, np.ndarray) and np.issubdtype(values.dtype, np.floating):
+        return values
+    try:
+        with np.errstate(over='ignore'):
+            return np.asarray(values, dtype=np.float32)
+    except (TypeError, ValueError):
+        raise SceneError(f'{what} must be rows of numbers, all of the same length') from None

@@ -10,6 +10,7 @@ import numpy as np
 
 from al_questioner.domain.asking import NO_SYMBOL, Outcome, QueryKind
 from al_questioner.domain.errors import SettingsError
+from al_questioner.domain.names import listed
 
 DECISION_FEATURES = (
     'discriminability',
@@ -79,7 +80,8 @@ class EpisodeSettings:
     """What is given to the learner before it asks.
 
     Attributes:
-        symbols: the concepts to ground, at least two.
+        symbols: the concepts to ground, at least two. Any names will do here; of those of a task, which people are to
+            say, more is asked, see `names.check_names`.
         budget: query budget, in the unit of `costs`; 0 or more.
         turns: number of turns, 1 or more.
         strategy: name of a questioning strategy.
@@ -107,8 +109,14 @@ class EpisodeSettings:
     tune_every: int = 0
 
     def __post_init__(self) -> None:
+        symbols = listed(self.symbols)
+        if symbols is None:
+            raise SettingsError(f'symbols must be a list of names, not {self.symbols!r}')
+        object.__setattr__(self, 'symbols', symbols)
         if len(self.symbols) < 2 or len(set(self.symbols)) < len(self.symbols):
             raise SettingsError(f'symbols must be at least two distinct names, not {list(self.symbols)}')
+        if not all(symbol.strip() for symbol in self.symbols):
+            raise SettingsError(f'a symbol must not be blank, as one of {list(self.symbols)} is')
         if NO_SYMBOL in self.symbols:
             raise SettingsError(f'{NO_SYMBOL!r} cannot be a symbol: it stands for things that belong to no symbol')
         if not (np.isfinite(self.budget) and self.budget >= 0):

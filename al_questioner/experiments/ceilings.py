@@ -68,7 +68,7 @@ def follow_all_labels(evaluation: Evaluation, task: Task, teacher: Teacher) -> E
     for turn in range(1, settings.turns + 1):
         scene = world.scene(turn)
         knowledge.observe(scene)
-        if not knowledge.subset_was_told:
+        if task.relevant_groups and not knowledge.subset_was_told:
             knowledge.restrict_to_groups(task.relevant_groups)
         fresh = [scene.object_ids[row] for row in np.flatnonzero(~knowledge.is_labelled(scene))]
         if fresh:

@@ -12,10 +12,17 @@ from pathlib import Path
 from typing import Any
 
 from al_questioner.concepts import Selector, rank_p_values, select_features
-from al_questioner.configuration import config_dir
 from al_questioner.domain import AMPLITUDE, SettingsError
 from al_questioner.experiments.ceilings import CEILINGS
-from al_questioner.questioning import STRATEGIES, Strategy, UncertaintySampling, Weights, make_strategy, read_weights
+from al_questioner.questioning import (
+    STRATEGIES,
+    Strategy,
+    UncertaintySampling,
+    Weights,
+    make_strategy,
+    read_weights,
+    shipped_file,
+)
 from al_questioner.world import Interval, Task, load_task
 
 
@@ -103,8 +110,8 @@ class Variation:
 
 def shipped_weights() -> Mapping[str, Weights]:
     """The weights in `config/weights` of the strategies that have some."""
-    paths = {name: config_dir() / 'weights' / f'{name}.yaml' for name in (*PAPER_STRATEGIES, *OWN)}
-    return {name: read_weights(path) for name, path in paths.items() if path.is_file()}
+    paths = {name: shipped_file(name) for name in (*PAPER_STRATEGIES, *OWN)}
+    return {name: read_weights(path) for name, path in paths.items() if path is not None}
 
 
 def task_label(name: str) -> str:

@@ -93,7 +93,7 @@ def report(page: Page, folder: Path) -> str:
     """
     results = page.results
     parts = [
-        '# Reproduction',
+        '# Reproduction' if OURS in results.strategies else '# Comparison of questioning strategies',
         f'Written by `{page.command}`; every result on this page is computed from its tables.',
         f'**Varied throughout: {page.varied}.**' if page.varied else '',
         _first_paragraph(results),

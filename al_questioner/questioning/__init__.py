@@ -18,7 +18,7 @@ from al_questioner.questioning.strategies import (
     new_knowledge,
     strategy_factory,
 )
-from al_questioner.questioning.weights import Weights, read_weights
+from al_questioner.questioning.weights import Weights, load_weights, read_weights, shipped_file
 
 __all__ = [
     'FEATURE_SETS',
@@ -40,11 +40,13 @@ __all__ = [
     'expected_features',
     'has_asked',
     'known_strategies',
+    'load_weights',
     'make_strategy',
     'new_knowledge',
     'nothing_considered',
     'read_weights',
     'rows_of',
+    'shipped_file',
     'strategy_factory',
     'symbol_given_object',
 ]

@@ -9,7 +9,17 @@ from typing import Protocol, TextIO
 
 import numpy as np
 
-from al_questioner.domain import Action, EpisodeError, InputError, QueryKind
+from al_questioner.domain import NO_SYMBOL, Action, EpisodeError, InputError, QueryKind
+from al_questioner.domain.names import (
+    FEATURES_WORDS,
+    HELP_WORDS,
+    LONGEST_QUOTED,
+    NOTHING_WORDS,
+    loosely,
+    meant,
+    quoted,
+    suggestion,
+)
 from al_questioner.questioning.choice import Choice, settled_actions
 from al_questioner.questioning.decision_features import symbol_given_object
 from al_questioner.questioning.expected_utility import expected_features
@@ -145,32 +155,52 @@ def pick_from_menu(situation: Situation, source: LineSource, screen: TextIO) -> 
 
 
 def _asks_for_help(line: str, symbols: Sequence[str]) -> bool:
-    """Whether a line is `h`, `help` or `?`, and not the beginning of a symbol."""
-    word = line.strip().lower()
-    return word in ('h', 'help', '?') and not any(symbol.lower().startswith(word) for symbol in symbols)
+    """Whether a line is `h`, `help` or `?`, and neither a symbol nor the beginning of one."""
+    return bool(meant(line, (*HELP_WORDS, '?'))) and not meant(line, symbols) and not _begun(line, symbols)
+
+
+def _begun(line: str, symbols: Sequence[str]) -> list[str]:
+    """The symbols that a line is the beginning of."""
+    word = loosely(line)
+    return [symbol for symbol in symbols if word and loosely(symbol).startswith(word)]
 
 
 def chosen_candidate(line: str, situation: Situation) -> int:
     """Index of the candidate that a line names: an object's number, a symbol or its beginning, `f`, or nothing.
 
+    What is exactly a symbol is that symbol, whatever else it may mean.
+
     Raises:
         InputError: it names none, or several; the text says what would be one.
     """
-    word = line.strip().lower()
-    if word in ('', 'n', 'none', 'nothing'):
+    word, symbols = line.rstrip('\r\n'), situation.symbols
+    if not word.strip():
         return _index(Action(QueryKind.NO_QUERY), situation, 'asking nothing')
-    if word in ('f', 'feature', 'features'):
+    found = meant(word, (*symbols, *NOTHING_WORDS, NO_SYMBOL, *FEATURES_WORDS))
+    number = loosely(word).removeprefix('#').strip()
+    if not found and number.isdecimal():
+        return _index_of_object(number, situation)
+    found = found or _begun(word, symbols)
+    if len(found) > 1:
+        raise InputError(f'{quoted(word.strip())} could be {" or ".join(found)}: type more of it, or exactly that')
+    if not found:
+        hint = suggestion(word, (*symbols, NOTHING_WORDS[0], FEATURES_WORDS[0], HELP_WORDS[0]))
+        raise InputError(f'{quoted(word.strip())} is no question{hint}: {HELP}')
+    if found[0] in symbols:
+        return _index(Action(QueryKind.DEMONSTRATION, symbol=found[0]), situation, f'being shown a {found[0]}')
+    if found[0] in FEATURES_WORDS:
         return _index(Action(QueryKind.FEATURE_SUBSET), situation, 'that question')
-    number = word.removeprefix('#')
-    if number.isdecimal():
-        return _index(Action(QueryKind.LABEL, object_id=int(number)), situation, f'a question about object {number}')
-    exact = [symbol for symbol in situation.symbols if symbol.lower() == word]
-    meant = exact or [symbol for symbol in situation.symbols if symbol.lower().startswith(word)]
-    if len(meant) > 1:
-        raise InputError(f'{word!r} could be {" or ".join(meant)}: type more of it')
-    if not meant:
-        raise InputError(f'{word!r} is no question: {HELP}')
-    return _index(Action(QueryKind.DEMONSTRATION, symbol=meant[0]), situation, f'being shown a {meant[0]}')
+    return _index(Action(QueryKind.NO_QUERY), situation, 'asking nothing')
+
+
+def _index_of_object(number: str, situation: Situation) -> int:
+    """Index of the question about the object of a number, which may be far longer than any object's."""
+    by_number = {str(object_id): object_id for object_id in situation.scene.object_ids}
+    object_id = by_number.get(number.lstrip('0') or '0')
+    what = f'a question about object {number[:LONGEST_QUOTED]}'
+    if object_id is None:
+        raise InputError(f'{what} is not possible: there is no such object')
+    return _index(Action(QueryKind.LABEL, object_id=object_id), situation, what)
 
 
 def menu(situation: Situation) -> str:
@@ -225,6 +255,4 @@ def _index(action: Action, situation: Situation, what: str) -> int:
     try:
         return situation.candidates.index(action)
     except ValueError:
-        known = action.kind is not QueryKind.LABEL or action.object_id in situation.scene.object_ids
-        reason = 'the budget does not pay for it' if known else 'there is no such object'
-        raise InputError(f'{what} is not possible: {reason}') from None
+        raise InputError(f'{what} is not possible: the budget does not pay for it') from None

@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 from al_questioner.concepts import VIEW_TOLERANCE, Knowledge, Selector, select_features
 from al_questioner.domain import DECISION_FEATURES, EpisodeSettings, QueryKind, SettingsError
 from al_questioner.questioning.choice import Choice, Strategy, StrategyFactory, choose_best, nothing_considered
-from al_questioner.questioning.contributed import contributed_factory, contributions
+from al_questioner.questioning.contributed import contributed_factory
 from al_questioner.questioning.controls import Farthest, RandomLabel, RarestDemonstration, UncertainUnlabelled
 from al_questioner.questioning.decision_features import prediction_entropy
 from al_questioner.questioning.expected_utility import expected_features
@@ -19,6 +19,7 @@ from al_questioner.questioning.expert import ScriptedExpert
 from al_questioner.questioning.human import Human
 from al_questioner.questioning.situation import Situation
 from al_questioner.questioning.value import ValuePerCost
+from al_questioner.strategy_names import contribution, contributions
 
 IROS_FEATURES = DECISION_FEATURES[:2]
 TASK_FEATURES = DECISION_FEATURES[:4]
@@ -72,7 +73,8 @@ def decision_theoretic(name: str, used: tuple[str, ...], weights: Mapping[str, f
         SettingsError: no weights, or a weight for a feature that this strategy does not use.
     """
     if not weights:
-        raise SettingsError(f'strategy {name} needs weights for some of {", ".join(used)}')
+        ship = f"EpisodeSettings(..., weights=load_weights('{name}')) has those that ship"
+        raise SettingsError(f'strategy {name} needs weights for some of {", ".join(used)}: {ship}')
     for feature, weight in weights.items():
         if feature not in used and weight != 0:
             raise SettingsError(f'strategy {name} does not use {feature!r}; it uses {", ".join(used)}')
@@ -102,7 +104,7 @@ STRATEGIES: Mapping[str, StrategyFactory] = {
 
 def known_strategies() -> tuple[str, ...]:
     """The names of all strategies: those of `STRATEGIES`, then those that other installed packages contribute."""
-    return (*STRATEGIES, *contributions(STRATEGIES))
+    return (*STRATEGIES, *contributions())
 
 
 def strategy_factory(name: str) -> StrategyFactory:
@@ -113,10 +115,7 @@ def strategy_factory(name: str) -> StrategyFactory:
     """
     if name in STRATEGIES:
         return STRATEGIES[name]
-    contributed = contributions(STRATEGIES)
-    if name not in contributed:
-        raise SettingsError(f'unknown strategy {name!r}; known: {", ".join((*STRATEGIES, *contributed))}')
-    return contributed_factory(contributed[name])
+    return contributed_factory(contribution(name))
 
 
 def make_strategy(name: str, weights: Mapping[str, float]) -> Strategy:

@@ -7,7 +7,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
 
-from al_questioner.configuration import read_yaml
+from al_questioner.configuration import config_dir, named_file, read_yaml
 from al_questioner.domain import WEIGHED, SettingsError
 
 MEMBERS = ('weights', 'provenance', 'training')
@@ -25,6 +25,21 @@ class Weights:
 
     values: Mapping[str, float]
     provenance: str
+
+
+def shipped_file(strategy: str) -> Path | None:
+    """The file of the weights that ship for a strategy; None if there is none."""
+    path = config_dir() / 'weights' / f'{strategy}.yaml'
+    return path if path.is_file() else None
+
+
+def load_weights(name_or_path: str) -> dict[str, float]:
+    """The weights that ship under a name, such as that of a strategy, or those of a YAML file: for `EpisodeSettings`.
+
+    Raises:
+        InputError: there are none, or the file cannot be used.
+    """
+    return dict(read_weights(named_file('weights', str(name_or_path), 'weights')).values)
 
 
 def read_weights(path: Path) -> Weights:

@@ -51,7 +51,7 @@ from al_questioner.ros.turn_stamps import TurnStamps
 from al_questioner.ros.types import CLOUD_TYPES, MARKER_TYPES, header
 from al_questioner.ros.worlds import declare_world, new_episode_id, world_members
 from al_questioner.simulation import WorldChoice, episode_settings
-from al_questioner.teaching import read_plain_answer
+from al_questioner.teaching import read_plain_answer, respelt
 from al_questioner.telling import episode_members, noise_text, state_members
 from al_questioner.throttle import Throttle
 from al_questioner.world import Task, load_task
@@ -273,7 +273,8 @@ class LearnerNode(QuestionerNode):
             document = documents.read('answer', content)
             if document['episode_id'] != self.episode_id:
                 raise AnswerError(f'the answer belongs to episode {document["episode_id"]}, this is {self.episode_id}')
-            return documents.answer_of(document)
+            known = (*self._settings.symbols, *self._session.episode.knowledge.groups)
+            return respelt(documents.answer_of(document), known)
         if self._session.episode.pending is None:
             raise AnswerError('no query is pending')
         return read_plain_answer(content, self._session.episode.pending)

@@ -36,6 +36,7 @@ TEACHER_SETTINGS = (
 
 def learner_settings(task: Task) -> tuple[Setting, ...]:
     """The learner's parameters, with the task's values as defaults."""
+    costs = task.episode.costs
     return (
         Setting(
             'strategy',
@@ -48,14 +49,21 @@ def learner_settings(task: Task) -> tuple[Setting, ...]:
         Setting(
             'change_interval', task.scenes.change_interval, 'expected time between scene changes', 'turns', lower=1
         ),
-        Setting('cost_label', 1.0, 'cost of a label query', unit='budget', lower=0.0),
-        Setting('cost_demonstration', 2.0, 'cost of a demonstration query', unit='budget', lower=0.0),
-        Setting('cost_feature_subset', 2.0, 'cost of a feature subset query', unit='budget', lower=0.0),
+        Setting('cost_label', costs.label, 'cost of a label query', unit='budget', lower=0.0),
+        Setting('cost_demonstration', costs.demonstration, 'cost of a demonstration query', unit='budget', lower=0.0),
         Setting(
-            'charge_unknown', 1.0, 'share of its cost that a query is charged if the teacher does not know', '', 0, 1
+            'cost_feature_subset', costs.feature_subset, 'cost of a feature subset query', unit='budget', lower=0.0
         ),
-        Setting('charge_skip', 1.0, 'share that is charged if the teacher skips the query', '', 0, 1),
-        Setting('charge_unanswered', 0.0, 'share that is charged if it is withdrawn unanswered', '', 0, 1),
+        Setting(
+            'charge_unknown',
+            costs.unknown,
+            'share of its cost that a query is charged if the teacher does not know',
+            '',
+            0,
+            1,
+        ),
+        Setting('charge_skip', costs.skip, 'share that is charged if the teacher skips the query', '', 0, 1),
+        Setting('charge_unanswered', costs.unanswered, 'share that is charged if it is withdrawn unanswered', '', 0, 1),
         Setting(
             'answer_timeout',
             120.0,

@@ -11,6 +11,8 @@ from rich.table import Table
 from rich.text import Text
 
 from al_questioner.arguments import Parser
+from al_questioner.domain import Answer, Outcome
+from al_questioner.domain.names import quoted
 from al_questioner.files import check_writable, write_text
 from al_questioner.recording import read_log, repair_log
 from al_questioner.session.account import Account, Said, account_of
@@ -105,11 +107,17 @@ def _row(said: Said) -> tuple[str, ...]:
         '' if query is None else str(query.turn),
         answer.query_id,
         '' if query is None else query.text,
-        spoken(answer.content) or answer.outcome.value,
+        _said(answer),
         answer.teacher_id,
         answer.answer_id,
         said.status if answer.replaces is None else f'replaces {answer.replaces}; {said.status}',
     )
+
+
+def _said(answer: Answer) -> str:
+    """A content, or what was said in the place of one; a symbol that is called so is put in quotes."""
+    content = spoken(answer.content)
+    return quoted(content) if content in [outcome.value for outcome in Outcome] else content or answer.outcome.value
 
 
 def _say(console: Console, line: str) -> None:

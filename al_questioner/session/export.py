@@ -11,6 +11,7 @@ from pathlib import Path
 from typing import Any
 
 from al_questioner.domain import Content, InputError, Query
+from al_questioner.domain.names import joined
 from al_questioner.files import make_folder, write_text
 from al_questioner.messages.documents import record_members, settings_members
 from al_questioner.session.account import Account
@@ -98,10 +99,10 @@ def write_tables(account: Account, folder: Path) -> list[Path]:
 
 
 def spoken(content: Content) -> str:
-    """A content in one cell."""
+    """A content in one cell; groups are parted by commas, those that hold one in quotes."""
     if content is None:
         return ''
-    return ','.join(content) if isinstance(content, tuple) else str(content)
+    return joined(content) if isinstance(content, tuple) else str(content)
 
 
 def time_of(stamp: int) -> str:
@@ -137,7 +138,7 @@ def _turn_rows(account: Account) -> list[list[object]]:
         query, record = queries.get(seen.turn), records.get(seen.turn)
         kind = 'no_query' if query is None else query.action.kind.value
         object_id, symbol = (None, None) if query is None else (query.action.object_id, query.action.symbol)
-        groups = '' if record is None else ','.join(record.groups)
+        groups = '' if record is None else joined(record.groups)
         if record is not None:
             object_id, symbol = record.object_id, record.symbol
         rows.append(

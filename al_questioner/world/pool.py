@@ -74,15 +74,23 @@ class Sample:
     test: tuple[Sight, ...]
 
 
-def make_sample(task: Task, sample: int) -> Sample:
+KindsBySymbol = Mapping[str, Sequence[Kind]]
+
+
+def make_sample(task: Task, sample: int, there_are: KindsBySymbol | None = None) -> Sample:
     """The sample of this number: the same for every seed of the scenes.
 
     Where objects change their state, training and test show the same objects in the same states, seen anew. Where
     objects are replaced, every sight is of an object of its own.
+
+    Args:
+        task: how many things of what.
+        sample: its number.
+        there_are: the kinds of things of each symbol, and of 'none'; those of the task's catalogue if not given.
     """
     rng = generator(sample, 'world/sample')
     scenes = task.scenes
-    kinds = _some_kinds(task, rng)
+    kinds = _some_kinds(task, there_are, rng)
     shares = task.class_frequencies
     if scenes.turnover == 'state':
         kinds_of_objects = _kinds(kinds, apportion(shares, scenes.objects), rng)
@@ -94,10 +102,10 @@ def make_sample(task: Task, sample: int) -> Sample:
     return Sample(_sights(training, len(training), 'training'), _held_out(kinds, task, rng, 'test'))
 
 
-def make_validation(task: Task, sample: int) -> tuple[Sight, ...]:
+def make_validation(task: Task, sample: int, there_are: KindsBySymbol | None = None) -> tuple[Sight, ...]:
     """A second draw of test sights, like those of `make_sample` but none of them, and drawn independently."""
     of_sample, rng = generator(sample, 'world/sample'), generator(sample, 'world/validation')
-    kinds = _some_kinds(task, of_sample)
+    kinds = _some_kinds(task, there_are, of_sample)
     if task.scenes.turnover != 'state':
         return _held_out(kinds, task, rng, 'validation')
     counts = apportion(task.class_frequencies, task.scenes.objects)
@@ -107,7 +115,7 @@ def make_validation(task: Task, sample: int) -> tuple[Sight, ...]:
 def observe(sight: Sight, task: Task, sample: int, object_id: int) -> Observation:
     """Make the observation: render the view and read the sensors. The same sight looks the same whatever its id."""
     rng = generator(sample, f'world/observation/{sight.key}')
-    position = _position(sight.place, task, rng)
+    position = position_of(sight, task, rng)
     state = sight.thing.kind.states[sight.state]
     sensors = read_sensors(rng, position, sight.thing.heft * state.weight_kg, task.sensors)
     return Observation(object_id, position, _view(sight, task, rng), sensors)
@@ -123,10 +131,10 @@ def apportion(shares: Mapping[str, float], total: int) -> dict[str, int]:
     return counts
 
 
-def _some_kinds(task: Task, rng: np.random.Generator) -> dict[str, list[Kind]]:
+def _some_kinds(task: Task, there_are: KindsBySymbol | None, rng: np.random.Generator) -> dict[str, list[Kind]]:
     """As many kinds of each symbol, and of clutter, as the task asks for."""
     chosen = {}
-    for symbol, kinds in kinds_by_symbol(task).items():
+    for symbol, kinds in (kinds_by_symbol(task) if there_are is None else there_are).items():
         looks = task.appearance
         wanted = looks.kinds_of_clutter if symbol == NO_SYMBOL else looks.kinds_per_symbol
         chosen[symbol] = [kinds[i] for i in rng.permutation(len(kinds))[: wanted or None]]
@@ -211,8 +219,9 @@ def _grid(task: Task) -> tuple[Place, ...]:
     return places(task.scenes.table_m, copies * task.scenes.objects)
 
 
-def _position(place_index: int, task: Task, rng: np.random.Generator) -> tuple[float, float, float]:
-    place = _grid(task)[place_index]
+def position_of(sight: Sight, task: Task, rng: np.random.Generator) -> tuple[float, float, float]:
+    """Where a thing is seen on the table, in metres."""
+    place = _grid(task)[sight.place]
     jitter = rng.uniform(-1, 1, 2) * place.slack
     return float(place.x + jitter[0]), float(place.y + jitter[1]), 0.0
 

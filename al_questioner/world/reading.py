@@ -8,7 +8,9 @@ from dataclasses import MISSING, field, fields
 from types import MappingProxyType
 from typing import Any, NamedTuple, TypeVar
 
-from al_questioner.domain import InputError
+from al_questioner.domain import Costs, InputError, QueryKind, SettingsError
+from al_questioner.domain.names import check_names, composed
+from al_questioner.strategy_names import check_strategy
 
 Reader = Callable[[Any, str], Any]
 Section = TypeVar('Section')
@@ -116,37 +118,74 @@ def choice(*known: str) -> Reader:
 
 
 def text(value: Any, where: str) -> str:
-    """Accepts a name or a sentence.
+    """Accepts a name or a sentence, and composes its Unicode.
 
     Raises:
         InputError: anything else, or an empty text.
     """
     if not isinstance(value, str) or not value.strip():
         raise InputError(f'{where}: expected a text, found {value!r}')
-    return value
+    return composed(value)
 
 
-def names(value: Any, where: str) -> tuple[str, ...]:
-    """Accepts a list of distinct names.
+def names_of(what: str, has_key: bool = True) -> Reader:
+    """Accepts a list of names that people can say, see `check_names`."""
 
-    Raises:
-        InputError: anything else, or an empty list.
-    """
-    if not isinstance(value, list) or not value:
-        raise InputError(f'{where}: expected a list of names, found {value!r}')
-    found = tuple(text(name, where) for name in value)
-    if len(set(found)) < len(found):
-        raise InputError(f'{where}: a name occurs twice in {list(found)}')
-    return found
+    def read(value: Any, where: str) -> tuple[str, ...]:
+        if not isinstance(value, list) or not value:
+            raise InputError(f'{where}: expected a list of names, found {value!r}')
+        for name in value:
+            text(name, where)
+        if len(set(value)) < len(value):
+            raise InputError(f'{where}: a name occurs twice in {value}')
+        try:
+            check_names(value, what, has_key)
+        except InputError as error:
+            raise InputError(f'{where}: {error}') from error
+        return tuple(value)
+
+    return read
+
+
+def unless_empty(reader: Reader, default: Any) -> Reader:
+    """Accepts what `reader` accepts, and nothing at all, which stands for the default."""
+    return lambda value, where: default if value in (None, '', []) else reader(value, where)
 
 
 def table_of(reader: Reader) -> Reader:
-    """Accepts a mapping from names to what `reader` accepts."""
+    """Accepts a mapping from names, whose Unicode it composes, to what `reader` accepts."""
 
     def read(value: Any, where: str) -> Mapping[str, Any]:
-        return MappingProxyType({k: reader(v, f'{where}: {k}') for k, v in mapping(value, where).items()})
+        found = {composed(k): reader(v, f'{where}: {k}') for k, v in mapping(value, where).items()}
+        if len(found) < len(value):
+            raise InputError(f'{where}: a name occurs twice in {list(value)}')
+        return MappingProxyType(found)
 
     return read
+
+
+def costs(value: Any, where: str) -> Costs:
+    """Accepts some of the members of `Costs`: prices of kinds of queries, and shares that are charged of them."""
+    kinds = {kind.value for kind in QueryKind}
+    members = mapping(value, where)
+    known = [member.name for member in fields(Costs)]
+    for name in members:
+        if name not in known:
+            raise InputError(f'{where}: unknown key {name!r}; known: {", ".join(known)}')
+    return Costs(
+        **{
+            name: number(0, math.inf if name in kinds else 1)(given, f'{where}: {name}')
+            for name, given in members.items()
+        }
+    )
+
+
+def strategy(value: Any, where: str) -> str:
+    """Accepts the name of a questioning strategy, of ours or of an installed package."""
+    try:
+        return check_strategy(text(value, where))
+    except SettingsError as error:
+        raise InputError(f'{where}: {error}') from error
 
 
 def section_of(section: type[Any]) -> Reader:

@@ -6,20 +6,25 @@ import math
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from types import MappingProxyType
+from typing import Any
 
 from al_questioner.configuration import named_file, read_yaml
-from al_questioner.domain import NO_SYMBOL, InputError
+from al_questioner.domain import NO_SYMBOL, Costs, InputError
 from al_questioner.world.reading import (
     Interval,
     choice,
+    costs,
     interval,
-    names,
+    mapping,
+    names_of,
     number,
     read_section,
     section_of,
     setting,
+    strategy,
     table_of,
     text,
+    unless_empty,
     whole,
 )
 from al_questioner.world.variety import Variety
@@ -35,11 +40,13 @@ class EpisodeDefaults:
         budget: query budget, in units of a label query.
         turns: length of the episode.
         strategy: questioning strategy.
+        costs: of each kind of query, and the shares of them that are charged for what is not answered.
     """
 
     budget: float = setting(number(0), 25.0)
     turns: int = setting(whole(1, 10_000), 40)
-    strategy: str = setting(text, 'value_per_cost')
+    strategy: str = setting(strategy, 'value_per_cost')
+    costs: Costs = setting(costs, Costs())
 
 
 @dataclass(frozen=True)
@@ -83,7 +90,7 @@ class AppearanceParameters:
     """How much two views of things of one kind differ.
 
     Attributes:
-        catalogue: which kinds of things there are.
+        catalogue: which kinds of things there are; empty for one that holds those of the symbols.
         kinds_per_symbol: kinds of things of each symbol, drawn anew for each sample; 0 for all of the catalogue.
         kinds_of_clutter: kinds of things of no symbol, likewise.
         size_spread: relative standard deviation of a thing's size.
@@ -96,7 +103,7 @@ class AppearanceParameters:
         background_variety: 0 for one table top, 1 for all of them.
     """
 
-    catalogue: str = setting(text, 'pack_lunchbox')
+    catalogue: str = setting(text, '')
     kinds_per_symbol: int = setting(whole(0, 1000), 0)
     kinds_of_clutter: int = setting(whole(0, 1000), 0)
     size_spread: float = setting(number(0, 0.3), 0.08)
@@ -186,10 +193,10 @@ class Task:
 
     Attributes:
         name: the file's name without its suffix.
-        description: one sentence.
+        description: one sentence; may be empty.
         source: 'simulated' or 'dataset'.
         symbols: the concepts to ground.
-        relevant_groups: what the scripted teacher answers to the feature subset query.
+        relevant_groups: what the scripted teacher answers to the feature subset query; if empty, that it does not know.
         episode: defaults of an episode.
         scenes: what lies on the table, and how it changes.
         appearance, camera: how things look (simulated worlds).
@@ -232,17 +239,27 @@ def load_task(name_or_path: str) -> Task:
         InputError: no such task, or a file that is not a valid task; the text names the file and the key.
     """
     path = named_file('tasks', str(name_or_path), 'task')
-    document = read_section(_Document, read_yaml(path), path.name)
+    content = dict(mapping(read_yaml(path), path.name))
+    if 'costs' in content:
+        # Beside the budget that they are paid from, wherever they stand in the file.
+        content['episode'] = _with_costs(content.get('episode', {}), content.pop('costs'), path.name)
+    document = read_section(_Document, content, path.name)
     task = Task(name=path.stem, **{name: getattr(document, name) for name in _Document.__dataclass_fields__})
     _check(task, path.name)
     return task
 
 
+def _with_costs(episode: Any, found: Any, where: str) -> Mapping[str, Any]:
+    if 'costs' in mapping(episode, f'{where}: episode'):
+        raise InputError(f'{where}: costs stand twice, in episode and beside it')
+    return {**episode, 'costs': found}
+
+
 @dataclass(frozen=True)
 class _Document:
-    symbols: tuple[str, ...] = setting(names)
-    relevant_groups: tuple[str, ...] = setting(names)
-    description: str = setting(text)
+    symbols: tuple[str, ...] = setting(names_of('symbol'))
+    relevant_groups: tuple[str, ...] = setting(unless_empty(names_of('feature group', has_key=False), ()), ())
+    description: str = setting(unless_empty(text, ''), '')
     source: str = setting(choice('simulated', 'dataset'), 'simulated')
     episode: EpisodeDefaults = setting(section_of(EpisodeDefaults), EpisodeDefaults())
     scenes: SceneParameters = setting(section_of(SceneParameters), SceneParameters())
@@ -257,8 +274,6 @@ def _check(task: Task, where: str) -> None:
     """Hold what no single key can promise."""
     if len(task.symbols) < 2:
         raise InputError(f'{where}: symbols: at least two are needed, found {list(task.symbols)}')
-    if NO_SYMBOL in task.symbols:
-        raise InputError(f'{where}: symbols: {NO_SYMBOL!r} stands for things that belong to no symbol')
     _check_shares(task, f'{where}: scenes: class_frequencies')
     if (task.source == 'dataset') != (task.dataset is not None):
         raise InputError(f'{where}: a dataset section belongs to source: dataset, and only there')

@@ -9,7 +9,7 @@ from typing import NamedTuple, Protocol
 import numpy as np
 
 from al_questioner.domain import InputError, Observation, generator
-from al_questioner.world.pool import Sight, make_sample, make_validation, observe
+from al_questioner.world.pool import KindsBySymbol, Sight, make_sample, make_validation, observe
 from al_questioner.world.task import Task
 
 
@@ -94,16 +94,18 @@ class SimulatedWorld:
         task: what lies on the table and how it changes.
         seed: draws the scenes.
         sample: draws training pool and test set; None for the seed.
+        kinds: of the things, by symbol; those of the task's catalogue if not given.
 
     Raises:
         InputError: a negative seed, or a task whose catalogue lacks one of its symbols.
     """
 
-    def __init__(self, task: Task, seed: int, sample: int | None = None) -> None:
+    def __init__(self, task: Task, seed: int, sample: int | None = None, kinds: KindsBySymbol | None = None) -> None:
         self._task = task
         self._seed = seed
         self._sample_number = seed if sample is None else sample
-        self._sample = make_sample(task, self._sample_number)
+        self._kinds = kinds
+        self._sample = make_sample(task, self._sample_number, kinds)
         self._scenes: list[tuple[_Seen, ...]] = [self._first_scene()]
         self._observed: dict[_Seen, Observation] = {}
 
@@ -165,7 +167,7 @@ class SimulatedWorld:
 
     @cached_property
     def _validation(self) -> tuple[Sight, ...]:
-        return make_validation(self._task, self._sample_number)
+        return make_validation(self._task, self._sample_number, self._kinds)
 
     @cached_property
     def _sights_of(self) -> list[list[int]]:

@@ -113,6 +113,25 @@ def test_help_names_the_tasks(capsys: pytest.CaptureFixture[str]) -> None:
         )
 
 
+def test_a_dry_run_plays_a_task_whose_things_nobody_can_simulate(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    """Whether a task file is right would be seen on the robot first; a name with brackets would be taken for markup."""
+    task = tmp_path / 'mine.yaml'
+    task.write_text('symbols: [screwdriver, "bold[/green]"]\ncosts: {label: 2}\nepisode: {budget: 8, turns: 9}\n')
+    arguments = ['demo', '--task', str(task), '--out', str(tmp_path / 'out'), '--json', str(tmp_path / 'json')]
+    assert main([*arguments, '--dry-run']) == 0
+    printed = capsys.readouterr().out
+    assert printed.count('dry run on made-up features: colour, size matter, noise does not') == 2
+    assert 'telling screwdriver and bold[/green] apart' in printed
+    assert sorted(path.name for path in (tmp_path / 'out').iterdir()) == ['learning_curve.png', 'timeline.png']
+    episode = json.loads((tmp_path / 'json').read_text())
+    assert (episode['dry_run'], episode['task'], episode['costs']['label']) == (True, 'mine', 2)
+    assert episode['final_accuracy'] > 0.5
+    assert main([*arguments, '--offline']) == 2
+    assert '--dry-run plays on made-up features' in capsys.readouterr().err
+
+
 def test_unknown_executable_lists_the_known(capsys: pytest.CaptureFixture[str]) -> None:
     """A mistyped executable would be met with silence."""
     assert main(['lerner']) == 2
@@ -130,6 +149,9 @@ def test_help_lists_the_executables(capsys: pytest.CaptureFixture[str]) -> None:
     [
         (['--offline', '--record', 'bag'], '--record is of no use --offline'),
         (['--offline', '--namespace', 'robot'], '--namespace is of no use --offline'),
+        (['--dry-run', '--record', 'bag'], '--record is of no use --dry-run'),
+        (['--dry-run', '--one-process'], '--one-process is of no use --dry-run'),
+        (['--dry-run', '--dataset', 'crops'], '--dataset is of no use --dry-run'),
         (['--one-process', '--record', 'bag'], '--record needs a process for each node'),
         (['--record', '/'], '--record: / exists already; a bag is never overwritten'),
     ],

@@ -71,6 +71,14 @@ def test_means_deviations_and_tests_are_those_of_the_tables() -> None:
     assert f'| `random_fsq` | +0.200 | {p:.4f} | {p:.4f} | 1.00 [1.00, 1.00] |' in page
 
 
+def test_only_a_page_with_the_papers_method_is_called_a_reproduction() -> None:
+    """A comparison of other strategies would pass for a reproduction of the paper."""
+    assert page_of(made({'dt_task_env': OURS, 'random_fsq': WORSE})).startswith('# Reproduction\n')
+    others = page_of(made({'value_per_cost': OURS, 'dt_iros': WORSE}))
+    assert others.startswith('# Comparison of questioning strategies\n')
+    assert 'Reproduction' not in others
+
+
 def test_few_samples_give_no_interval() -> None:
     """Two samples would be printed as certainty."""
     page = page_of(made({'dt_task_env': OURS[:2], 'random_fsq': WORSE[:2]}))

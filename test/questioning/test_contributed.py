@@ -17,11 +17,12 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
+from al_questioner import strategy_names
 from al_questioner.cli import main
 from al_questioner.domain import QueryKind, SettingsError, generator
 from al_questioner.questioning import STRATEGIES, Choice, Episode, Situation, known_strategies, make_strategy
-from al_questioner.questioning import strategies as strategies_module
 from al_questioner.simulation import episode_settings
+from al_questioner.strategy_names import SHIPPED, check_strategy
 from al_questioner.world import load_task
 
 CHECKOUT = Path(__file__).resolve().parents[2]
@@ -86,9 +87,14 @@ def test_a_weights_file_reaches_a_contributed_strategy(contribute: Contribute, t
 
 def test_our_own_strategies_do_not_wait_for_a_search(monkeypatch: pytest.MonkeyPatch, toy: SimpleNamespace) -> None:
     """Every start would read the metadata of all installed packages."""
-    monkeypatch.setattr(strategies_module, 'contributions', lambda taken: pytest.fail('searched'))
+    monkeypatch.setattr(strategy_names, 'contributions', lambda: pytest.fail('searched'))
     for name in STRATEGIES:
-        make_strategy(name, toy.weights.get(name, {}))
+        make_strategy(check_strategy(name), toy.weights.get(name, {}))
+
+
+def test_the_names_of_our_own_strategies_are_known_without_them() -> None:
+    """A task file that names one of ours would be refused."""
+    assert tuple(STRATEGIES) == SHIPPED
 
 
 def test_a_name_of_ours_cannot_be_taken(contribute: Contribute, caplog: pytest.LogCaptureFixture) -> None:

@@ -57,6 +57,9 @@ def test_a_line_names_a_candidate(toy: Any, line: str, action: Action) -> None:
         ('99', {}, 'no such object'),
         ('s', {}, 'snack or soup'),
         ('drink', {}, 'is no question'),
+        ('snakc', {}, 'did you mean snack'),
+        ('featuers', {}, 'did you mean features'),
+        ('9' * 5000, {}, 'no such object'),
         ('snack', {'spent': 19.0}, 'the budget does not pay'),
         ('22', {'spent': 20.0}, 'the budget does not pay'),
         (
@@ -70,6 +73,32 @@ def test_a_line_that_names_none_is_explained(toy: Any, line: str, changes: dict[
     """The expert would not know what is wrong, or spend what is not there."""
     with pytest.raises(InputError, match=reason):
         chosen_candidate(line, situation_of(toy, **changes))
+
+
+@pytest.mark.parametrize(
+    ('symbols', 'line', 'action'),
+    [
+        (('20', '21'), '21', Action(QueryKind.DEMONSTRATION, symbol='21')),
+        (('20', '21'), '22', Action(QueryKind.LABEL, object_id=22)),
+        (('f', 'g'), 'f', Action(QueryKind.DEMONSTRATION, symbol='f')),
+        (('f', 'g'), 'features', Action(QueryKind.FEATURE_SUBSET)),
+        (('n', 'nothing'), 'n', Action(QueryKind.DEMONSTRATION, symbol='n')),
+        (('n', 'nothing'), 'nothing', Action(QueryKind.DEMONSTRATION, symbol='nothing')),
+        (('Cup', 'cup'), 'cup', Action(QueryKind.DEMONSTRATION, symbol='cup')),
+        (('cup', 'cupboard'), 'cup', Action(QueryKind.DEMONSTRATION, symbol='cup')),
+        (('Früchte', 'cup'), 'Fru\u0308chte', Action(QueryKind.DEMONSTRATION, symbol='Früchte')),
+        (('main_dish', 'cup'), 'main d', Action(QueryKind.DEMONSTRATION, symbol='main_dish')),
+        (('cup', 'plate'), '#２２', Action(QueryKind.LABEL, object_id=22)),
+        (('cup', 'plate'), '0022', Action(QueryKind.LABEL, object_id=22)),
+    ],
+)
+def test_what_is_exactly_a_symbol_is_that_symbol(toy: Any, symbols: tuple[str, ...], line: str, action: Action) -> None:
+    """A symbol that the menu lists could not be asked for, or another question would be paid for."""
+    knowledge = Knowledge(symbols)
+    situation = situation_of(toy)
+    knowledge.observe(situation.scene)
+    situation = situation_of(toy, knowledge=knowledge)
+    assert situation.candidates[chosen_candidate(line, situation)] == action
 
 
 @given(line=st.text(max_size=30))

@@ -1,11 +1,12 @@
 """Weights from YAML."""
 
+from dataclasses import replace
 from pathlib import Path
 
 import pytest
 
-from al_questioner.domain import InputError
-from al_questioner.questioning import make_strategy, read_weights
+from al_questioner.domain import EpisodeSettings, InputError, generator
+from al_questioner.questioning import Episode, load_weights, make_strategy, read_weights
 
 SHIPPED = Path(__file__).resolve().parents[2] / 'config' / 'weights'
 
@@ -48,6 +49,22 @@ def test_files_that_are_no_weights(tmp_path, text, reason):
     with pytest.raises(InputError, match=reason) as error:
         read_weights(path)
     assert '\n' not in str(error.value)
+
+
+@pytest.mark.parametrize('name', ['dt_iros', 'dt_task', 'dt_task_env'])
+def test_a_strategy_without_weights_says_how_to_load_them(name: str) -> None:
+    """Whoever writes the strategy's name in Python would have to look for the file that ships."""
+    settings = EpisodeSettings(['cup', 'plate'], 10, 10, name)
+    with pytest.raises(InputError, match=rf"weights=load_weights\('{name}'\)"):
+        Episode(settings, generator(0, 'learner'))
+    Episode(replace(settings, weights=load_weights(name)), generator(0, 'learner'))
+    assert load_weights(name) == load_weights(str(SHIPPED / f'{name}.yaml'))
+
+
+def test_unknown_weights_list_the_known() -> None:
+    """A slip in a strategy's name would be met with silence."""
+    with pytest.raises(InputError, match=r"unknown weights 'dt_task_evn'; known: dt_iros, dt_task, dt_task_env"):
+        load_weights('dt_task_evn')
 
 
 def test_missing_file(tmp_path):

@@ -43,6 +43,18 @@ def test_file_lists_every_parameter_at_its_default(path: Path) -> None:
     assert content == {'/**': {'ros__parameters': {**expected, 'task': path.stem}}}
 
 
+def test_costs_of_a_task_are_the_learners_defaults(tmp_path: Path) -> None:
+    """A learner would ask at other prices than the demo of the same task."""
+    path = tmp_path / 'mine.yaml'
+    path.write_text('symbols: [cup, plate]\ncosts: {demonstration: 3, unknown: 0.5, unanswered: 1}\n')
+    defaults = {setting.name: setting.default for setting in learner_settings(load_task(str(path)))}
+    found = {name: value for name, value in defaults.items() if name.startswith(('cost_', 'charge_'))}
+    assert found == {
+        'cost_label': 1.0, 'cost_demonstration': 3.0, 'cost_feature_subset': 2.0,
+        'charge_unknown': 0.5, 'charge_skip': 1.0, 'charge_unanswered': 1.0,
+    }  # fmt: skip
+
+
 @pytest.mark.parametrize(
     ('value', 'taken'), [(1, 1.0), (0.5, 0.5), (0, 0.0), (2, None), (-0.1, None), (float('nan'), None), ('1', None)]
 )

@@ -12,7 +12,7 @@ import numpy as np
 import pytest
 
 from al_questioner.cli import main
-from al_questioner.domain import Answer, LateAnswerError, Outcome, generator
+from al_questioner.domain import Answer, EpisodeSettings, LateAnswerError, Outcome, Scene, generator
 from al_questioner.imitation.bags import read_demonstrations
 from al_questioner.questioning import FEATURE_SETS, Choice, Episode, Observed, Situation, make_strategy
 from al_questioner.recording import SessionLog, read_log, read_sessions
@@ -21,7 +21,7 @@ from al_questioner.recording.session_log import DATABASE
 from al_questioner.rerun import decisions_anew, first_divergence
 from al_questioner.resuming import DurableEpisode, learn
 from al_questioner.simulation import PerceivedWorld, WorldChoice, episode_settings
-from al_questioner.teaching import ScriptedTeacher
+from al_questioner.teaching import ScriptedTeacher, read_plain_answer
 from al_questioner.world import load_task
 
 TASK = load_task('prepare_lunch')
@@ -134,6 +134,37 @@ def test_a_session_as_a_bag_leads_to_the_same_decisions(tmp_path: Path, world: P
     (demonstration,) = read_demonstrations([tmp_path / 'bag'])
     assert len(demonstration.steps) == 7
     assert main(['session', str(tmp_path / 'log'), '--bag', str(tmp_path / 'bag')]) == 2, 'a bag is never overwritten'
+
+
+def test_names_that_tasks_may_not_have_any_more_stay_readable(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    """What was taught before such a name was refused would be lost."""
+    symbols = ('Cup', 'cup', '7', 'skip', 'None', ' a,b ', 'Fru\u0308chte')
+    settings = EpisodeSettings(symbols, 20.0, 9, 'random_fsq')
+    begun = Begun('e1', settings, 1, 1e-3, None, '1')
+    session = DurableEpisode(begun, SessionLog(tmp_path / 'log'))
+    session.start()
+    for turn, symbol in enumerate(('', *symbols, 'none'), 1):
+        ids = [10 * turn + 1, 10 * turn + 2]
+        features = np.random.default_rng(turn).random((2, 3), dtype=np.float32)
+        scene = Scene(ids, np.zeros((2, 3), np.float32), features, ['bbox[0,1]_w', 'bbox[0,1]_h', 'size_m'])
+        query = session.ask(Seen(turn, turn * 10**9, 'table', scene)).query
+        assert query is not None
+        session.take(read_plain_answer(symbol or 'size,bbox[0,1]', query))
+    session.close()
+    paths = [str(tmp_path / name) for name in ('json', 'csv', 'bag')]
+    assert main(['session', str(tmp_path / 'log'), '--json', paths[0], '--csv', paths[1], '--bag', paths[2]]) == 0
+    assert "│ 'skip'" in capsys.readouterr().out
+    queries = json.loads(Path(paths[0]).read_text())['queries']
+    assert [query['symbol'] for query in queries] == [None, *symbols, 'none']
+    assert queries[0]['groups'] == ['size', 'bbox[0,1]']
+    with (Path(paths[1]) / 'answers.csv').open() as file:
+        contents = [row['content'] for row in csv.DictReader(file)]
+    assert contents == ['size,"bbox[0,1]"', *symbols, 'none']
+    (recorded,) = read_sessions(Path(paths[2]))
+    assert recorded.settings.symbols == symbols
+    assert first_divergence(recorded) is None
 
 
 @pytest.mark.parametrize('name', FEATURE_SETS)

@@ -9,7 +9,8 @@ from typing import Any
 import pytest
 import yaml
 
-from al_questioner.domain import InputError
+from al_questioner.domain import Costs, InputError
+from al_questioner.simulation import episode_settings
 from al_questioner.world import Task, load_task, make_world
 
 SIMULATED = ('prepare_lunch', 'pack_lunchbox', 'kitchen_table')
@@ -46,12 +47,45 @@ def test_the_worlds_of_the_issue_are_as_specified() -> None:
     assert kitchen.test_balance == 'classes'
 
 
-def test_a_task_of_ones_own_needs_few_keys(tmp_path: Path) -> None:
-    task = load_task(
-        _write(tmp_path, {'description': 'mine', 'symbols': ['fruit', 'snack'], 'relevant_groups': ['colour']})
-    )
-    assert task.name == 'mine'
+@pytest.mark.parametrize('more', [{}, {'description': None, 'relevant_groups': []}, {'description': ''}], ids=str)
+def test_a_task_of_ones_own_needs_symbols_alone(tmp_path: Path, more: dict[str, Any]) -> None:
+    """A person who teaches would have to write down what nobody reads."""
+    task = load_task(_write(tmp_path, {'symbols': ['fruit', 'snack'], **more}))
+    assert (task.name, task.description, task.relevant_groups) == ('mine', '', ())
     assert task.class_frequencies == {'fruit': 0.5, 'snack': 0.5}
+    assert task.episode.costs == Costs()
+    assert make_world(task, 1).scene(1)
+
+
+@pytest.mark.parametrize(
+    'content',
+    [
+        {'costs': {'label': 0.5, 'skip': 0}},
+        {'episode': {'costs': {'label': 0.5, 'skip': 0}}},
+        {'episode': {'turns': 40}},
+    ],
+    ids=str,
+)
+def test_costs_of_a_task_are_those_of_its_episodes(tmp_path: Path, content: dict[str, Any]) -> None:
+    """Whoever states what a question costs would be asked at other prices."""
+    task = load_task(_write(tmp_path, {'symbols': ['fruit', 'snack'], **content}))
+    expected = Costs() if 'turns' in content.get('episode', {}) else Costs(label=0.5, skip=0)
+    assert episode_settings(task).costs == task.episode.costs == expected
+    assert episode_settings(task, costs=Costs(3, 3, 3)).costs == Costs(3, 3, 3)
+
+
+def test_words_that_refer_to_a_symbol_may_be_decomposed(tmp_path: Path) -> None:
+    """An editor on a Mac would make a task that is refused with a text that shows the very same word."""
+    content = {
+        'symbols': ['Früchte', 'snack'],
+        'source': 'dataset',
+        'scenes': {'class_frequencies': {'Fru\u0308chte': 0.5, 'snack': 0.5}},
+        'dataset': {'categories': {'a\u0308pfel': 'Fru\u0308chte', 'bar': 'snack'}},
+    }
+    task = load_task(_write(tmp_path, content))
+    assert task.class_frequencies == {'Früchte': 0.5, 'snack': 0.5}
+    assert task.dataset is not None
+    assert task.dataset.categories == {'äpfel': 'Früchte', 'bar': 'snack'}
 
 
 def test_unknown_task_lists_the_known_ones() -> None:
@@ -88,7 +122,22 @@ def test_unknown_task_lists_the_known_ones() -> None:
         (None, 'sensors', 3, r'mine.yaml: sensors: expected a mapping, found 3'),
         (None, 'symbols', ['fruit'], r'symbols: at least two'),
         (None, 'symbols', ['fruit', 'fruit'], r'symbols: a name occurs twice'),
-        (None, 'symbols', ['fruit', 'none'], r"symbols: 'none' stands for things that belong to no symbol"),
+        (None, 'symbols', ['fruit', 'none'], r"symbols: 'none' cannot be a symbol: .* belongs to no symbol"),
+        (None, 'symbols', ['Cup', 'cup'], r"symbols: 'cup' cannot be a symbol beside 'Cup'"),
+        (None, 'symbols', ['fruit', 'Skip'], r"symbols: 'Skip' cannot be a symbol: .* skips a question"),
+        (None, 'symbols', ['fruit', '7'], r"symbols: '7' cannot be a symbol: a number means an object"),
+        (None, 'symbols', ['fruit', 'a,b'], r"symbols: 'a,b' cannot be a symbol: a comma"),
+        (None, 'symbols', ['fruit', ' cup '], r"symbols: ' cup ' cannot be a symbol: it begins or ends with a blank"),
+        (None, 'symbols', ['fruit', 'Fru\u0308chte'], r'cannot be a symbol: its Unicode is decomposed'),
+        (None, 'relevant_groups', ['size', 'Size'], r"relevant_groups: 'Size' cannot be a feature group beside 'size'"),
+        (None, 'relevant_groups', ['size', 'bbox[0,1]'], r"'bbox\[0,1\]' cannot be a feature group: a comma"),
+        (None, 'relevant_groups', ['size', 'unknown'], r"'unknown' cannot be a feature group"),
+        ('episode', 'strategy', 'guess', r"episode: strategy: unknown strategy 'guess'; known: u_sampling, .*human"),
+        ('episode', 'costs', {'labels': 1}, r"episode: costs: unknown key 'labels'; known: label, demonstration"),
+        ('episode', 'costs', {'label': -1}, r'episode: costs: label: -1 is outside'),
+        ('episode', 'costs', {'skip': 1.5}, r'episode: costs: skip: 1.5 is outside \[0, 1\]'),
+        ('episode', 'costs', 2, r'episode: costs: expected a mapping, found 2'),
+        (None, 'costs', {'label': 1}, r'costs stand twice, in episode and beside it'),
         (None, 'source', 'dataset', r'a dataset section belongs to source: dataset'),
         (None, 'dataset', {'categories': {'apple': 'fruit'}}, r'a dataset section belongs to source: dataset'),
     ],
@@ -137,6 +186,21 @@ def test_source_and_dataset_directory_must_agree(kitchen: Task, tmp_path: Path) 
         make_world(kitchen, 1, dataset=tmp_path)
     with pytest.raises(InputError, match='task uw_lunchbox needs a dataset: give its directory'):
         make_world(load_task('uw_lunchbox'), 1)
+
+
+def test_where_no_catalogue_is_named_the_error_says_what_to_do(tmp_path: Path) -> None:
+    """A roboticist would look for a catalogue that they never asked for."""
+    content = {'symbols': ['fruit', 'screwdriver'], 'scenes': {'clutter_share': 0.5}}
+    with pytest.raises(InputError, match=r"no simulated thing is a 'screwdriver'.*`objects`.*--dry-run") as caught:
+        make_world(load_task(_write(tmp_path, content)), 1)
+    assert 'pack_lunchbox' not in str(caught.value)
+
+
+def test_where_no_catalogue_is_named_one_that_fits_is_taken(tmp_path: Path) -> None:
+    """A task with clutter would be refused although there is some."""
+    content = {'symbols': ['fruit', 'snack'], 'scenes': {'clutter_share': 0.5}}
+    world = make_world(load_task(_write(tmp_path, content)), 1)
+    assert set(world.training_labels()) == {'fruit', 'snack', 'none'}
 
 
 def test_unusable_catalogues_and_seeds_are_refused(kitchen: Task) -> None:

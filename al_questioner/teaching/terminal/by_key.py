@@ -5,12 +5,14 @@ from __future__ import annotations
 import asyncio
 import contextlib
 import os
+import signal
 import sys
 import tempfile
 import threading
+import time
 from collections.abc import Iterator
 
-from prompt_toolkit.application import Application
+from prompt_toolkit.application import Application, run_in_terminal
 from prompt_toolkit.data_structures import Size
 from prompt_toolkit.formatted_text import ANSI
 from prompt_toolkit.key_binding import KeyBindings, KeyPressEvent
@@ -48,6 +50,8 @@ DEPTHS = {
 }
 LOOK_PERIOD = 0.1
 """Seconds between two looks at whether to end, and at the size of the terminal."""
+SUSPENSION_PERIOD = 0.01
+"""Seconds between two looks at whether the signal to stop has been taken."""
 MOST_HELD_BACK = 20_000
 """Bytes of the messages that are shown after the screen has gone."""
 
@@ -124,6 +128,10 @@ class ByKey:
         def _(event: KeyPressEvent) -> None:
             event.app.exit()
 
+        @bindings.add('c-z')
+        def _(event: KeyPressEvent) -> None:
+            run_in_terminal(_suspend)
+
         @bindings.add('c-l')
         def _(event: KeyPressEvent) -> None:
             event.app.renderer.clear()
@@ -170,6 +178,20 @@ class ByKey:
 
     def _explain(self, text: str) -> None:
         self._pad = self._pad.explained(text)
+
+
+def _suspend() -> None:
+    """Stop this process and those that it was started with, as Ctrl-Z does in a shell, until they are continued.
+
+    Another thread may be the one that takes the signal. Until then nothing may be drawn, nor the terminal changed.
+    """
+    before = signal.pthread_sigmask(signal.SIG_BLOCK, {signal.SIGTSTP})
+    try:
+        os.kill(0, signal.SIGTSTP)
+        while signal.SIGTSTP in signal.sigpending():
+            time.sleep(SUSPENSION_PERIOD)
+    finally:
+        signal.pthread_sigmask(signal.SIG_SETMASK, before)
 
 
 @contextlib.contextmanager

@@ -12,8 +12,8 @@ from typing import TextIO
 
 from al_questioner.domain import AnswerError
 from al_questioner.teaching.terminal.board import Phase
-from al_questioner.teaching.terminal.commands import Explain, Wish, read_line
-from al_questioner.teaching.terminal.keypad import about
+from al_questioner.teaching.terminal.commands import Command, Explain, Wish, read_line
+from al_questioner.teaching.terminal.keypad import about, choices_of
 from al_questioner.teaching.terminal.safe_text import printable
 from al_questioner.teaching.terminal.sentences import HELP, question_line
 from al_questioner.teaching.terminal.session import Session
@@ -103,9 +103,10 @@ class ByLine:
                     self._out, question_line(board.moment.query, board.phase is Phase.CORRECTING, board.progress)
                 )
             line = self._lines.peek(LOOK_PERIOD)
-            if line is not None and self._is_due(line, here, board.phase):
+            command = None if line is None else read_line(line, choices_of(board))
+            if command is not None and self._is_due(command, here, board.phase):
                 self._lines.take()
-                if not self._heed(line):
+                if not self._heed(command):
                     return
             elif self._lines.ended:
                 if here or board.phase is Phase.ALONE:
@@ -118,20 +119,18 @@ class ByLine:
                 self._stopped.wait(LOOK_PERIOD)
 
     @staticmethod
-    def _is_due(line: str, here: str, phase: Phase) -> bool:
+    def _is_due(command: Command, here: str, phase: Phase) -> bool:
         """Whether it is a line's turn: an answer waits for its question, `undo` for the answer that it takes back."""
-        wish = read_line(line)
         # Were it refused instead, the answer meant to replace that one would be given to the next question.
-        return bool(here) or wish in (Wish.HELP, Wish.QUIT) or (wish is Wish.UNDO and phase is not Phase.SENDING)
+        return bool(here) or command in (Wish.HELP, Wish.QUIT) or (command is Wish.UNDO and phase is not Phase.SENDING)
 
     def _takes_back(self) -> bool:
         """Whether the next line, if there is one already, takes the last answer of the episode back."""
         line = self._lines.peek(LOOK_PERIOD)
         return line is not None and read_line(line) is Wish.UNDO
 
-    def _heed(self, line: str) -> bool:
+    def _heed(self, command: Command) -> bool:
         """Do what a line asks for; whether to go on."""
-        command = read_line(line)
         if command is Wish.QUIT:
             return False
         # Whatever comes of it, the question that is shown then is asked on a line of its own.

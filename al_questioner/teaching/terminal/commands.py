@@ -2,8 +2,11 @@
 
 from __future__ import annotations
 
+from collections.abc import Collection
 from dataclasses import dataclass
 from enum import Enum
+
+from al_questioner.domain.names import meant
 
 
 class Wish(Enum):
@@ -38,9 +41,17 @@ WISHES = {
 """By the word; none of them can be told to the robot on a line of its own."""
 
 
-def read_line(line: str) -> Command:
-    """What a line means; a blank one is explained, as an answer has to be meant."""
+def read_line(line: str, choices: Collection[str] = ()) -> Command:
+    """What a line means; a blank one is explained, as an answer has to be meant.
+
+    Args:
+        line: that was typed.
+        choices: of the question that is open: what is exactly one of them is an answer.
+    """
     word = line.strip()
     if not word:
         return Explain('an empty line is no answer')
-    return WISHES.get(word.lower(), Say(word))
+    if word in choices:
+        return Say(word)
+    found = meant(word, WISHES)
+    return WISHES[found[0]] if found else Say(word)

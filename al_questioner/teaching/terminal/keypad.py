@@ -7,6 +7,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
 from al_questioner.domain import NO_SYMBOL, Query, QueryKind
+from al_questioner.domain.names import joined, loosely
 from al_questioner.teaching.terminal.board import Board, Phase
 from al_questioner.teaching.terminal.commands import Command, Explain, Say, Wish, read_line
 from al_questioner.teaching.terminal.safe_text import printable
@@ -35,6 +36,7 @@ class Pad:
         in_words: whether a word is typed, after a colon.
         ticked: positions of feature groups.
         cursor: position of the group that space ticks.
+        doubted: the last key, if it is to be pressed again to count.
         notice: why the last key did nothing.
     """
 
@@ -43,6 +45,7 @@ class Pad:
     in_words: bool = False
     ticked: frozenset[int] = frozenset()
     cursor: int = 0
+    doubted: str = ''
     notice: str = ''
 
     def explained(self, notice: str) -> Pad:
@@ -57,9 +60,15 @@ def about(board: Board) -> str:
     return f'{board.phase.name}/{board.moment.query.query_id}'
 
 
-def letters(symbols: Sequence[str]) -> dict[str, str]:
-    """The key of each symbol: the first free letter of its name, or else the first free key there is.
+def choices_of(board: Board) -> tuple[str, ...]:
+    """The choices of the question that can be answered; none if there is none."""
+    return board.moment.query.choices if board.moment is not None and about(board) else ()
 
+
+def letters(symbols: Sequence[str]) -> dict[str, str]:
+    """The key of each symbol: the first letter of its name, else another free one of it, else the first free key.
+
+    First letters go first, so that no key says another name than the one that begins with it, as far as there are keys.
     A symbol beyond the last key has none, and is typed after a colon.
     """
     free = [
@@ -67,10 +76,14 @@ def letters(symbols: Sequence[str]) -> dict[str, str]:
     ]
     keys: dict[str, str] = {}
     for symbol in symbols:
-        key = next((letter for letter in symbol.lower() if letter in free), free[0] if free else '')
-        if key:
-            keys[symbol] = key
-            free.remove(key)
+        first = loosely(symbol)[:1]
+        if first in free:
+            keys[symbol] = first
+            free.remove(first)
+    for symbol in symbols:
+        if symbol not in keys and free:
+            keys[symbol] = next((letter for letter in loosely(symbol) if letter in free), free[0])
+            free.remove(keys[symbol])
     return keys
 
 
@@ -85,20 +98,20 @@ def press(key: str, pad: Pad, board: Board) -> tuple[Pad, Command | None]:
     Returns:
         What has been pressed so far, and what is to be done, if anything.
     """
-    here = about(board)
-    pad = replace(pad, notice='') if pad.about == here else Pad(here)
+    here, doubted = about(board), pad.doubted
+    pad = replace(pad, notice='', doubted='') if pad.about == here else Pad(here)
     if board.moment is None or not here:
         command = COMMANDS.get(key.lower())
         return pad, command if isinstance(command, Wish) else None
     query = board.moment.query
     if pad.in_words or (key == ':' and not pad.typed):
-        return _typed_word(key, pad)
+        return _typed_word(key, pad, query)
     if key == 'escape':
         return (Pad(here), None) if pad != Pad(here) else (pad, Wish.UNDO if board.corrected is not None else None)
     if key == 'backspace' and not pad.typed:
         return pad, Wish.UNDO
     if query.action.kind is QueryKind.LABEL:
-        return _at_label(key, pad, query)
+        return _at_label(key, pad, query, doubted)
     if key.lower() in COMMANDS and not pad.typed:
         return pad, COMMANDS[key.lower()]
     if query.action.kind is QueryKind.DEMONSTRATION:
@@ -106,11 +119,11 @@ def press(key: str, pad: Pad, board: Board) -> tuple[Pad, Command | None]:
     return _at_feature_subset(key, pad, query)
 
 
-def _typed_word(key: str, pad: Pad) -> tuple[Pad, Command | None]:
+def _typed_word(key: str, pad: Pad, query: Query) -> tuple[Pad, Command | None]:
     if not pad.in_words:
         return replace(pad, in_words=True), None
     if key == 'enter':
-        return Pad(pad.about), read_line(pad.typed)
+        return Pad(pad.about), read_line(pad.typed, query.choices)
     if key == 'escape' or (key == 'backspace' and not pad.typed):
         return Pad(pad.about), None
     if key == 'backspace':
@@ -118,17 +131,31 @@ def _typed_word(key: str, pad: Pad) -> tuple[Pad, Command | None]:
     return _append(key, pad), None
 
 
-def _at_label(key: str, pad: Pad, query: Query) -> tuple[Pad, Command | None]:
-    for symbol, letter in letters(query.choices).items():
+def _at_label(key: str, pad: Pad, query: Query, doubted: str) -> tuple[Pad, Command | None]:
+    keys = letters(query.choices)
+    for symbol, letter in keys.items():
         if key == letter:
             return pad, Say(symbol)
     # A name may begin with a capital: both cases mean a letter, unless there are so many names that one is another's.
-    for symbol, letter in letters(query.choices).items():
+    for symbol, letter in keys.items():
         if key.lower() == letter:
             return pad, Say(symbol)
-    if key.lower() in COMMANDS:
-        return pad, COMMANDS[key.lower()]
-    return pad, Explain(f'{_named(key)} is the key of no answer; h explains')
+    command = COMMANDS.get(key.lower())
+    if command is None:
+        return pad, Explain(f'{_named(key)} is the key of no answer; h explains')
+    alike = next((symbol for symbol in query.choices if loosely(symbol).startswith(key.lower())), None)
+    if alike is None or command is Wish.HELP or doubted == key.lower():
+        return pad, command
+    # Who presses the first letter of a name means that name, and would otherwise have said something else unawares.
+    other = f'press {keys[alike]}' if alike in keys else 'type it after a colon'
+    explained = f'{_named(key)} means {_meaning(command)} here: press it again for that; for {alike} {other}'
+    return replace(pad, doubted=key.lower()), Explain(explained)
+
+
+def _meaning(command: Command) -> str:
+    if isinstance(command, Wish):
+        return command.value
+    return {'?': 'unknown'}.get(command.text, command.text)
 
 
 def _at_demonstration(key: str, pad: Pad) -> tuple[Pad, Command | None]:
@@ -148,7 +175,9 @@ def _at_feature_subset(key: str, pad: Pad, query: Query) -> tuple[Pad, Command |
     if key == 'enter':
         if not pad.ticked:
             return pad, Explain('tick what matters with space before Enter, or press u if you do not know')
-        return Pad(pad.about), Say(','.join(query.choices[position] for position in sorted(pad.ticked)))
+        # Beside a name with a comma those without one could be read as parts of it.
+        quotes = any(',' in choice for choice in query.choices)
+        return Pad(pad.about), Say(joined((query.choices[position] for position in sorted(pad.ticked)), quotes))
     steps = {'right': 1, 'down': 1, 'tab': 1, 'left': -1, 'up': -1}
     if key in steps and count:
         return replace(pad, cursor=(pad.cursor + steps[key]) % count), None

@@ -10,7 +10,7 @@ from al_questioner.teaching.terminal.board import Board, Moment, Phase, Progress
 from al_questioner.teaching.terminal.keypad import Pad, letters
 from al_questioner.teaching.terminal.look import Look
 from al_questioner.teaching.terminal.safe_text import counted, printable
-from al_questioner.teaching.terminal.sentences import HELP, present_turn, recorded_in_words, said_in_words
+from al_questioner.teaching.terminal.sentences import HELP, present_turn, price, recorded_in_words, said_in_words
 from al_questioner.teaching.terminal.table_map import position_in_words, table_map
 from al_questioner.teaching.terminal.thumbnail import cut_out, thumbnail
 from al_questioner.wording import number_of
@@ -62,9 +62,7 @@ def _progress(board: Board) -> str:
         of_all = f'of {counted(query.turn + query.turns_left)}'
         if board.corrected is not None:
             return f'turn {query.turn} {of_all} · correcting'
-        turn = f'turn {present_turn(query, progress)} {of_all}'
-        budget = f'{query.budget_left:g}' + ('' if progress is None else f' of {progress.budget:g}')
-        return f'{turn} · budget {budget} left · costs {query.cost:g}'
+        return f'turn {present_turn(query, progress)} {of_all} · {price(query, progress)}'
     if progress is None:
         return ''
     return f'turn {counted(progress.turn)} of {progress.turns} · budget {_left(progress):g} of {progress.budget:g} left'

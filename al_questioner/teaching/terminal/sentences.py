@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from al_questioner.domain import NO_SYMBOL, Action, Answer, Outcome, Query, QueryKind, QueryRecord
+from al_questioner.domain.names import joined
 from al_questioner.teaching.terminal.board import Board, Phase, Progress
 from al_questioner.teaching.terminal.safe_text import counted, printable
 from al_questioner.wording import number_of
@@ -48,14 +49,21 @@ def present_turn(query: Query, progress: Progress | None) -> int:
     return min(present, query.turn + query.turns_left)
 
 
+def price(query: Query, progress: Progress | None) -> str:
+    """What a question costs, and what is left of the budget once that is paid."""
+    of_all = '' if progress is None else f' of {progress.budget:g}'
+    return f'costs {query.cost:g}, which leaves {query.budget_left:g}{of_all} of the budget'
+
+
 def question_line(query: Query, corrects: bool, progress: Progress | None = None) -> str:
     """One line that asks, with what would be an answer."""
     nothing = [] if query.action.kind is QueryKind.FEATURE_SUBSET else [NO_SYMBOL]
-    choices = ','.join(query.choices) if not nothing else ' '.join(query.choices)
-    words = ' '.join([choices, *nothing, '?', 'skip'])
+    parting = ', ' if any(' ' in choice for choice in query.choices) else ' '
+    choices = [*query.choices] if nothing else [joined(query.choices)]
+    words = parting.join([*choices, *nothing, '?', 'skip'])
     again = 'correction: ' if corrects else ''
     turns_left = query.turn + query.turns_left - present_turn(query, progress)
-    left = f'budget left {query.budget_left:g}, turns left {counted(turns_left)}'
+    left = f'{price(query, progress)}; turns left {counted(turns_left)}'
     # A scene of a thousand objects is still one line that can be read.
     return f'{printable(query.query_id, 40)}: {again}{printable(query.text)} [{printable(words, 2000)}] ({left})'
 

@@ -14,6 +14,7 @@ import numpy as np
 from al_questioner.domain import Answer, AnswerError, Query, QueryKind, Scene
 from al_questioner.teaching.plain_words import read_plain_answer
 from al_questioner.teaching.terminal.board import Board, Moment, Phase, Picture, Progress, Said
+from al_questioner.teaching.terminal.commands import WISHES
 from al_questioner.teaching.terminal.sentences import said_in_words
 
 SECONDS_TO_NOTICE = 0.5
@@ -144,7 +145,7 @@ class Session:
                 raise AnswerError('nothing is asked at the moment')
             if self._clock() < self._replaced_at + SECONDS_TO_NOTICE:
                 raise AnswerError('the robot has just asked something else: see what it is')
-            answer = read_plain_answer(text, moment.query, self._teacher_id)
+            answer = read_plain_answer(text, moment.query, self._teacher_id, WISHES)
             replaces = None if self._corrected is None else self._corrected.answer.answer_id
             answer_id = f'{answer.answer_id}/{self._new_id()}'
             answer = dataclasses.replace(answer, answer_id=answer_id, replaces=replaces)

@@ -11,7 +11,7 @@ from __future__ import annotations
 
 import os
 import re
-from collections.abc import Iterable
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -21,6 +21,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from al_questioner.domain import Camera, InputError, View
+from al_questioner.domain.names import composed, meant
 
 _SUFFIXES = ('_crop.png', '_depthcrop.png', '_maskcrop.png', '_loc.txt')
 _STEM = re.compile(r'(?P<category>.+)_(?P<instance>\d+)_(?P<video>\d+)_(?P<frame>\d+)')
@@ -95,15 +96,16 @@ def index_crops(root: Path, categories: Iterable[str]) -> CropIndex:
     wanted = tuple(categories)
     if not root.is_dir():
         raise InputError(f'dataset {root}: {"not a directory" if root.exists() else "does not exist"}')
-    if not any((root / name).is_dir() for name in wanted) and (root / 'rgbd-dataset').is_dir():
-        root = root / 'rgbd-dataset'
-    crops: dict[str, tuple[CropFiles, ...]] = {}
     skipped: list[Skipped] = []
-    for category in wanted:
-        if (root / category).is_dir():
-            found = _index_category(root / category, skipped)
-            if found:
-                crops[category] = tuple(sorted(found))
+    folders = _folders(root, wanted, skipped)
+    if not folders and (root / 'rgbd-dataset').is_dir():
+        root = root / 'rgbd-dataset'
+        folders = _folders(root, wanted, skipped)
+    crops: dict[str, tuple[CropFiles, ...]] = {}
+    for category, folder in folders.items():
+        found = _index_category(category, folder, skipped)
+        if found:
+            crops[category] = tuple(sorted(found))
     if not crops:
         missing = f'; {len(skipped)} files were skipped, the first: {skipped[0]}' if skipped else ''
         raise InputError(f'dataset {root}: no complete crop of any of {", ".join(wanted)}{missing}')
@@ -111,22 +113,39 @@ def index_crops(root: Path, categories: Iterable[str]) -> CropIndex:
     return CropIndex(root, crops, absent, tuple(skipped))
 
 
-def _index_category(folder: Path, skipped: list[Skipped]) -> list[CropFiles]:
+def _folders(root: Path, wanted: Sequence[str], skipped: list[Skipped]) -> dict[str, Path]:
+    """The folder of each category that has one: of its very name, or else of one that people would not tell from it.
+
+    Some systems write names in decomposed Unicode, and some do not tell cases apart.
+    """
+    names = [name for name in _names(root, skipped) if (root / name).is_dir()]
+    others = [name for name in names if name not in wanted]
+    folders: dict[str, Path] = {}
+    for category in wanted:
+        found = [category] if category in names else meant(category, others)
+        if len(found) == 1:
+            folders[category] = root / found[0]
+        else:
+            skipped += [Skipped(root / name, f'not the only folder that may be {category}') for name in found]
+    return folders
+
+
+def _index_category(category: str, folder: Path, skipped: list[Skipped]) -> list[CropFiles]:
     found: list[CropFiles] = []
     for name in _names(folder, skipped):
         path = folder / name
-        number = name.removeprefix(f'{folder.name}_')
-        if not path.is_dir() or name == number or not number.isdecimal():
+        prefix, _, number = composed(name).rpartition('_')
+        if not path.is_dir() or prefix != composed(folder.name) or not number.isdecimal():
             skipped.append(Skipped(path, f'not a folder named {folder.name}_N'))
             continue
-        complete = _index_object(path, skipped)
+        complete = _index_object(category, path, skipped)
         if not complete:
             skipped.append(Skipped(path, 'holds no complete crop'))
         found += complete
     return found
 
 
-def _index_object(folder: Path, skipped: list[Skipped]) -> list[CropFiles]:
+def _index_object(category: str, folder: Path, skipped: list[Skipped]) -> list[CropFiles]:
     suffixes_of: dict[str, list[str]] = {}
     for name in _names(folder, skipped):
         suffix = next((suffix for suffix in _SUFFIXES if name.endswith(suffix)), None)
@@ -140,13 +159,13 @@ def _index_object(folder: Path, skipped: list[Skipped]) -> list[CropFiles]:
         missing = [suffix for suffix in _SUFFIXES if suffix not in suffixes]
         if match is None:
             skipped.append(Skipped(folder / stem, 'not named CATEGORY_N_V_F'))
-        elif f'{match["category"]}_{match["instance"]}' != folder.name:
+        elif composed(f'{match["category"]}_{match["instance"]}') != composed(folder.name):
             skipped.append(Skipped(folder / stem, f'belongs to another object than its folder {folder.name}'))
         elif missing:
             skipped.append(Skipped(folder / stem, f'incomplete: no {", ".join(missing)}'))
         else:
             instance, video, frame = (int(match[name]) for name in ('instance', 'video', 'frame'))
-            complete.append(CropFiles(match['category'], instance, video, frame, folder / stem))
+            complete.append(CropFiles(category, instance, video, frame, folder / stem))
     return complete
 
 

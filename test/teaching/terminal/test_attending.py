@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+import shlex
 import signal
 import subprocess
 import sys
@@ -116,6 +117,33 @@ def test_however_it_ends_the_terminal_is_as_it_was(open_robot: Callable[..., Any
     assert terminal.status() == 0
 
 
+def test_control_z_suspends_and_the_question_comes_back(open_terminal: Callable[..., Any], tmp_path: Path) -> None:
+    """Who wants a look at something else would have to quit; or the shell would stay without echo meanwhile."""
+    shell = open_terminal(['bash', '--norc', '-i'], environment={**ENVIRONMENT, 'PS1': 'shell> ', 'HISTFILE': None})
+    shell.wait_for('shell>')
+    before = shell.local_modes()
+    for command in (shlex.join(robot(tmp_path / 'said')), 'fg'):
+        # Whatever the robot has said on the screen is out of sight.
+        shell.press('clear\r')
+        shell.wait_for(lambda text: text.strip() == 'shell>')
+        shell.press(f'{command}\r')
+        shell.wait_for('What is object 7?')
+        shell.wait_for('q quit')
+        shell.press('\x1a')
+        shell.wait_for(lambda text: 'Stopped' in text and text.rstrip().endswith('shell>'))
+        assert 'q quit' not in shell.text
+        assert shell.local_modes() == before
+    shell.press('fg\r')
+    shell.wait_for('q quit')
+    shell.press('f')
+    shell.wait_for('Noted: object 7 is fruit.')
+    shell.press('q')
+    shell.wait_for('Left open: Can you show me a snack?')
+    shell.press('exit\r')
+    assert shell.status() == 0
+    assert said(tmp_path) == ['q1 answered fruit False']
+
+
 def test_what_nodes_log_meanwhile_is_shown_when_the_screen_has_gone(open_robot: Callable[..., Any]) -> None:
     """Warnings would be written across the question, or be lost."""
     terminal = open_robot()
@@ -150,7 +178,8 @@ def test_a_terminal_that_changes_its_size_is_filled_anew(open_robot: Callable[..
 def test_a_terminal_that_can_do_nothing_is_talked_to_in_lines(open_robot: Callable[..., Any], tmp_path: Path) -> None:
     """A person in an editor's shell would see codes instead of questions."""
     terminal = open_robot(environment={'TERM': 'dumb'})
-    assert terminal.text.startswith('q1: What is object 7? [snack fruit none ? skip] (budget left 4, turns left 2)')
+    line = 'q1: What is object 7? [snack fruit none ? skip] (costs 1, which leaves 4 of 5 of the budget; turns left 2)'
+    assert ''.join(terminal.text.splitlines()).startswith(line)
     terminal.press('fruit\r')
     terminal.wait_for('q2: Can you show me a snack?')
     terminal.press('\x04')

@@ -54,6 +54,37 @@ def test_a_symbol_has_the_first_free_letter_of_its_name() -> None:
     }
 
 
+def test_no_key_says_another_name_than_the_one_that_begins_with_it() -> None:
+    """Whoever presses the first letter of an apple would say that it is a snack."""
+    assert letters(['snack', 'apple', 'Äpfel']) == {'snack': 'c', 'apple': 'a', 'Äpfel': 'p'}
+
+
+@pytest.mark.parametrize(
+    ('symbols', 'key', 'alike', 'command'),
+    [
+        (('screwdriver', 'cup'), 's', 'for screwdriver press r', Say('skip')),
+        (('Screwdriver', 'cup'), 'S', 'for Screwdriver press r', Say('skip')),
+        (('nut', 'cup'), 'n', 'for nut press t', Say('none')),
+        (('unit', 'cup'), 'u', 'for unit press i', Say('?')),
+        (('quiche', 'cup'), 'q', 'for quiche press i', Wish.QUIT),
+        (('zucchini', 'cup'), 'z', 'for zucchini press i', Wish.UNDO),
+    ],
+)
+def test_the_first_letter_of_a_name_is_a_command_only_if_it_is_pressed_twice(
+    person: Any, made: Any, symbols: tuple[str, ...], key: str, alike: str, command: object
+) -> None:
+    """Whoever presses s for a screwdriver would skip the question, pay for it, and not know why."""
+    board = person.asked(made.label(1, symbols=symbols))
+    (explained,) = pressed(board, key)
+    assert isinstance(explained, Explain)
+    assert alike in explained.text
+    assert pressed(board, key, key) == [explained, command]
+    assert pressed(board, key, 'c', key) == [explained, Say('cup'), explained]
+    assert pressed(board, key, 'h', key) == [explained, Wish.HELP, explained]
+    # Elsewhere no name is said by a letter.
+    assert pressed(person.asked(made.demonstration(2)), key) == [command]
+
+
 @settings(deadline=None)
 @given(st.lists(st.text(min_size=1, max_size=8), unique=True, max_size=80))
 def test_keys_are_distinct_and_no_commands(symbols: list[str]) -> None:
@@ -64,7 +95,7 @@ def test_keys_are_distinct_and_no_commands(symbols: list[str]) -> None:
 
 
 @pytest.mark.parametrize(
-    ('key', 'word'), [('f', 'fruit'), ('F', 'fruit'), ('n', 'none'), ('?', '?'), ('u', '?'), ('s', 'skip')]
+    ('key', 'word'), [('f', 'fruit'), ('F', 'fruit'), ('n', 'none'), ('?', '?'), ('u', '?'), ('a', 'snack')]
 )
 def test_one_key_answers_a_label_query(person: Any, made: Any, key: str, word: str) -> None:
     """A person would have to type a hundred names."""
@@ -87,6 +118,15 @@ def test_ticks_and_enter_answer_a_feature_subset_query(person: Any, made: Any) -
     assert pressed(board, '1', '3', '3', '9', ' ', 'right', ' ', 'enter') == [Say('colour,weight')]
     assert pressed(board, 'left', ' ', 'enter') == [Say('weight')]
     assert isinstance(pressed(board, 'enter')[0], Explain)
+
+
+def test_groups_with_a_comma_can_be_ticked(person: Any, made: Any) -> None:
+    """What is ticked would be read as other groups, or be refused."""
+    query = made.feature_subset(1, ('x', 'y', 'x,y', 'size'))
+    for keys, groups in (('12', ('x', 'y')), ('3', ('x,y',)), ('34', ('x,y', 'size'))):
+        (said,) = pressed(person.asked(query), *keys, 'enter')
+        assert isinstance(said, Say)
+        assert read_plain_answer(said.text, query).content == groups
 
 
 @pytest.mark.parametrize('kind', ['label', 'demonstration', 'feature_subset'])
@@ -149,3 +189,10 @@ def test_every_line_is_an_answer_or_is_explained(made: Any, line: str, kind: str
 def test_commands_can_be_typed(line: str, wish: Wish) -> None:
     """A script could neither correct nor end itself."""
     assert read_line(line) is wish
+
+
+def test_a_line_that_is_exactly_a_choice_is_that_choice() -> None:
+    """A robot whose symbols no task file has ruled out could not be told of one."""
+    assert read_line('undo', ('undo', 'cup')) == Say('undo')
+    assert read_line('Undo', ('undo', 'cup')) is Wish.UNDO
+    assert read_line('ｕｎｄｏ') is Wish.UNDO

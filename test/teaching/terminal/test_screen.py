@@ -59,7 +59,7 @@ def test_a_label_query_shows_all_that_it_takes_to_answer(person: Any, made: Any,
     for part in (
         'Teaching as anna',
         'turn 2 of 7',
-        'budget 4 of 6 left',
+        'costs 1, which leaves 4 of 6 of the budget',
         'What is object 7?',
         'Object 7: right, at x 1.20 m, y 0.40 m',
         '[7]',
@@ -193,3 +193,9 @@ def test_a_question_that_waits_tells_the_time_that_is_left_now(person: Any, made
     board = person.session.board()
     assert 'turn 5 of 7' in shown(board, Look())
     assert 'turns left 2' in question_line(board.moment.query, False, board.progress)
+
+
+def test_a_line_keeps_names_with_blanks_and_commas_apart(made: Any) -> None:
+    """A person would take one name for two, and be refused."""
+    assert '[main dish, cup, none, ?, skip]' in question_line(made.label(1, symbols=('main dish', 'cup')), False)
+    assert '[size,"bbox[0,1]" ? skip]' in question_line(made.feature_subset(1, ('size', 'bbox[0,1]')), False)

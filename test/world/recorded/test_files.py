@@ -39,6 +39,26 @@ def test_only_wanted_categories_are_listed_and_absent_ones_named(tree: Tree) -> 
     assert index.absent == ('pear', 'peach')
 
 
+@pytest.mark.parametrize('folder', ['Fru\u0308chte', 'früchte', 'FRÜCHTE'])
+def test_a_folder_whose_name_only_looks_other_is_found(tree: Tree, folder: str) -> None:
+    """A quarter of the data would be left out, as a Mac writes names in another form of Unicode."""
+    tree.add(folder)
+    tree.add('apple')
+    index = index_crops(tree.root, ['apple', 'Früchte'])
+    assert (index.absent, index.skipped) == ((), ())
+    assert [crop.category for crop in index.crops['Früchte']] == ['Früchte']
+
+
+def test_a_folder_of_the_very_name_comes_first_and_of_two_others_neither_is_guessed(tree: Tree) -> None:
+    """The crops of one category would be taken for those of another."""
+    for folder in ('apple', 'Apple', 'Pear', 'PEAR', 'plum'):
+        tree.add(folder)
+    index = index_crops(tree.root, ['apple', 'pear', 'Plum', 'plum'])
+    assert index.crops.keys() == {'apple', 'plum'}
+    assert index.absent == ('pear', 'Plum')
+    assert [skipped.reason for skipped in index.skipped] == ['not the only folder that may be pear'] * 2
+
+
 def test_frames_come_in_numeric_order_whatever_the_file_system_says(tree: Tree) -> None:
     for frame in (10, 9, 100, 1):
         tree.add('apple', 1, frame)

@@ -1,0 +1,74 @@
+"""How questioning strategies are called: those that ship, and those that other installed packages contribute.
+
+Other packages contribute entry points of the group `al_questioner.strategies`.
+"""
+
+from __future__ import annotations
+
+import logging
+from importlib.metadata import EntryPoint, entry_points
+
+from al_questioner.domain import SettingsError
+
+SHIPPED = (
+    'u_sampling',
+    'dt_iros',
+    'dt_task',
+    'dt_task_env',
+    'value_per_cost',
+    'u_sampling_fsq',
+    'random_fsq',
+    'farthest_fsq',
+    'rarest_demo',
+    'expert',
+    'human',
+)
+"""Those of `questioning.STRATEGIES`: whoever reads a name need not load them."""
+GROUP = 'al_questioner.strategies'
+
+_LOGGER = logging.getLogger(__name__)
+
+
+def contributions() -> dict[str, EntryPoint]:
+    """The contributed strategies by name, sorted, none of them imported yet. It takes some 20 ms, so call it last.
+
+    Nobody can contribute a name in `SHIPPED`: such an entry point, like the second of a name, is ignored, and a warning
+    in the log says so. An error would take everybody else's strategies away, too.
+    """
+    found: dict[str, EntryPoint] = {}
+    # The order in which packages lie in a folder differs from machine to machine.
+    for entry in sorted(entry_points(group=GROUP), key=lambda entry: (entry.name, entry.value)):
+        if entry.name in SHIPPED or entry.name in found:
+            _LOGGER.warning('%s is ignored: there is another strategy of that name', described(entry))
+        else:
+            found[entry.name] = entry
+    return found
+
+
+def contribution(name: str) -> EntryPoint:
+    """The contributed strategy of a name.
+
+    Raises:
+        SettingsError: there is none.
+    """
+    contributed = contributions()
+    if name not in contributed:
+        raise SettingsError(f'unknown strategy {name!r}; known: {", ".join((*SHIPPED, *contributed))}')
+    return contributed[name]
+
+
+def check_strategy(name: str) -> str:
+    """The name, if it is that of a strategy; other packages are searched only for one that is not in `SHIPPED`.
+
+    Raises:
+        SettingsError: it is unknown.
+    """
+    if name not in SHIPPED:
+        contribution(name)
+    return name
+
+
+def described(entry: EntryPoint) -> str:
+    """An entry point in words."""
+    package = f' of package {entry.dist.name}' if entry.dist else ''
+    return f'entry point "{entry.name} = {entry.value}"{package}'

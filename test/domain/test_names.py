@@ -1,0 +1,182 @@
+"""Which names people can say, and which one they mean by what they type."""
+
+from __future__ import annotations
+
+import re
+import unicodedata
+
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from al_questioner.domain import InputError
+from al_questioner.domain.names import (
+    RESERVED,
+    check_names,
+    joined,
+    loosely,
+    meant,
+    near,
+    parted,
+    quoted,
+    unsayable,
+)
+from al_questioner.teaching.plain_words import OUTCOMES
+from al_questioner.teaching.terminal.commands import WISHES
+from al_questioner.teaching.terminal.keypad import COMMANDS
+
+NUMBER, COMMA, BLANK = 'a number means an object', 'a comma parts names', 'begins or ends with a blank'
+
+
+@pytest.mark.parametrize(
+    ('name', 'reason'),
+    [
+        ('none', 'says that a thing belongs to no symbol'),
+        ('None', 'says that a thing belongs to no symbol'),
+        ('ＮＯＮＥ', 'says that a thing belongs to no symbol'),
+        ('SKİP', 'skips a question'),
+        ('Unknown', 'says that the teacher does not know'),
+        ('？', 'says that the teacher does not know'),
+        ('؟', 'says that the teacher does not know'),
+        ('undo', 'takes an answer back'),
+        ('quit', 'ends the conversation'),
+        ('help', 'asks for help'),
+        ('features', 'asks which properties matter'),
+        ('nothing', 'stands for nothing'),
+        ('S', 'is the key of "skip"'),
+        ('Keine', "means 'none'"),
+        ('desconocido', "means 'unknown'"),
+        ('スキップ', "means 'skip'"),
+        *((name, NUMBER) for name in ('7', '#7', 'object 7', '٧', '½', '-3', '1.5', '1e5', '1 000', '９')),
+        *((name, COMMA) for name in ('cup,plate', 'cup，plate')),
+        *((name, BLANK) for name in (' cup', 'cup ', '\u00a0cup', 'cup\u3000')),
+        ('', 'it is empty'),
+        ('  ', 'it is empty'),
+        ('cu\u200bp', 'the invisible character U+200B'),
+        ('cup\n', 'the invisible character U+000A'),
+        ('cup\u00ad', 'the invisible character U+00AD'),
+        ('\u3164', 'the invisible character U+3164'),
+        ('cup\x1b[2J', 'the invisible character U+001B'),
+        ('cup\ud800', 'the invisible character U+D800'),
+        (unicodedata.normalize('NFD', 'Früchte'), 'decomposed'),
+        ('ｃｕｐ', "write 'cup'"),
+        ('cup\u00a0plate', "write 'cup plate'"),
+        ('{cup', 'is read as a JSON document'),
+    ],
+)
+def test_a_name_that_people_cannot_say_is_refused_with_the_reason(name: str, reason: str) -> None:
+    """Whoever says it would teach something else, or be refused with a text that shows the very word."""
+    with pytest.raises(InputError, match='cannot be a symbol') as caught:
+        check_names(['plate', name], 'symbol')
+    assert quoted(name) in str(caught.value)
+    assert reason in str(caught.value)
+    assert '\n' not in str(caught.value)
+
+
+@pytest.mark.parametrize(
+    ('one', 'other'),
+    [
+        ('Cup', 'cup'),
+        ('straße', 'STRASSE'),
+        ('main dish', 'main_dish'),
+        ('fig', 'ﬁg'),
+        ('ΣΟΦΟΣ', 'σοφος'),
+        ('ÉTÉ', 'été'),
+        ('x²', 'x2'),
+    ],
+)
+def test_two_names_that_sound_the_same_are_refused(one: str, other: str) -> None:
+    """Whoever says one of them would teach the other."""
+    with pytest.raises(InputError, match=re.escape(f'{other!r} cannot be a symbol beside {one!r}')):
+        check_names([one, 'plate', other], 'symbol')
+
+
+def test_ordinary_names_of_many_languages_are_fine() -> None:
+    """People could not use their own words."""
+    check_names(
+        [
+            'main_dish',
+            'Früchte',
+            'straße',
+            'カップ',
+            '杯子',
+            'чашка',
+            'कप',
+            'น้ำ',
+            'x²',
+            '7up',
+            'v1.2',
+            'nonesuch',
+            "d'eau",
+            'a b',
+        ],
+        'symbol',
+    )
+
+
+def test_what_only_keys_mean_is_free_where_no_key_says_a_name() -> None:
+    """A camera's groups h, s and v could not be relevant."""
+    check_names(['h', 's', 'v'], 'feature group', has_key=False)
+    with pytest.raises(InputError, match="'skip' cannot be a feature group"):
+        check_names(['skip'], 'feature group', has_key=False)
+
+
+def test_every_word_that_is_a_command_anywhere_is_reserved() -> None:
+    """A symbol of that name would be taken for the command, or the command for the symbol."""
+    for word in (*OUTCOMES, *WISHES, *COMMANDS):
+        assert loosely(word) in RESERVED, word
+
+
+@pytest.mark.parametrize(
+    ('word', 'names', 'found'),
+    [
+        ('cup', ['Cup', 'cup'], ['cup']),
+        ('CUP', ['Cup', 'cup'], ['Cup', 'cup']),
+        (' cup\n', ['cup', 'plate'], ['cup']),
+        ('cup', [' cup ', 'plate'], [' cup ']),
+        (unicodedata.normalize('NFD', 'Früchte'), ['Früchte', 'früchte'], ['Früchte']),
+        (unicodedata.normalize('NFC', 'Früchte'), [unicodedata.normalize('NFD', 'Früchte')], ['Fru\u0308chte']),
+        ('FRÜCHTE', ['Früchte'], ['Früchte']),
+        ('main dish', ['main_dish'], ['main_dish']),
+        ('ｃｕｐ\u200b', ['cup'], ['cup']),
+        ('STRASSE', ['straße'], ['straße']),
+        ('', ['', 'cup'], []),
+        ('plates', ['plate'], []),
+        ('a' * 2000, ['A' * 2000], []),
+        ('a' * 2000, ['a' * 2000], ['a' * 2000]),
+    ],
+)
+def test_a_word_means_what_it_is_exactly_before_what_it_is_like(word: str, names: list[str], found: list[str]) -> None:
+    """The wrong one of two names would be learnt, or the right one refused."""
+    assert meant(word, names) == found
+
+
+def test_a_near_miss_has_a_suggestion() -> None:
+    """People would not see what is wrong with their word."""
+    assert near('screwdrver', ['skip', 'screwdriver']) == 'screwdriver'
+    assert near('Srkewdriver', ['skip', 'screwdriver']) == 'screwdriver'
+    assert near('cpu', ['plate', 'cup']) == 'cup'
+    assert near('fork', ['plate', 'cup']) is None
+
+
+@given(st.lists(st.text(min_size=1).map(str.strip).filter(bool), min_size=1), st.booleans())
+def test_joined_names_can_be_parted_again(names: list[str], quotes: bool) -> None:
+    """A name with a comma would become two."""
+    sayable = [name for name in names if quotes or '"' not in name]
+    assert parted(joined(sayable, quotes)) == sayable
+
+
+@given(st.text())
+def test_whatever_is_called_so_can_be_judged(name: str) -> None:
+    """A strange name would end a node."""
+    assert isinstance(unsayable(name), str)
+    assert loosely(loosely(name)) == loosely(name)
+    assert near(name, ['cup']) in ('cup', None)
+
+
+@given(st.text(min_size=1))
+def test_a_name_that_is_not_refused_is_understood(name: str) -> None:
+    """A symbol could not be said."""
+    if not unsayable(name):
+        for form in ('NFC', 'NFD', 'NFKC', 'NFKD'):
+            assert meant(f' {unicodedata.normalize(form, name)}\n', [name, 'quite another']) == [name]
