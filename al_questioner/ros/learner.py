@@ -186,10 +186,10 @@ class LearnerNode(QuestionerNode):
                     " end of the feature's range"
                 )
 
-    def counts(self) -> Mapping[str, object]:
-        """What the node counts, and what is known of the sensors."""
+    def measurements(self) -> Mapping[str, str]:
+        """What is known of the sensors."""
         implausible = {f'implausible {feature}': what for feature, what in dict(self._implausible).items()}
-        return {**super().counts(), 'view noise': self._view_noise, **implausible}
+        return {'view noise': self._view_noise, **implausible}
 
     def _put(self, seen: Seen, decision: Decision) -> None:
         """Publish a decision, and the question that waits, again if nobody answered it in the turn before."""

@@ -167,9 +167,13 @@ class QuestionerNode(Node):
         """
         return ''
 
-    def counts(self) -> Mapping[str, object]:
-        """What the node counts and measures, for /diagnostics."""
+    def counts(self) -> Mapping[str, int]:
+        """What the node counts, for /diagnostics."""
         return {f'refused on {topic}': count for topic, count in dict(self._refused).items()}
+
+    def measurements(self) -> Mapping[str, str]:
+        """What the node has measured, in words, for /diagnostics."""
+        return {}
 
     def destroy_node(self) -> None:
         """Stop the worker, then leave the graph."""
@@ -208,7 +212,9 @@ class QuestionerNode(Node):
             name=self.get_fully_qualified_name().lstrip('/'),
             message=message,
             hardware_id='al_questioner',
-            values=[KeyValue(key=what, value=str(count)) for what, count in self.counts().items()],
+            values=[
+                KeyValue(key=what, value=str(count)) for what, count in {**self.counts(), **self.measurements()}.items()
+            ],
         )
         array = DiagnosticArray(status=[status])
         array.header.stamp = self.get_clock().now().to_msg()

@@ -72,7 +72,7 @@ class RecorderNode(QuestionerNode):
         self.does(f'recording to {path}')
         self.get_logger().info(f'recording to {path}')
 
-    def counts(self) -> Mapping[str, object]:
+    def counts(self) -> Mapping[str, int]:
         """Number of messages written, by topic, and of turns that were not heard."""
         written = {f'written of {topic}': count for topic, count in self._bag.counts.items()}
         return {**super().counts(), **written, 'turns missed': self._missed}
