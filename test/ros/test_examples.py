@@ -7,6 +7,7 @@ import sys
 from pathlib import Path
 from typing import Any
 
+from diagnostic_msgs.msg import DiagnosticArray
 from std_msgs.msg import String
 
 from al_questioner.messages import documents
@@ -18,15 +19,20 @@ DEADLINE = 90.0
 
 
 def test_a_robots_own_perception_teaches_the_learner(graph: Any, processes: Any) -> None:
-    """The example that users copy for their own robot would not work."""
+    """The example that users copy would not work, or be asked about the same still things because of its noise."""
     states = graph.listen('learner_state')
+    diagnostics = graph.listen('diagnostics', DiagnosticArray, qos.DIAGNOSTICS, '/diagnostics')
     remap = ['--ros-args', '-r', f'__ns:=/{graph.namespace}']
     processes.start('own_perception', [sys.executable, str(EXAMPLES / 'own_perception.py'), *remap])
     task = str(EXAMPLES / 'blobs.yaml')
     processes.start('person', [sys.executable, str(Path(__file__).with_name('person.py')), *remap])
-    graph.start(LearnerNode, task=task, strategy='random_fsq', view_tolerance=0.5)
+    graph.start(LearnerNode, task=task, strategy='random_fsq')
     graph.wait_for(lambda: states and states[-1]['done'], 'the end of the episode')
     assert states[-1]['spent'] == 6
+    asked = [query['object_id'] for query in states[-1]['queries'] if query['kind'] == 'label']
+    assert sorted(asked) == [1, 2, 3, 4]
+    measured = {value.key: value.value for status in diagnostics[-1].status for value in status.values}
+    assert 'the noisiest is size_width' in measured['view noise']
 
 
 def test_who_answers_by_hand_is_told_everything_once(graph: Any, processes: Any, tmp_path: Path) -> None:
