@@ -14,7 +14,8 @@ from mcap.records import Channel, Chunk, Message, Schema
 from mcap.stream_reader import StreamReader, breakup_chunk
 
 from al_questioner.files import sync_to_disk
-from al_questioner.recording.bags import BagError, BagMessage, Topic, read_bag, storage_files, typestore
+from al_questioner.recording.bags import BagError, BagMessage, Topic, read_bag, typestore
+from al_questioner.recording.storages import storage_files
 from al_questioner.recording.writing import BagWriter
 
 _BROKEN = '.broken'

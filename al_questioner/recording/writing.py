@@ -27,7 +27,8 @@ from rosbags.rosbag2.storage_mcap import McapWriter
 from rosbags.rosbag2.storage_sqlite3 import Sqlite3Writer
 
 from al_questioner.files import sync_to_disk
-from al_questioner.recording.bags import STORAGE_SUFFIXES, BagError, Topic, storage_files, typestore
+from al_questioner.recording.bags import BagError, Topic, typestore
+from al_questioner.recording.storages import STORAGE_SUFFIXES, storage_files
 
 _STORAGES = {'mcap': StoragePlugin.MCAP, 'sqlite3': StoragePlugin.SQLITE3}
 _FOREVER = QosTime(9223372036, 854775807)

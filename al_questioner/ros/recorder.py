@@ -19,7 +19,7 @@ from std_msgs.msg import String
 from al_questioner.domain import EpisodeError, InputError
 from al_questioner.messages import documents
 from al_questioner.recording import BagWriter, Topic
-from al_questioner.recording.session import CLOUD, STRING, TYPES
+from al_questioner.recording.topics import CLOUD, STRING, TYPES
 from al_questioner.ros import qos
 from al_questioner.ros.node import RECORDER, QuestionerNode
 from al_questioner.ros.parameters import declare, refuse_unknown

@@ -13,7 +13,7 @@ from rich.text import Text
 
 from al_questioner.arguments import Parser, number
 from al_questioner.domain import EpisodeError, InputError
-from al_questioner.recording import read_bag, read_sessions
+from al_questioner.recording import LeftOut, read_bag, read_sessions
 from al_questioner.recording.playback import Playback
 from al_questioner.recording.scenes import scenes_of
 from al_questioner.rerun import first_divergence
@@ -152,17 +152,18 @@ def _check(path: Path, console: Console) -> int:
     """Compare every episode of a bag with a new run on what was recorded.
 
     Raises:
-        EpisodeError: a decision differs; the text names the first.
+        EpisodeError: a decision differs, or something could not be checked; the text names the first difference.
     """
-    too_short: list[str] = []
-    for session in read_sessions(path, too_short):
+    left_out: list[LeftOut] = []
+    for session in read_sessions(path, left_out):
         where = f'{path}: {session.episode_id}'
         divergence = first_divergence(session)
         if divergence is not None:
             raise EpisodeError(f'{where}: turn {divergence.turn}: {divergence.what}')
-        decisions = number_of(len(session.turns), 'decision')
+        decisions = number_of(len(session.turns) + (session.begun is not None), 'decision')
         console.print(f'{where}: {decisions}, all as recorded', highlight=False, soft_wrap=True)
-    for episode_id in too_short:
-        unchecked = 'cannot be checked: the recording ended before its first turn did'
-        console.print(f'{path}: {episode_id}: {unchecked}', highlight=False, soft_wrap=True)
+    for what, reason in left_out:
+        console.print(f'{path}: {what}: cannot be checked: {reason}', highlight=False, markup=False, soft_wrap=True)
+    if left_out:
+        raise EpisodeError(f'{path}: not all of it was checked')
     return 0

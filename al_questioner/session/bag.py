@@ -13,8 +13,8 @@ from al_questioner.messages.documents import Document
 from al_questioner.messages.stamps import SECOND, stamp_members
 from al_questioner.recording import BagError, BagWriter, Topic
 from al_questioner.recording.bags import typestore
-from al_questioner.recording.session import CLOUD, STRING, TYPES
 from al_questioner.recording.session_events import Decided, KeptLate, Seen, SessionEvent, Told
+from al_questioner.recording.topics import CLOUD, STRING, TYPES
 from al_questioner.resuming import Replay
 from al_questioner.session.account import Account
 from al_questioner.telling import episode_members, state_members

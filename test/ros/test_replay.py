@@ -19,7 +19,7 @@ from typing import Any
 import pytest
 
 from al_questioner.cli import main
-from al_questioner.recording import BagWriter, Topic, read_bag, read_sessions
+from al_questioner.recording import BagWriter, LeftOut, Topic, read_bag, read_sessions
 from al_questioner.ros import qos, replay
 from al_questioner.ros.learner import LearnerNode
 
@@ -50,12 +50,12 @@ def test_checking_names_what_differs_and_what_cannot_be_checked(
     (recorded,) = read_sessions(BAG)
     other = dataclasses.replace(recorded.settings, strategy='random_fsq')
     for session, status, text in (
-        (recorded, 0, 'short: cannot be checked'),
+        (recorded, 1, 'short: cannot be checked: too short'),
         (dataclasses.replace(recorded, settings=other), 1, ' was recorded\n'),
     ):
 
-        def read(_: Path, too_short: list[str], session: Any = session) -> list[Any]:
-            too_short.append('short')
+        def read(_: Path, left_out: list[LeftOut], session: Any = session) -> list[Any]:
+            left_out.append(LeftOut('short', 'too short'))
             return [session]
 
         monkeypatch.setattr(replay, 'read_sessions', read)
