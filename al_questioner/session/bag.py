@@ -86,7 +86,8 @@ class _Writing:
         if event.turn == 1:
             self._say('episode', episode_members(self._begun, seen.scene.feature_names))
         symbols = self._begun.settings.symbols
-        self._send('decision', cloud_of_decision(decision, symbols, self._header(seen), self._cloud_types))
+        cloud = cloud_of_decision(decision, symbols, self._header(seen), self._cloud_types, seen.scene)
+        self._send('decision', cloud)
         if event.query is not None:
             self._say('query', {**documents.query_members(event.query), 'world': self._begun.world})
 

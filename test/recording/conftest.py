@@ -93,7 +93,7 @@ def write_episode(
         if turn == 1 and 'episode' in kept:
             writing.say('episode', episode_members(settings, scene, members), stamp + 2)
         if 'decision' in kept:
-            cloud = cloud_of_decision(decision, settings.symbols, writing.header(stamp), writing.cloud_types)
+            cloud = cloud_of_decision(decision, settings.symbols, writing.header(stamp), writing.cloud_types, scene)
             writing.send('decision', cloud, stamp + 3)
         if 'learner_state' in kept:
             writing.say('learner_state', state_members(episode), stamp + 4)
