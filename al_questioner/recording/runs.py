@@ -181,19 +181,16 @@ class Recorded:
             self._begin_turn(runs, document, Placed(place, stamp_of(document['stamp']), message))
         for place, document in self._episodes:
             _run_at(runs, document['episode_id'], place).document = document
-        known: set[tuple[str, bytes]] = set()
         for place, message in self._states:
-            if (message.topic, message.data) in known:
-                continue
-            known.add((message.topic, message.data))
             try:
                 episode_id, state = _glance(place, message)
                 _run_at(runs, episode_id, place).states.append(state)
             except InputError as error:
                 self.faults.append(f'{message.topic}: {error}')
         for run in runs:
+            first = {state.text: state for state in reversed(run.states)}
             # Those of a turn stay in the order in which they came.
-            run.states.sort(key=lambda state: state.turn)
+            run.states = sorted(first.values(), key=lambda state: (state.turn, state.place))
         return sorted(runs, key=lambda run: run.place)
 
     def _begin_turn(self, runs: list[Run], document: Document, begin: Placed) -> None:

@@ -390,3 +390,33 @@ def test_the_scenes_of_a_camera_whose_clock_went_back_are_found(bags, tmp_path):
     (session,) = read_sessions(written(tmp_path / 'b', messages))
     assert len(session.turns) == 8
     assert first_divergence(session) is None
+
+
+def test_what_a_camera_with_a_fast_clock_showed_before_the_turn_is_not_its_scene(bags, tmp_path):
+    """The learner waited for none yet; the scene before a change would be taken for the one after it."""
+    lived = bags.write_episode(tmp_path / 'whole', n_turns=12)
+    messages, before = [], None
+    for message in read_bag(tmp_path / 'whole').messages:
+        if last_part(message.topic) == 'turn' and before is not None:
+            cloud = deserialize(before)
+            seconds, nanoseconds = divmod(message.stamp + 5, 10**9)
+            cloud.header.stamp.sec, cloud.header.stamp.nanosec = seconds, nanoseconds
+            data = bytes(typestore().serialize_cdr(cloud, CLOUD))
+            messages.append(dataclasses.replace(before, data=data, stamp=message.stamp))
+        before = message if last_part(message.topic) == 'objects' else before
+        messages.append(message)
+    (session,) = read_sessions(written(tmp_path / 'b', messages))
+    assert session.change_turns == (11,)
+    for turn in session.turns:
+        np.testing.assert_array_equal(turn.scene.features, lived.world.scene(turn.turn).features)
+
+
+def test_the_scene_of_the_next_learner_is_not_taken_for_one_that_is_missing(bags, tmp_path):
+    """The end of an episode would be learnt from with things in view that were not there."""
+    bags.write_episode(tmp_path / 'first', missing=[('objects', 8)])
+    bags.write_episode(tmp_path / 'second', start=bags.START + HOUR)
+    first, second = (read_bag(tmp_path / name).messages for name in ('first', 'second'))
+    left_out: list[LeftOut] = []
+    (session,) = read_sessions(written(tmp_path / 'b', [*first, *second]), left_out)
+    assert len(session.turns) == 8
+    assert [reason[:47] for _, reason in left_out] == ['turn 8 of 8 was recorded without its objects; i']
