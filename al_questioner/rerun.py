@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from dataclasses import dataclass
+from itertools import chain
 
 import numpy as np
 
@@ -50,7 +51,7 @@ def first_divergence(session: Session) -> Divergence | None:
     choices = Remembered()
     strategy = Human(choices) if session.settings.strategy == 'human' else None
     episode = Episode(session.settings, generator(session.seed, 'learner'), session.view_tolerance, strategy)
-    for recorded in _turns(session, episode):
+    for recorded in chain(_turns(session, episode), [session.begun] if session.begun else []):
         choices.action = recorded.decision.candidates[recorded.decision.chosen]
         decision = episode.ask(recorded.scene)
         theirs = recorded.decision

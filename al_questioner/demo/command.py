@@ -186,4 +186,6 @@ def _play_graph(given: argparse.Namespace, evaluation: Evaluation, watch: TurnWa
         log_dir=given.out / 'logs',
         patience=PATIENCE + given.turn_period,
         bag=given.record,
+        # What keeps two demos apart while they run says nothing to those who get the bag.
+        namespace_in_bag='' if given.namespace else 'demo',
     ).play(follow)

@@ -3,37 +3,62 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from itertools import combinations
 from pathlib import Path
 
 from al_questioner.domain import DECISION_FEATURES, InputError
 from al_questioner.imitation.demonstration import Demonstration, steps_of
 from al_questioner.messages.documents import Document
 from al_questioner.questioning import FEATURE_SETS, FeatureSet
-from al_questioner.recording import BagError, Session, read_sessions
+from al_questioner.recording import BagError, LeftOut, RecordedTurn, Session, read_sessions
 from al_questioner.rerun import decisions_anew
 from al_questioner.simulation import WorldChoice
 from al_questioner.world import load_task
 
 
 def read_demonstrations(
-    paths: Sequence[Path], feature_set: FeatureSet = FEATURE_SETS['dt_task_env']
+    paths: Sequence[Path],
+    feature_set: FeatureSet = FEATURE_SETS['dt_task_env'],
+    left_out: list[str] | None = None,
 ) -> list[Demonstration]:
     """The demonstrations of several bags, in the order given; a bag may hold several episodes.
 
     Args:
         paths: of the bags.
         feature_set: whose weights are to be learnt.
+        left_out: takes what of the bags cannot be used, beside what can; if not given, all must be.
 
     Raises:
-        InputError: a bag that is none, broken, of something else, or whose decisions hold nothing to learn from.
+        InputError: a bag that is none, broken, of something else, or whose decisions hold nothing to learn from; or an
+            episode that is in them twice.
     """
-    found: list[Demonstration] = []
+    named: list[tuple[str, Session]] = []
     for path in paths:
-        sessions = read_sessions(path)
+        missing: list[LeftOut] = []
+        sessions = read_sessions(path, None if left_out is None else missing)
+        if left_out is not None:
+            left_out += [f'{path}: {what} is left out: {reason}' for what, reason in missing]
         for number, session in enumerate(sessions, 1):
-            name = path.name if len(sessions) == 1 else f'{path.name} ({number})'
-            found.append(demonstration_of(session, name, feature_set))
-    return found
+            named.append((path.name if len(sessions) == 1 else f'{path.name} ({number})', session))
+    for (name, one), (other_name, other) in combinations(named, 2):
+        if is_same_episode(one, other):
+            raise InputError(f'{other_name} holds the same episode as {name}: leave one of them out')
+    return [demonstration_of(session, name, feature_set) for name, session in named]
+
+
+def is_same_episode(one: Session, other: Session) -> bool:
+    """Whether two recordings show the same, turn for turn, whatever their files, topics and times are.
+
+    Of the same `episode_id` one may have ended earlier than the other.
+    """
+    if one.settings != other.settings or (len(one.turns) != len(other.turns) and one.episode_id != other.episode_id):
+        return False
+    return all(_shown(ours) == _shown(theirs) for ours, theirs in zip(one.turns, other.turns, strict=False))
+
+
+def _shown(turn: RecordedTurn) -> tuple[object, ...]:
+    chosen = turn.decision.candidates[turn.decision.chosen]
+    return turn.scene.object_ids, turn.scene.features.tobytes(), chosen, turn.record
 
 
 def demonstration_of(

@@ -24,7 +24,7 @@ from al_questioner.imitation.pictures import draw_training
 from al_questioner.imitation.training import METHODS, Training, TrainingSettings, train, weights_document
 from al_questioner.questioning import FEATURE_SETS, read_weights
 from al_questioner.recording import digest
-from al_questioner.recording.bags import STORAGE_SUFFIXES
+from al_questioner.recording.storages import STORAGE_SUFFIXES
 from al_questioner.simulation import PerceivedWorld
 from al_questioner.wording import number_of
 
@@ -80,7 +80,8 @@ def main(arguments: Sequence[str]) -> int:
     paths = _without_other_files(given.bags)
     if len({path.resolve() for path in paths}) < len(paths):
         raise InputError('a bag is named twice')
-    demonstrations = read_demonstrations(paths, FEATURE_SETS[given.strategy])
+    left_out: list[str] = []
+    demonstrations = read_demonstrations(paths, FEATURE_SETS[given.strategy], left_out)
     matching = MatchingSettings(given.iterations, given.rollouts, seed=given.seed, jobs=given.jobs)
     settings = TrainingSettings(given.method, given.validation, given.ridge, matching)
     with bars.Progress(
@@ -101,6 +102,8 @@ def main(arguments: Sequence[str]) -> int:
     # Only now, as it is no use to anybody whose bags cannot be learnt from.
     for path in (path for path in given.bags if path not in paths):
         console.print(f'{path} is passed over: it is no bag', highlight=False, soft_wrap=True)
+    for line in left_out:
+        console.print(f'WARNING: {line}', style='yellow', markup=False, highlight=False, soft_wrap=True)
     played = number_of(sum(d.turns for d in demonstrations), 'turn')
     console.print(f'{number_of(len(demonstrations), "demonstration")}, {played}')
     bags = [{'name': path.name, 'sha256': digest(path)} for path in paths]
@@ -150,7 +153,7 @@ def _compare_eagerness(
 
 def _without_other_files(paths: Sequence[Path]) -> list[Path]:
     """The paths without files that are no bags, such as a README that `bags/*` names too; all if nothing is left."""
-    kept = [path for path in paths if not path.is_file() or path.suffix in STORAGE_SUFFIXES.values()]
+    kept = [path for path in paths if not path.is_file() or path.suffix in (*STORAGE_SUFFIXES.values(), '.bag')]
     return kept or list(paths)
 
 

@@ -18,18 +18,21 @@ _FORMATS = {1: 'i1', 2: 'u1', 3: 'i2', 4: 'u2', 5: 'i4', 6: 'u4', 7: 'f4', 8: 'f
 """numpy format of each datatype of sensor_msgs/PointField."""
 _DATATYPES = {format_: datatype for datatype, format_ in _FORMATS.items()}
 
-_SCENE_HEAD = (('x', 'f4'), ('y', 'f4'), ('z', 'f4'), ('object_id', 'u4'))
 _KINDS = tuple(QueryKind)
 _NO_SYMBOL = -1
 _NO_OBJECT = 2**32 - 1
+_POSITION = (('x', 'f4'), ('y', 'f4'), ('z', 'f4'))
+"""What RViz and Foxglove draw a cloud by."""
+_SCENE_HEAD = (*_POSITION, ('object_id', 'u4'))
 _DECISION_FIELDS = (
     ('kind', 'u1'),
+    ('chosen', 'u1'),
     ('object_id', 'u4'),
     ('symbol', 'i4'),
     *((name, 'f8') for name in DECISION_FEATURES),
     ('utility', 'f8'),
-    ('chosen', 'u1'),
 )
+"""What a decision is read from; recordings of before tell no positions."""
 
 MAXIMAL_OBJECTS = 2_000
 """In a scene: to think one over takes about half a minute."""
@@ -84,14 +87,29 @@ def scene_of_cloud(cloud: Any) -> Scene:
     )
 
 
-def cloud_of_decision(decision: Decision, symbols: tuple[str, ...], header: Any, types: CloudTypes) -> Any:
+def cloud_of_decision(
+    decision: Decision, symbols: tuple[str, ...], header: Any, types: CloudTypes, scene: Scene | None = None
+) -> Any:
     """The `decision` cloud: a point per candidate.
 
-    `kind` is the position in (label, demonstration, feature_subset, no_query), `symbol` the position in the episode's
-    symbols. Where a candidate names none, `object_id` is 2^32 - 1 and `symbol` -1. `chosen` is 1 for one point.
+    `x y z` is where the object of a candidate lies, NaN where it has none. `kind` is the position in (label,
+    demonstration, feature_subset, no_query), `symbol` the position in the episode's symbols. Where a candidate names
+    none, `object_id` is 2^32 - 1 and `symbol` -1. `chosen` is 1 for one point.
+
+    Args:
+        decision: what was weighed.
+        symbols: of the episode.
+        header: of the cloud.
+        types: the message classes.
+        scene: where the objects lie; if not given, no candidate has a position.
     """
-    points = np.empty(len(decision.candidates), dtype=list(_DECISION_FIELDS))
+    places = {} if scene is None else dict(zip(scene.object_ids, scene.positions, strict=True))
+    nowhere = np.full(3, np.nan, np.float32)
+    # Zeros, as bytes between the fields are not to be those of what was there before.
+    points = np.zeros(len(decision.candidates), dtype=np.dtype([*_POSITION, *_DECISION_FIELDS], align=True))
     for row, action in enumerate(decision.candidates):
+        place = nowhere if action.object_id is None else places.get(action.object_id, nowhere)
+        points['x'][row], points['y'][row], points['z'][row] = place
         points['kind'][row] = _KINDS.index(action.kind)
         points['object_id'][row] = _NO_OBJECT if action.object_id is None else action.object_id
         points['symbol'][row] = _NO_SYMBOL if action.symbol is None else symbols.index(action.symbol)
@@ -152,7 +170,7 @@ def _cloud(points: NDArray[np.void], header: Any, types: CloudTypes) -> Any:
         point_step=layout.itemsize,
         row_step=layout.itemsize * len(points),
         data=types.octets(points.tobytes()),
-        is_dense=True,
+        is_dense=bool(np.isfinite([points[axis] for axis, _ in _POSITION]).all()),
     )
 
 

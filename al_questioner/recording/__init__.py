@@ -2,7 +2,7 @@
 
 from al_questioner.recording.bags import Bag, BagError, BagMessage, Topic, deserialize, digest, read_bag
 from al_questioner.recording.repair import RepairReport, repair
-from al_questioner.recording.session import RecordedTurn, Session, read_sessions
+from al_questioner.recording.session import LeftOut, RecordedTurn, Session, read_sessions
 from al_questioner.recording.session_log import LogWriteError, SessionLog, SessionLogError, read_log, repair_log
 from al_questioner.recording.writing import BagWriter
 
@@ -11,6 +11,7 @@ __all__ = [
     'BagError',
     'BagMessage',
     'BagWriter',
+    'LeftOut',
     'LogWriteError',
     'RecordedTurn',
     'RepairReport',

@@ -4,14 +4,18 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
+from dataclasses import replace
 from typing import NamedTuple
 
 from al_questioner.domain import InputError
 from al_questioner.messages.stamps import SECOND
 from al_questioner.recording.bags import BagMessage
+from al_questioner.recording.topics import is_document
 
 FASTER = 1.25
 """Factor of the rate, up or down, at each wish for it."""
+STEP = SECOND
+"""Nanoseconds by which a clock must go back to have been put back."""
 SLOWEST, FASTEST = 1e-3, 1e3
 """Between these, wishes change the rate: a key that is held down must not bring the time to a stop."""
 
@@ -179,4 +183,21 @@ class Playback:
 
 def begins_turn(message: BagMessage) -> bool:
     """Whether a message is the learner's word that a turn begins."""
-    return message.topic.rsplit('/', 1)[-1] == 'turn'
+    return is_document(message, 'turn')
+
+
+def without_steps_back(messages: Sequence[BagMessage]) -> list[BagMessage]:
+    """The messages in their order, with stamps that never go back: for playing what a recorder stamped otherwise.
+
+    Where its clock was put back the next message follows at once, and all after it keep their distances.
+    """
+    found: list[BagMessage] = []
+    put_back = latest = 0
+    for message in messages:
+        stamp = message.stamp + put_back
+        if stamp < latest - STEP:
+            put_back += latest - stamp
+        # A little out of order are messages of different topics on any clock.
+        latest = max(latest, message.stamp + put_back)
+        found.append(replace(message, stamp=latest))
+    return found

@@ -2,20 +2,22 @@
 
 from __future__ import annotations
 
+import contextlib
+import re
 import sqlite3
 import tempfile
 from collections import Counter
 from collections.abc import Iterable, Iterator, Mapping
-from contextlib import closing
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 
 from mcap.records import Channel, Chunk, Message, Schema
 from mcap.stream_reader import StreamReader, breakup_chunk
 
 from al_questioner.files import sync_to_disk
-from al_questioner.recording.bags import BagError, BagMessage, Topic, read_bag, storage_files, typestore
-from al_questioner.recording.writing import BagWriter
+from al_questioner.recording.bags import BagError, BagMessage, Topic, read_bag, typestore
+from al_questioner.recording.storages import plain, storage_files
+from al_questioner.recording.writing import FIRST, BagWriter
 
 _BROKEN = '.broken'
 """Added to the name of the file that is kept as it was."""
@@ -72,13 +74,13 @@ def _rewrite(path: Path, broken: Path) -> RepairReport:
         if not messages:
             raise BagError(f'{path}: no message can be read from {broken.name}')
         with tempfile.TemporaryDirectory(dir=path, prefix='.repairing-') as folder:
-            rewritten = Path(folder) / Path(name).stem
+            rewritten = Path(folder) / Path(name).stem.removesuffix(FIRST)
             with BagWriter(rewritten, topics, 'mcap' if is_mcap else 'sqlite3') as writer:
                 for message in messages:
                     writer.write(message.topic, message.data, message.stamp)
             broken.rename(kept_as)
             # The messages last: as long as they are not there, the bag is seen to be broken.
-            for file in (rewritten / 'metadata.yaml', rewritten / name):
+            for file in (rewritten / 'metadata.yaml', *storage_files(rewritten)):
                 file.replace(path / file.name)
         sync_to_disk(path)
     except OSError as error:
@@ -95,7 +97,11 @@ def _salvage_mcap(file: Path) -> tuple[list[Topic], list[BagMessage]]:
         if isinstance(record, Schema):
             schemas[record.id] = record
         elif isinstance(record, Channel) and record.schema_id in schemas:
-            topics[record.id] = Topic(record.topic, schemas[record.schema_id].name, _is_latched(record.metadata))
+            topics[record.id] = Topic(
+                record.topic,
+                schemas[record.schema_id].name,
+                _is_latched(record.metadata.get('offered_qos_profiles', '')),
+            )
         elif isinstance(record, Message):
             found.append(record)
     # Only now, as the end of a file repeats the channels that a broken chunk may have lost.
@@ -107,8 +113,9 @@ def _salvage_mcap(file: Path) -> tuple[list[Topic], list[BagMessage]]:
     return _consistent(topics.values(), messages)
 
 
-def _is_latched(metadata: Mapping[str, str]) -> bool:
-    return 'durability: transient_local' in metadata.get('offered_qos_profiles', '')
+def _is_latched(offered_qos_profiles: str) -> bool:
+    """Whether a profile is transient local, in the words of today or the numbers of earlier versions."""
+    return re.search(r'durability: (transient_local|1)\b', offered_qos_profiles) is not None
 
 
 def _complete_records(file: Path) -> Iterator[object]:
@@ -136,11 +143,16 @@ def _salvage_sqlite3(file: Path) -> tuple[list[Topic], list[BagMessage]]:
     messages: list[BagMessage] = []
     try:
         # Closed at once: its journal must not be taken for that of the new file.
-        with closing(sqlite3.connect(file)) as database:
-            for number, name, type_, qos in database.execute('SELECT id, name, type, offered_qos_profiles FROM topics'):
+        with contextlib.closing(sqlite3.connect(file)) as database:
+            # The first versions of rosbag2 had no such column.
+            columns = [row[1] for row in database.execute('PRAGMA table_info(topics)')]
+            profiles = 'offered_qos_profiles' if 'offered_qos_profiles' in columns else "''"
+            for number, name, type_, qos in database.execute(f'SELECT id, name, type, {profiles} FROM topics'):
                 if all(isinstance(column, str) for column in (name, type_, qos)):
-                    topics[number] = Topic(name, type_, 'transient_local' in qos)
-            for number, stamp, data in database.execute('SELECT topic_id, timestamp, data FROM messages ORDER BY id'):
+                    topics[number] = Topic(name, type_, _is_latched(qos))
+            for number, stamp, data in database.execute(
+                'SELECT topic_id, timestamp, data FROM messages ORDER BY rowid'
+            ):
                 if number in topics and isinstance(stamp, int) and isinstance(data, bytes):
                     messages.append(BagMessage(topics[number].name, topics[number].type, stamp, data))
     except sqlite3.Error:
@@ -156,5 +168,10 @@ def _consistent(topics: Iterable[Topic], messages: Iterable[BagMessage]) -> tupl
     for topic in topics:
         if topic.type in known:
             by_name.setdefault(topic.name, topic)
-    kept = [message for message in messages if message.topic in by_name and by_name[message.topic].type == message.type]
+    kept: list[BagMessage] = []
+    for message in messages:
+        if message.topic in by_name and by_name[message.topic].type == message.type:
+            # What cannot be decompressed is damaged, as a chunk with a wrong checksum is.
+            with contextlib.suppress(Exception):
+                kept.append(replace(message, data=plain(message.data)))
     return list(by_name.values()), kept

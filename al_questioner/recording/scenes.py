@@ -2,17 +2,15 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Mapping
 from dataclasses import dataclass
 from types import MappingProxyType
 
-from al_questioner.domain import InputError
-from al_questioner.messages import documents
+from al_questioner.domain import SceneError
+from al_questioner.messages.clouds import scene_of_cloud
 from al_questioner.messages.documents import Document
-from al_questioner.messages.stamps import nanoseconds, stamp_of
 from al_questioner.recording.bags import Bag, BagError, BagMessage, deserialize
-from al_questioner.recording.session import TYPES, taken_cloud
+from al_questioner.recording.runs import Placed, recorded_in
 
 
 @dataclass(frozen=True)
@@ -36,32 +34,27 @@ def scenes_of(bag: Bag) -> RecordedScenes:
     Raises:
         BagError: no scene, several episodes, or messages that are not those of an episode; the text names the bag.
     """
-    try:
-        turns = [documents.read('turn', deserialize(message).data) for message in _on(bag, 'turn')]
-        clouds = [(nanoseconds(deserialize(message).header.stamp), message) for message in _on(bag, 'objects')]
-    except BagError:
-        raise
-    except InputError as error:
-        raise BagError(f'{bag.path}: {error}') from error
-    episodes = sorted({document['episode_id'] for document in turns})
+    spaces = recorded_in(bag, ('turn',))
+    runs = [(recorded, run) for recorded in spaces for run in recorded.runs if run.begins]
+    episodes = sorted({run.episode_id for _, run in runs})
     if len(episodes) > 1:
         raise BagError(f'{bag.path}: holds the scenes of several episodes: {", ".join(episodes)}')
-    # A turn may have been asked for several times, in the same words.
-    turns = sorted({document['turn']: document for document in turns}.values(), key=lambda document: document['turn'])
-    begins = [stamp_of(document['stamp']) for document in turns]
-    found = {}
-    for document, begin, end in zip(turns, begins, [*begins[1:], math.inf], strict=False):
-        taken = taken_cloud(clouds, begin, end)
-        if taken is not None:
-            found[int(document['turn'])] = taken
+    if len(runs) > len({recorded.namespace for recorded, _ in runs}):
+        raise BagError(f'{bag.path}: episode {episodes[0]} begins several times in it')
+    found: dict[int, BagMessage] = {}
+    for recorded, run in runs[:1]:
+        taken = {turn: next(filter(_is_scene, recorded.clouds(run, turn)), None) for turn in run.begins}
+        found = {turn: cloud.message for turn, cloud in sorted(taken.items()) if cloud is not None}
     if not found:
-        raise BagError(f'{bag.path}: no turn with its objects was recorded in it')
-    return RecordedScenes(MappingProxyType(found), turns[0]['world'])
+        hint = spaces[0].hint() if spaces else ''
+        raise BagError(f'{bag.path}: no turn with its objects was recorded in it{hint}')
+    return RecordedScenes(MappingProxyType(found), runs[0][1].world)
 
 
-def _on(bag: Bag, name: str) -> list[BagMessage]:
-    found = [message for message in bag.messages if message.topic.rsplit('/', 1)[-1] == name]
-    for message in found:
-        if message.type != TYPES[name]:
-            raise BagError(f'{bag.path}: topic {message.topic} holds {message.type}, expected {TYPES[name]}')
-    return found
+def _is_scene(cloud: Placed) -> bool:
+    """Whether a learner can take it: other nodes may have shown something on the same topic."""
+    try:
+        scene_of_cloud(deserialize(cloud.message))
+    except (BagError, SceneError):
+        return False
+    return True

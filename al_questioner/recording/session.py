@@ -3,32 +3,27 @@
 from __future__ import annotations
 
 import contextlib
-import math
 from collections import defaultdict
-from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, field
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass
 from pathlib import Path
+from typing import NamedTuple
 
-from al_questioner.domain import Decision, EpisodeSettings, InputError, Outcome, QueryRecord, Scene, ViewTolerance
+from al_questioner.domain import (
+    Decision,
+    EpisodeSettings,
+    InputError,
+    Outcome,
+    QueryRecord,
+    Scene,
+    SceneError,
+    ViewTolerance,
+)
 from al_questioner.messages import documents
 from al_questioner.messages.clouds import decision_of_cloud, scene_of_cloud
 from al_questioner.messages.documents import Document
-from al_questioner.messages.stamps import nanoseconds, stamp_of
-from al_questioner.recording.bags import Bag, BagError, BagMessage, deserialize, read_bag
-
-STRING = 'std_msgs/msg/String'
-CLOUD = 'sensor_msgs/msg/PointCloud2'
-TYPES: Mapping[str, str] = {
-    'episode': STRING,
-    'turn': STRING,
-    'objects': CLOUD,
-    'query': STRING,
-    'answer': STRING,
-    'answer_ack': STRING,
-    'decision': CLOUD,
-    'learner_state': STRING,
-}
-"""What a recording holds: message type by the last part of the topic's name."""
+from al_questioner.recording.bags import BagError, deserialize, read_bag
+from al_questioner.recording.runs import Placed, Recorded, Run, recorded_in
 
 
 @dataclass(frozen=True, eq=False)
@@ -63,7 +58,8 @@ class Session:
         seed: of the learner.
         world: the simulated world, as `task`, `seed`, `sample` and `dataset`; None if it was another one.
         feature_names: m names.
-        turns: from the first on, without a gap.
+        turns: that are over, from the first on, without a gap.
+        begun: the turn after them, if its scene and decision were recorded and its end was not.
     """
 
     source: Path
@@ -74,6 +70,7 @@ class Session:
     world: Document | None
     feature_names: tuple[str, ...]
     turns: tuple[RecordedTurn, ...]
+    begun: RecordedTurn | None = None
 
     @property
     def records(self) -> tuple[QueryRecord, ...]:
@@ -87,176 +84,150 @@ class Session:
         return tuple(after.turn for before, after in pairs if _differ(before.scene, after.scene))
 
 
-def read_sessions(path: Path, too_short: list[str] | None = None) -> list[Session]:
-    """All episodes of a bag, in the order in which they began.
+class LeftOut(NamedTuple):
+    """Something of a bag that cannot be used.
+
+    Attributes:
+        what: id of the episode, or the namespace if that is not known.
+        reason: which turns, if not all, and why.
+    """
+
+    what: str
+    reason: str
+
+
+def read_sessions(path: Path, left_out: list[LeftOut] | None = None) -> list[Session]:
+    """All episodes of a bag, in the order in which they began; what other nodes say on such topics is passed over.
+
+    An episode that was over before the recording began is none of the bag's: only latched topics tell of it.
 
     Args:
         path: of the bag.
-        too_short: takes the ids of episodes of which not even one turn was recorded whole, beside others of which one
-            was; if not given, there must be none.
+        left_out: takes what cannot be used beside what can; if not given, all must be.
 
     Raises:
-        BagError: not a bag, a broken one, or one whose messages are not those of an episode; the text names the bag.
+        BagError: not a bag, a broken one, or one without an episode that can be used; the text names the bag.
     """
     bag = read_bag(path)
-    by_namespace: dict[str, _Recorded] = defaultdict(_Recorded)
-    for topic in bag.topics:
-        name = topic.name.rsplit('/', 1)[-1]
-        if name in TYPES and topic.type != TYPES[name]:
-            raise BagError(f'{path}: topic {topic.name} holds {topic.type}, expected {TYPES[name]}')
-    for message in bag.messages:
-        namespace, _, name = message.topic.rpartition('/')
-        if name in TYPES:
-            try:
-                by_namespace[namespace].take(name, message)
-            except BagError:
-                raise
-            except InputError as error:
-                raise BagError(f'{path}: {message.topic}: {error}') from error
-    sessions = [session for recorded in by_namespace.values() for session in _sessions(bag, recorded)]
-    whole = [session for session in sessions if session.turns]
-    for session in sessions:
-        if not session.turns and whole and too_short is not None:
-            too_short.append(session.episode_id)
-        elif not session.turns:
-            what = f'the first turn of episode {session.episode_id} did'
-            raise BagError(f'{path}: the recording ended before {what}')
+    sessions: list[Session] = []
+    missing: list[LeftOut] = []
+    for recorded in recorded_in(bag, ('episode', 'turn')):
+        for found in _sessions(path, recorded):
+            (sessions if isinstance(found, Session) else missing).append(found)  # type: ignore[arg-type]
+    if missing and (left_out is None or not sessions):
+        raise BagError(f'{path}: {missing[0].reason}')
     if not sessions:
         raise BagError(f'{path}: no episode was recorded in it (no message on a topic named episode)')
-    return whole
+    if left_out is not None:
+        left_out += missing
+    return sessions
 
 
-@dataclass(frozen=True)
-class _State:
+def _sessions(path: Path, recorded: Recorded) -> Iterator[Session | LeftOut]:
+    """The episodes of a namespace, and what of them cannot be used."""
+    is_one_whole = any(run.document is not None and 1 in run.begins for run in recorded.runs)
+    for run in recorded.runs:
+        decided = [turn for turn, begin in sorted(run.begins.items()) if recorded.decision(begin) is not None]
+        if run.document is None:
+            if decided:
+                topic = f'{recorded.namespace}/episode'
+                yield LeftOut(run.episode_id, f'no episode was recorded for its turns ({topic}){recorded.hint()}')
+            continue
+        if is_one_whole and not decided and 1 not in run.begins:
+            # Latched topics tell a recorder of an episode that was over before it began.
+            continue
+        try:
+            session = _session(path, recorded, run, run.document)
+        except InputError as error:
+            yield LeftOut(run.episode_id, str(error))
+            continue
+        yield session
+        last = len(session.turns) + (session.begun is not None)
+        beyond = [turn for turn in decided if turn > last]
+        if beyond:
+            turns = f'turn {beyond[0]}' if len(beyond) == 1 else f'turns {beyond[0]} to {beyond[-1]}'
+            before = 'what was answered before was not recorded (no message on learner_state)'
+            yield LeftOut(run.episode_id, f'{turns}: {before}{recorded.hint()}')
+    if recorded.faults and not any(run.document is not None for run in recorded.runs):
+        yield LeftOut(recorded.namespace or '/', recorded.faults[0])
+
+
+class _State(NamedTuple):
     """What the learner told of itself.
 
     Attributes:
         document: which tells, as `turn`, how many turns were over.
-        decided: turns whose decision had been made.
+        decided: the turn whose decision had been made.
     """
 
     document: Document
     decided: int
 
 
-@dataclass
-class _Recorded:
-    """What was recorded in one namespace."""
+def _states(recorded: Recorded, run: Run) -> list[_State]:
+    """The states of the learner that tell all, in order: the last alone if nothing was corrected.
 
-    episodes: dict[str, Document] = field(default_factory=dict)
-    stamps: dict[str, dict[int, int]] = field(default_factory=lambda: defaultdict(dict))
-    states: list[tuple[int, BagMessage]] = field(default_factory=list)
-    clouds: list[tuple[int, BagMessage]] = field(default_factory=list)
-    decisions: dict[int, BagMessage] = field(default_factory=dict)
-    replacing: set[tuple[str, str, str]] = field(default_factory=set)
-    accepted: set[tuple[str, str, str]] = field(default_factory=set)
-
-    def take(self, name: str, message: BagMessage) -> None:
-        """Sort one message in; clouds are kept as they are until it is known which ones matter.
-
-        A state is kept with the stamp of the last decision before it.
-        """
-        if name == 'learner_state':
-            self.states.append((next(reversed(self.decisions), 0), message))
-            return
-        content = deserialize(message)
-        if name == 'objects':
-            self.clouds.append((nanoseconds(content.header.stamp), message))
-        elif name == 'decision':
-            self.decisions[nanoseconds(content.header.stamp)] = message
-        elif name in ('episode', 'turn'):
-            document = documents.read(name, content.data)
-            episode_id = document['episode_id']
-            if name == 'turn':
-                self.stamps[episode_id][document['turn']] = stamp_of(document['stamp'])
-            else:
-                self.episodes[episode_id] = document
-        else:
-            # Anything at all may have been said; what is no document corrects nothing.
-            with contextlib.suppress(InputError):
-                self._take_talk(name, documents.read(name, content.data))
-
-    def _take_talk(self, name: str, document: Document) -> None:
-        if name == 'answer' and document.get('replaces') is not None:
-            self.replacing.add((document['episode_id'], document['query_id'], document['answer_id']))
-        elif name == 'answer_ack' and document['accepted']:
-            self.accepted.add((document['episode_id'], document['query_id'], document['answer_id']))
-
-    @property
-    def corrected(self) -> set[str]:
-        """The episodes in which an answer was replaced by another one."""
-        return {episode_id for episode_id, *_ in self.replacing & self.accepted}
-
-    def states_by_episode(self) -> dict[str, list[_State]]:
-        """The states of the learner that tell all, in order, by episode: the last alone if nothing was corrected."""
-        found: dict[str, list[_State]] = {}
-        corrected = self.corrected
-        for decision, message in reversed(self.states):
-            if not corrected and self.episodes.keys() <= found.keys():
-                break
-            document = documents.read('learner_state', deserialize(message).data)
-            episode_id = document['episode_id']
-            states = found.setdefault(episode_id, [])
-            if not states or episode_id in corrected:
-                decided = [turn for turn, stamp in self.stamps[episode_id].items() if stamp == decision]
-                states.insert(0, _State(document, max([document['turn'], *decided])))
-        return found
+    One that cannot be read counts as not recorded.
+    """
+    found: list[_State] = []
+    for state in reversed(run.states):
+        try:
+            document = documents.read('learner_state', state.text)
+        except InputError as error:
+            recorded.faults.append(f'{recorded.namespace}/learner_state: {error}')
+            continue
+        following = run.begins.get(state.turn + 1)
+        decision = None if following is None else recorded.decision(following)
+        is_decided = decision is not None and decision.place < state.place
+        found.insert(0, _State(document, state.turn + is_decided))
+        if run.episode_id not in recorded.corrected:
+            break
+    return found
 
 
-def _sessions(bag: Bag, recorded: _Recorded) -> list[Session]:
-    try:
-        states = recorded.states_by_episode()
-        # Latched topics tell a recorder of an episode that was over before it began: it is left out.
-        begun = [episode_id for episode_id in recorded.episodes if 1 in recorded.stamps[episode_id]]
-        return [
-            _session(bag.path, recorded, document, states.get(episode_id, []))
-            for episode_id, document in recorded.episodes.items()
-            if not begun or episode_id in begun
-        ]
-    except BagError:
-        raise
-    except InputError as error:
-        raise BagError(f'{bag.path}: {error}') from error
+def _session(path: Path, recorded: Recorded, run: Run, document: Document) -> Session:
+    """The session of a run.
 
-
-def _session(path: Path, recorded: _Recorded, document: Document, states: Sequence[_State]) -> Session:
-    episode_id, names = document['episode_id'], tuple(document['feature_names'])
-    settings = documents.settings_of(document)
+    Raises:
+        InputError: it cannot be used; the text does not name the bag.
+    """
+    settings, names = documents.settings_of(document), tuple(document['feature_names'])
+    states = _states(recorded, run)
     last = states[-1].document['turn'] if states else 0
-    if episode_id in recorded.corrected:
-        _check_without_gap(path, states)
+    if run.episode_id in recorded.corrected:
+        _check_without_gap(states)
     records, told = _course(states)
-    turns = tuple(
-        RecordedTurn(
-            turn, *_seen_and_decided(path, recorded, episode_id, turn, settings), records.get(turn), tuple(told[turn])
-        )
-        for turn in range(1, last + 1)
-    )
-    for turn in turns:
-        if turn.scene.feature_names != names:
-            raise BagError(
-                f'{path}: the objects of turn {turn.turn} have other features than the episode announces'
-                f' ({len(turn.scene.feature_names)}, announced {len(names)})'
-            )
+
+    def recorded_turn(turn: int) -> RecordedTurn:
+        scene, decision = _seen_and_decided(recorded, run, turn, settings, names)
+        return RecordedTurn(turn, scene, decision, records.get(turn), tuple(told[turn]))
+
+    turns = tuple(map(recorded_turn, range(1, last + 1)))
+    if not turns:
+        raise InputError(f'the recording ended before the first turn of episode {run.episode_id} did{recorded.hint()}')
+    begun = None
+    with contextlib.suppress(InputError):
+        begun = recorded_turn(last + 1)
     return Session(
         source=path,
-        episode_id=episode_id,
+        episode_id=run.episode_id,
         settings=settings,
         view_tolerance=document.get('view_tolerance', 1e-3),
         seed=document['seed'],
         world=document['world'],
         feature_names=names,
         turns=turns,
+        begun=begun,
     )
 
 
-def _check_without_gap(path: Path, states: Sequence[_State]) -> None:
+def _check_without_gap(states: Sequence[_State]) -> None:
     """Make sure that it can be said in which turn an answer was corrected."""
     turns = {state.document['turn'] for state in states}
     for turn in range(1, max(turns, default=0)):
         if turn not in turns:
-            raise BagError(
-                f'{path}: turn {turn} was recorded without its learner_state: what was known then cannot be said,'
+            raise InputError(
+                f'turn {turn} was recorded without its learner_state: what was known then cannot be said,'
                 ' as an answer was corrected'
             )
 
@@ -278,32 +249,44 @@ def _course(states: Sequence[_State]) -> tuple[dict[int, QueryRecord], Mapping[i
 
 
 def _seen_and_decided(
-    path: Path, recorded: _Recorded, episode_id: str, turn: int, settings: EpisodeSettings
+    recorded: Recorded, run: Run, turn: int, settings: EpisodeSettings, names: tuple[str, ...]
 ) -> tuple[Scene, Decision]:
-    stamp = recorded.stamps[episode_id].get(turn)
-    if stamp is None:
-        raise BagError(f'{path}: turn {turn} of {settings.turns} was not recorded: did the recording begin too late?')
-    cloud = taken_cloud(recorded.clouds, stamp, recorded.stamps[episode_id].get(turn + 1, math.inf))
-    decision = recorded.decisions.get(stamp)
-    if cloud is None or decision is None:
-        missing = 'objects' if cloud is None else 'decision'
+    begin = run.begins.get(turn)
+    if begin is None:
+        late = 'did the recording begin too late?'
+        raise InputError(f'turn {turn} of {settings.turns} was not recorded: {late}{recorded.hint()}')
+    scene = _seen(recorded.clouds(run, turn), turn, names)
+    decision = recorded.decision(begin)
+    if scene is None or decision is None:
+        missing = 'objects' if scene is None else 'decision'
         # A learner that is killed and resumed may leave such a gap: its session has what no message told.
-        raise BagError(
-            f'{path}: turn {turn} of {settings.turns} was recorded without its {missing};'
+        raise InputError(
+            f'turn {turn} of {settings.turns} was recorded without its {missing}{recorded.hint()};'
             ' if the learner kept a session, `session DIR --bag NEW_BAG` writes a whole bag'
         )
-    return scene_of_cloud(deserialize(cloud)), decision_of_cloud(deserialize(decision), settings.symbols, turn)
+    return scene, decision_of_cloud(deserialize(decision.message), settings.symbols, turn)
 
 
-def taken_cloud(clouds: Sequence[tuple[int, BagMessage]], begin: int, end: float) -> BagMessage | None:
-    """The `objects` of a turn: the learner takes the first cloud that is not older than it.
+def _seen(clouds: Iterator[Placed], turn: int, names: tuple[str, ...]) -> Scene | None:
+    """The scene of the first cloud that a learner takes, None if there is no cloud: another node's it passes over.
 
-    Args:
-        clouds: with their stamps, in the order in which they were received.
-        begin: stamp of the turn.
-        end: stamp of the next one; a cloud of that came too late.
+    Raises:
+        InputError: there are clouds, and it takes none of them.
     """
-    return next((message for at, message in clouds if begin <= at < end), None)
+    reasons: list[str] = []
+    for cloud in clouds:
+        try:
+            scene = scene_of_cloud(deserialize(cloud.message))
+        except (SceneError, BagError) as error:
+            reasons.append(f'turn {turn}: {error}')
+            continue
+        if scene.feature_names == names:
+            return scene
+        other = f'other features than the episode announces ({len(scene.feature_names)}, announced {len(names)})'
+        reasons.append(f'the objects of turn {turn} have {other}')
+    if reasons:
+        raise InputError(reasons[0])
+    return None
 
 
 def _differ(before: Scene, after: Scene) -> bool:

@@ -4,12 +4,17 @@ from __future__ import annotations
 
 import contextlib
 import errno
+import json
 import os
+import re
 import sqlite3
 import struct
 import zlib
 from collections import Counter
 from collections.abc import Iterator, Mapping, Sequence
+from functools import cache
+from importlib.metadata import distributions
+from io import BytesIO
 from pathlib import Path
 from types import TracebackType
 
@@ -23,12 +28,15 @@ from rosbags.interfaces import (
     QosTime,
 )
 from rosbags.rosbag2 import CompressionMode, StoragePlugin, Writer
-from rosbags.rosbag2.storage_mcap import McapWriter
+from rosbags.rosbag2.storage_mcap import Channel, McapWriter, write_channel, write_string
 from rosbags.rosbag2.storage_sqlite3 import Sqlite3Writer
 
 from al_questioner.files import sync_to_disk
-from al_questioner.recording.bags import STORAGE_SUFFIXES, BagError, Topic, storage_files, typestore
+from al_questioner.recording.bags import BagError, Topic, typestore
+from al_questioner.recording.storages import STORAGE_SUFFIXES, storage_files
 
+FIRST = '_0'
+"""Added to the name of a bag for that of its first file: `ros2 bag reindex` looks for a number."""
 _STORAGES = {'mcap': StoragePlugin.MCAP, 'sqlite3': StoragePlugin.SQLITE3}
 _FOREVER = QosTime(9223372036, 854775807)
 _CRC_OFFSET = 33
@@ -38,8 +46,22 @@ _CRC_OFFSET = 33
 class _DurableMcap(McapWriter):
     """rosbags' writer keeps messages in memory until a chunk of 1 MiB is full; this one can be told to end a chunk.
 
-    It also writes the chunk's checksum, without which a flipped bit would be another message.
+    It also writes the chunk's checksum, without which a flipped bit would be another message, and the hash of each
+    topic's type.
     """
+
+    def __init__(self, path: Path, compression: CompressionMode) -> None:
+        super().__init__(path, compression)
+        self.path = _named_as_first(self.path)
+
+    def add_connection(self, connection: Connection, offered_qos_profiles: str) -> None:
+        metadata = BytesIO()
+        for text in ('offered_qos_profiles', offered_qos_profiles, 'topic_type_hash', connection.digest):
+            write_string(metadata, text)
+        channel = Channel(connection.id, connection.msgtype, connection.topic, 'cdr', metadata.getvalue())
+        self.channels.append(channel)
+        self.channel_stats[connection.id] = 0
+        write_channel(self.chunk.bio, channel, self.schemas)
 
     def close_chunk(self) -> None:
         checksum, start = zlib.crc32(self.chunk.bio.getvalue()), self.bio.tell()
@@ -54,6 +76,9 @@ class _DurableMcap(McapWriter):
         self.bio.flush()
         os.fsync(self.bio.fileno())
 
+    def close(self, version: int, metadata: str) -> None:
+        super().close(version, _with_distribution(metadata))
+
 
 class _DurableSqlite3(Sqlite3Writer):
     """rosbags' writer makes one transaction of the whole recording; this one can be told to commit.
@@ -64,15 +89,26 @@ class _DurableSqlite3(Sqlite3Writer):
     def __init__(self, path: Path, compression: CompressionMode) -> None:
         super().__init__(path, compression)
         self.conn.close()
+        self.path = _named_as_first(self.path)
         self.conn = sqlite3.connect(self.path, check_same_thread=False)
         self.cursor = self.conn.cursor()
+        self.cursor.execute('UPDATE schema SET ros_distro = ?', (ros_distribution(),))
 
     def sync(self) -> None:
         self.conn.commit()
 
+    def close(self, version: int, metadata: str) -> None:
+        super().close(version, _with_distribution(metadata))
+
 
 class _Writer(Writer):
     STORAGE_PLUGINS = {StoragePlugin.MCAP: _DurableMcap, StoragePlugin.SQLITE3: _DurableSqlite3}  # noqa: RUF012
+
+    def close(self) -> None:
+        super().close()
+        finished = self.metapath.with_suffix('.yaml.finished')
+        finished.write_text(_with_distribution(self.metapath.read_text('utf-8')), 'utf-8')
+        finished.replace(self.metapath)
 
 
 class BagWriter:
@@ -189,6 +225,29 @@ class BagWriter:
         if not isinstance(storage, (_DurableMcap, _DurableSqlite3)):
             raise OSError(f'{self.path} is closed')
         return storage
+
+
+@cache
+def ros_distribution() -> str:
+    """The name of the ROS distribution, such as 'jazzy': of the environment, or of the installed rclpy; or empty.
+
+    `ros2 bag` leaves it empty, too, where it is not known.
+    """
+    named = os.environ.get('ROS_DISTRO', '')
+    if named:
+        return named
+    wheels = (re.fullmatch(r'ros-(\w+)-rclpy', distribution.name or '') for distribution in distributions())
+    return next((wheel[1] for wheel in wheels if wheel), '')
+
+
+def _with_distribution(metadata: str) -> str:
+    """The metadata of rosbags, which writes its own name for the distribution, with the right one."""
+    return re.sub(r'(?m)^( *ros_distro: )rosbags$', lambda line: line[1] + json.dumps(ros_distribution()), metadata)
+
+
+def _named_as_first(path: Path) -> Path:
+    """Rename a bag's file, which may be open, as `ros2 bag record` names it."""
+    return path.rename(path.with_name(f'{path.stem}{FIRST}{path.suffix}'))
 
 
 def _qos(latched: bool) -> Qos:

@@ -46,6 +46,7 @@ class Graph:
         log_dir: where each process leaves what it prints.
         patience: seconds without progress after which a warning on /diagnostics is taken for the end.
         bag: where a recorder beside them writes the episode to; None for no recorder. Not in one process.
+        namespace_in_bag: of the topics in the bag; empty for that of the nodes.
     """
 
     namespace: str
@@ -55,6 +56,7 @@ class Graph:
     log_dir: Path
     patience: float
     bag: Path | None = None
+    namespace_in_bag: str = ''
 
     def play(self, watch: StateWatcher) -> None:
         """Play an episode to its end.
@@ -131,7 +133,7 @@ class Graph:
         if self.bag is None:
             return self.parameters[name]
         if name == 'record':
-            return {'bag': str(self.bag), 'until_done': True}
+            return {'bag': str(self.bag), 'namespace_in_bag': self.namespace_in_bag, 'until_done': True}
         return {**self.parameters[name], 'wait_for_recorder': True}
 
     def _log(self, name: str) -> Path:

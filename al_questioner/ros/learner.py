@@ -199,7 +199,7 @@ class LearnerNode(QuestionerNode):
             self.get_logger().info(f'turn {decision.turn}: {pending.text}')
             self._await_answer(pending, decision.turn)
         head = header(seen.stamp, seen.frame_id)
-        self._decision.publish(cloud_of_decision(decision, self._settings.symbols, head, CLOUD_TYPES))
+        self._decision.publish(cloud_of_decision(decision, self._settings.symbols, head, CLOUD_TYPES, seen.scene))
 
     def _await_answer(self, query: Query, turn: int) -> None:
         """Wait for the answer, but not for ever if so configured, and the longer the longer nobody has answered."""

@@ -12,14 +12,16 @@ from typing import Any
 from rclpy.clock import Clock
 from rclpy.clock_type import ClockType
 from rclpy.duration import Duration
+from rclpy.exceptions import NameValidationException
 from rclpy.serialization import deserialize_message
+from rclpy.validate_namespace import validate_namespace
 from sensor_msgs.msg import PointCloud2
 from std_msgs.msg import String
 
 from al_questioner.domain import EpisodeError, InputError
 from al_questioner.messages import documents
 from al_questioner.recording import BagWriter, Topic
-from al_questioner.recording.session import CLOUD, STRING, TYPES
+from al_questioner.recording.topics import CLOUD, STRING, TYPES
 from al_questioner.ros import qos
 from al_questioner.ros.node import RECORDER, QuestionerNode
 from al_questioner.ros.parameters import declare, refuse_unknown
@@ -55,7 +57,7 @@ class RecorderNode(QuestionerNode):
         self._last_turns: dict[str, int] = {}
         self._missed = 0
         self._seen_alive: set[str] = set()
-        names = {name: self.resolve_topic_name(name) for name in TYPES}
+        names = self._names_in_bag(str(given['namespace_in_bag']))
         topics = [Topic(names[name], type_, name not in EVENTS) for name, type_ in TYPES.items()]
         path = Path(str(given['bag'])).expanduser() if given['bag'] else Path(_default_name())
         self._bag = BagWriter(path, topics, str(given['storage']))
@@ -88,6 +90,26 @@ class RecorderNode(QuestionerNode):
             self._publish_diagnostics()
             self._diagnostics.wait_for_all_acked(SECONDS_TO_TELL)
         super().destroy_node()
+
+    def _names_in_bag(self, namespace: str) -> dict[str, str]:
+        """The topics by their last names, as the bag is to name them.
+
+        Raises:
+            InputError: the namespace is none.
+        """
+        names = {name: self.resolve_topic_name(name) for name in TYPES}
+        if not namespace:
+            return names
+        wanted = f'/{namespace.strip("/")}'
+        try:
+            validate_namespace(wanted)
+        except NameValidationException as error:
+            raise InputError(f'parameter namespace_in_bag: {" ".join(str(error).split())}') from error
+        own = self.get_namespace().rstrip('/')
+        return {
+            name: wanted.rstrip('/') + topic.removeprefix(own) if topic.startswith(f'{own}/') else topic
+            for name, topic in names.items()
+        }
 
     def _taker(self, name: str, topic: str) -> Callable[[bytes], None]:
         """What takes the messages of a topic, with the time at which they come."""

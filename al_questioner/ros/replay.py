@@ -13,10 +13,12 @@ from rich.text import Text
 
 from al_questioner.arguments import Parser, number
 from al_questioner.domain import EpisodeError, InputError
-from al_questioner.recording import read_bag, read_sessions
-from al_questioner.recording.playback import Playback
+from al_questioner.messages.stamps import SECOND
+from al_questioner.recording import LeftOut, read_bag, read_sessions
+from al_questioner.recording.playback import STEP, Playback, without_steps_back
 from al_questioner.recording.scenes import scenes_of
 from al_questioner.rerun import first_divergence
+from al_questioner.ros.message_classes import installed_part
 from al_questioner.wording import number_of
 
 if TYPE_CHECKING:
@@ -68,9 +70,18 @@ def main(arguments: Sequence[str]) -> int:
         return _check(given.bag, console)
     if given.as_perception:
         return _stand_in(given.bag, ros, console)
-    bag = read_bag(given.bag)
-    playback = Playback(bag.messages, given.rate, given.loop, given.start_paused)
-    console.print(f'{given.bag}: {len(bag.messages)} messages, {playback.duration:.1f} s', highlight=False)
+    bag, missing = installed_part(read_bag(given.bag))
+    messages = without_steps_back(bag.messages)
+    playback = Playback(messages, given.rate, given.loop, given.start_paused)
+    for type_, topics in missing.items():
+        _warn(console, f'{", ".join(topics)}: passed over, as the message type {type_} is not installed')
+    put_back = messages[-1].stamp - bag.messages[-1].stamp
+    if put_back > STEP:
+        by = f'{put_back / SECOND:.1f} s'
+        _warn(console, f"the recorder's clock was put back by {by} meanwhile: played in the order of the recording")
+    console.print(
+        f'{given.bag}: {len(bag.messages)} messages, {playback.duration:.1f} s', highlight=False, soft_wrap=True
+    )
     from al_questioner.ros.replayer import ReplayNode
 
     node = _run(
@@ -79,6 +90,10 @@ def main(arguments: Sequence[str]) -> int:
     played = f'{playback.position} of {len(bag.messages)} messages played, {playback.turn} of {playback.turns} turns'
     console.print(played if node is not None and node.begun else 'nothing was played', highlight=False)
     return 0
+
+
+def _warn(console: Console, text: str) -> None:
+    console.print(f'WARNING: {text}', style='yellow', markup=False, highlight=False, soft_wrap=True)
 
 
 def _stand_in(path: Path, ros: Sequence[str], console: Console) -> int:
@@ -152,17 +167,18 @@ def _check(path: Path, console: Console) -> int:
     """Compare every episode of a bag with a new run on what was recorded.
 
     Raises:
-        EpisodeError: a decision differs; the text names the first.
+        EpisodeError: a decision differs, or something could not be checked; the text names the first difference.
     """
-    too_short: list[str] = []
-    for session in read_sessions(path, too_short):
+    left_out: list[LeftOut] = []
+    for session in read_sessions(path, left_out):
         where = f'{path}: {session.episode_id}'
         divergence = first_divergence(session)
         if divergence is not None:
             raise EpisodeError(f'{where}: turn {divergence.turn}: {divergence.what}')
-        decisions = number_of(len(session.turns), 'decision')
+        decisions = number_of(len(session.turns) + (session.begun is not None), 'decision')
         console.print(f'{where}: {decisions}, all as recorded', highlight=False, soft_wrap=True)
-    for episode_id in too_short:
-        unchecked = 'cannot be checked: the recording ended before its first turn did'
-        console.print(f'{path}: {episode_id}: {unchecked}', highlight=False, soft_wrap=True)
+    for what, reason in left_out:
+        console.print(f'{path}: {what}: cannot be checked: {reason}', highlight=False, markup=False, soft_wrap=True)
+    if left_out:
+        raise EpisodeError(f'{path}: not all of it was checked')
     return 0

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import importlib
 import posixpath
 import time
 from collections.abc import Sequence
@@ -17,8 +16,9 @@ from rosgraph_msgs.msg import Clock
 
 from al_questioner.domain import InputError
 from al_questioner.recording import Bag, BagMessage
-from al_questioner.recording.playback import FASTER, Playback
+from al_questioner.recording.playback import FASTER, Playback, begins_turn
 from al_questioner.ros import qos
+from al_questioner.ros.message_classes import message_class
 from al_questioner.ros.node import QuestionerNode
 from al_questioner.ros.types import header
 
@@ -55,19 +55,21 @@ class ReplayNode(QuestionerNode):
     """
 
     def __init__(self, bag: Bag, playback: Playback, patience: float, clock_hz: float, **node_arguments: Any) -> None:
-        topics = {topic.name: topic for topic in bag.topics if not (clock_hz > 0 and topic.name == '/clock')}
-        namespace = common_namespace(list(topics))
-        classes = {name: message_class(topic.type) for name, topic in topics.items()}
+        topics = [topic for topic in bag.topics if not (clock_hz > 0 and topic.name == '/clock')]
+        namespace = common_namespace([topic.name for topic in topics])
+        classes = {topic: message_class(topic.type) for topic in topics}
         super().__init__('replay', **{'namespace': namespace.strip('/'), **node_arguments})
         self.playback = playback
         self.begun = False
         self.over = False
         self.failure: InputError | None = None
         self._round = 0
-        self._out: dict[str, Publisher] = {}
-        for name, topic in topics.items():
+        self._out: dict[tuple[str, str], Publisher] = {}
+        for topic, class_ in classes.items():
             profile = qos.LATCHED if topic.latched else qos.EVENTS
-            self._out[name] = self.create_publisher(classes[name], published_name(name, namespace), profile)
+            name = published_name(topic.name, namespace)
+            self._out[topic.name, topic.type] = self.create_publisher(class_, name, profile)
+        self._turns = {(message.topic, message.type) for message in bag.messages if begins_turn(message)}
         self._told_time = self.create_publisher(Clock, '/clock', 10) if clock_hz > 0 else None
         steady = NodeClock(clock_type=ClockType.STEADY_TIME)
         self.create_timer(POLL, lambda: self.submit(self._yield_to_learner), clock=steady)
@@ -113,7 +115,7 @@ class ReplayNode(QuestionerNode):
 
     def _yield_to_learner(self) -> None:
         """End if a live learner has these names: a recorded turn could replace its own before perception sees it."""
-        turns = [out.topic_name for name, out in self._out.items() if name.rsplit('/', 1)[-1] == 'turn']
+        turns = [out.topic_name for key, out in self._out.items() if key in self._turns]
         for topic in turns:
             others = self.other_publishers(topic)
             if others and not self.over:
@@ -140,8 +142,9 @@ class ReplayNode(QuestionerNode):
 
     def _publish(self, messages: Sequence[BagMessage]) -> None:
         for message in messages:
-            if message.topic in self._out:
-                self._out[message.topic].publish(message.data)
+            out = self._out.get((message.topic, message.type))
+            if out is not None:
+                out.publish(message.data)
 
     def _finish(self) -> None:
         """Let the last messages arrive: they are gone with their publishers."""
@@ -174,16 +177,3 @@ def published_name(topic: str, namespace: str) -> str:
     'turn'
     """
     return topic if topic in SHARED else topic.removeprefix(namespace).lstrip('/')
-
-
-def message_class(type_: str) -> Any:
-    """The class of a type such as 'std_msgs/msg/String'.
-
-    Raises:
-        InputError: it is not installed.
-    """
-    package, _, name = type_.partition('/msg/')
-    try:
-        return getattr(importlib.import_module(f'{package}.msg'), name)
-    except (ImportError, AttributeError) as error:
-        raise InputError(f'message type {type_} of the bag is not installed ({error})') from error

@@ -109,6 +109,7 @@ def learner_settings(task: Task) -> tuple[Setting, ...]:
 RECORDER_SETTINGS = (
     Setting('bag', '', 'directory of the new bag; empty: al_questioner_ and the date and time'),
     Setting('storage', 'mcap', 'format of the file: mcap or sqlite3'),
+    Setting('namespace_in_bag', '', 'under which the bag names the topics of this namespace; empty: their own'),
     Setting('until_done', False, 'end by itself when the learner says that its episode is over'),
 )
 

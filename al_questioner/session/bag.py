@@ -13,8 +13,8 @@ from al_questioner.messages.documents import Document
 from al_questioner.messages.stamps import SECOND, stamp_members
 from al_questioner.recording import BagError, BagWriter, Topic
 from al_questioner.recording.bags import typestore
-from al_questioner.recording.session import CLOUD, STRING, TYPES
 from al_questioner.recording.session_events import Decided, KeptLate, Seen, SessionEvent, Told
+from al_questioner.recording.topics import CLOUD, STRING, TYPES
 from al_questioner.resuming import Replay
 from al_questioner.session.account import Account
 from al_questioner.telling import episode_members, state_members
@@ -86,7 +86,8 @@ class _Writing:
         if event.turn == 1:
             self._say('episode', episode_members(self._begun, seen.scene.feature_names))
         symbols = self._begun.settings.symbols
-        self._send('decision', cloud_of_decision(decision, symbols, self._header(seen), self._cloud_types))
+        cloud = cloud_of_decision(decision, symbols, self._header(seen), self._cloud_types, seen.scene)
+        self._send('decision', cloud)
         if event.query is not None:
             self._say('query', {**documents.query_members(event.query), 'world': self._begun.world})
 

@@ -63,7 +63,9 @@ def measure_encoding(
         jobs['objects'].append((lambda scene=scene: cloud_of_scene(scene, stamp, CLOUD_TYPES), scene_of_cloud))
         jobs['decision'].append(
             (
-                lambda decision=decision: cloud_of_decision(decision, settings.symbols, stamp, CLOUD_TYPES),
+                lambda decision=decision, scene=scene: cloud_of_decision(
+                    decision, settings.symbols, stamp, CLOUD_TYPES, scene
+                ),
                 lambda cloud, number=decision.turn: decision_of_cloud(cloud, settings.symbols, number),
             )
         )

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import dataclasses
 import re
 import shutil
 from pathlib import Path
@@ -14,7 +15,7 @@ from al_questioner.cli import main
 from al_questioner.domain import DECISION_FEATURES
 from al_questioner.imitation.bags import read_demonstrations
 from al_questioner.questioning import FEATURE_SETS
-from al_questioner.recording import read_sessions
+from al_questioner.recording import BagWriter, Topic, read_bag, read_sessions
 from al_questioner.rerun import decisions_anew, first_divergence
 from al_questioner.simulation import WorldChoice, episode_settings, run_episode
 from al_questioner.teaching import ScriptedTeacher
@@ -145,7 +146,8 @@ def test_unusable_arguments_end_with_status_2_and_one_line(tmp_path: Path, capsy
     """A typing error would cost minutes, or a traceback be all that comes of it."""
     empty = tmp_path / 'empty'
     empty.mkdir()
-    out = tmp_path / 'w.yaml'
+    out, old = tmp_path / 'w.yaml', tmp_path / 'old.bag'
+    old.write_bytes(b'#ROSBAG V2.0\n')
     for arguments, reason in (
         ([empty, '--out', out], 'is no bag'),
         ([tmp_path / 'missing', '--out', out], 'there is no such bag'),
@@ -155,6 +157,7 @@ def test_unusable_arguments_end_with_status_2_and_one_line(tmp_path: Path, capsy
         ([BAGS[0], BAGS[0], '--out', out], 'a bag is named twice'),
         ([BAGS[0], '--out', tmp_path / 'w.png'], 'cannot be the weights and the picture'),
         ([BAGS[0], '--out', out, '--ridge', 'nan'], 'must be at least 0'),
+        ([BAGS[0], old, '--out', out], 'old.bag: is a bag of ROS 1'),
         (['--out', out], 'required: BAG'),
         ([BAGS[0]], 'required: --out'),
     ):
@@ -162,6 +165,60 @@ def test_unusable_arguments_end_with_status_2_and_one_line(tmp_path: Path, capsy
         error = capsys.readouterr().err
         assert reason in error
         assert error.count('\n') == 1
+
+
+@pytest.mark.parametrize(
+    'again',
+    [
+        lambda bag, made: shutil.copytree(bag, made),
+        lambda bag, made: made.symlink_to(bag),
+        lambda bag, made: write_anew(bag, made, 'mcap'),
+        lambda bag, made: write_anew(bag, made, 'sqlite3'),
+        lambda bag, made: write_anew(bag, made, 'mcap', namespace='/elsewhere', later=3600 * 10**9),
+        lambda bag, made: write_anew(bag, made, 'mcap', end=100),
+    ],
+    ids=['copy', 'link', 'anew', 'other storage', 'other names and times', 'ended earlier'],
+)
+def test_the_same_episode_twice_is_refused(tmp_path: Path, capsys: pytest.CaptureFixture[str], again) -> None:
+    """It would count as two demonstrations, and judge what was learnt from itself."""
+    made = tmp_path / 'again'
+    again(Path(BAGS[0]), made)
+    for bags in ([BAGS[0], made], [made, BAGS[1], BAGS[0]]):
+        assert run(*bags, '--method', 'choice', '--out', tmp_path / 'w.yaml') == 2
+        error = capsys.readouterr().err
+        assert 'holds the same episode as' in error or 'a bag is named twice' in error
+        assert error.count('\n') == 1
+    assert not (tmp_path / 'w.yaml').exists()
+
+
+def write_anew(
+    bag: Path, made: Path, storage: str, namespace: str = '/r', later: int = 0, end: int | None = None
+) -> None:
+    """The messages of a bag, or the first of them, in another one."""
+    recorded = read_bag(bag)
+    topics = [
+        dataclasses.replace(topic, name=f'{namespace}/{topic.name.rpartition("/")[2]}') for topic in recorded.topics
+    ]
+    with BagWriter(made, topics, storage) as writer:
+        for message in recorded.messages[:end]:
+            writer.write(f'{namespace}/{message.topic.rpartition("/")[2]}', message.data, message.stamp + later)
+
+
+def test_what_is_left_out_of_a_bag_is_said(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    """Somebody would believe that both episodes of a bag were learnt from."""
+    messages = [*read_bag(Path(BAGS[0])).messages, *read_bag(Path(BAGS[1])).messages]
+    topics = {message.topic: Topic(message.topic, message.type, True) for message in messages}
+    lost = next(message for message in messages if message.topic.endswith('/decision'))
+    with BagWriter(tmp_path / 'b', list(topics.values())) as writer:
+        for message in messages:
+            if message is not lost:
+                writer.write(message.topic, message.data, message.stamp)
+    arguments = ['--method', 'choice', '--validation', 0, '--out', tmp_path / 'w.yaml']
+    assert run(tmp_path / 'b', *arguments) == 0
+    output = capsys.readouterr().out
+    assert 'WARNING: ' in output
+    assert 'is left out: turn 1 of 30 was recorded without its decision' in output
+    assert '1 demonstration, 30 turns' in output
 
 
 def test_earlier_weights_survive_a_failed_training(tmp_path: Path) -> None:

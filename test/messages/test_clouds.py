@@ -10,7 +10,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from hypothesis.extra import numpy as hnp
 
-from al_questioner.domain import Action, Decision, QueryKind, Scene, SceneError
+from al_questioner.domain import DECISION_FEATURES, Action, Decision, QueryKind, Scene, SceneError
 from al_questioner.messages.clouds import (
     CloudTypes,
     cloud_of_decision,
@@ -250,10 +250,63 @@ def test_decision_survives_to_the_bit() -> None:
     assert (back.chosen, back.turn) == (3, 4)
 
 
+def test_the_candidates_of_a_decision_lie_where_their_objects_do() -> None:
+    """RViz and Foxglove draw no cloud without x, y, z, and read values where their type is aligned."""
+    scene = Scene((7, 0), np.float32([[1, 2, 3], [4, 5, 6]]), np.zeros((2, 1), np.float32), ('a_1',))
+    cloud = cloud_of_decision(make_decision(), ('fruit', 'snack'), None, TYPES, scene)
+    assert [(field.name, field.offset, field.datatype) for field in cloud.fields[:7]] == [
+        *(('x', 0, 7), ('y', 4, 7), ('z', 8, 7)),
+        *(('kind', 12, 2), ('chosen', 13, 2), ('object_id', 16, 6), ('symbol', 20, 5)),
+    ]
+    sizes = {2: 1, 5: 4, 6: 4, 7: 4, 8: 8}
+    assert all(field.offset % sizes[field.datatype] == 0 for field in cloud.fields)
+    assert (cloud.point_step, cloud.row_step, len(cloud.data)) == (88, 4 * 88, 4 * 88)
+    assert cloud.is_dense is False
+    points = np.frombuffer(cloud.data, np.uint8).reshape(4, 88)[:, :12].copy().view(np.float32)
+    np.testing.assert_array_equal(points, [[np.nan] * 3, [4, 5, 6], [np.nan] * 3, [np.nan] * 3])
+    assert make_cloud().is_dense is True
+
+
+def test_decisions_of_earlier_recordings_are_read() -> None:
+    """Every bag of before, the shipped ones among them: packed, and without positions."""
+    decision, features = make_decision(), [(name, '<f8') for name in DECISION_FEATURES]
+    layout = np.dtype(
+        [('kind', 'u1'), ('object_id', '<u4'), ('symbol', '<i4'), *features, ('utility', '<f8'), ('chosen', 'u1')]
+    )
+    points = np.zeros(4, layout)
+    points['kind'], points['object_id'], points['symbol'] = (
+        [1, 0, 2, 3],
+        [2**32 - 1, 0, 2**32 - 1, 2**32 - 1],
+        [1, -1, -1, -1],
+    )
+    for column, name in enumerate(DECISION_FEATURES):
+        points[name] = decision.features[:, column]
+    points['utility'], points['chosen'][3] = decision.utilities, 1
+    datatypes = {'|u1': 2, '<u4': 6, '<i4': 5, '<f8': 8}
+    fields = [
+        SimpleNamespace(name=name, offset=offset, datatype=datatypes[kind.str], count=1)
+        for name, (kind, offset) in layout.fields.items()
+    ]
+    cloud = SimpleNamespace(
+        fields=fields,
+        width=4,
+        height=1,
+        point_step=layout.itemsize,
+        row_step=4 * layout.itemsize,
+        is_bigendian=False,
+        data=points.tobytes(),
+    )
+    back = decision_of_cloud(cloud, ('fruit', 'snack'), 4)
+    assert back.candidates == decision.candidates
+    assert back.utilities.tobytes() == decision.utilities.tobytes()
+
+
 def test_decision_without_one_choice_is_refused() -> None:
     """A demonstration with no choice, or two, would be imitated."""
     cloud = cloud_of_decision(make_decision(), ('fruit', 'snack'), None, TYPES)
-    cloud.data = cloud.data[:-1] + b'\0'
+    field = next(field for field in cloud.fields if field.name == 'chosen')
+    chosen = 3 * cloud.point_step + field.offset
+    cloud.data = cloud.data[:chosen] + b'\0' + cloud.data[chosen + 1 :]
     with pytest.raises(SceneError, match='marks 0 candidates'):
         decision_of_cloud(cloud, ('fruit', 'snack'), 4)
 

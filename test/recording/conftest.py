@@ -14,7 +14,7 @@ from al_questioner.messages.clouds import CloudTypes, cloud_of_decision, cloud_o
 from al_questioner.questioning import Episode
 from al_questioner.recording import BagWriter, Topic
 from al_questioner.recording.bags import typestore
-from al_questioner.recording.session import CLOUD, STRING, TYPES
+from al_questioner.recording.topics import CLOUD, STRING, TYPES
 from al_questioner.simulation import PerceivedWorld, WorldChoice, episode_settings, turns
 from al_questioner.teaching import ScriptedTeacher
 from al_questioner.world import load_task
@@ -51,7 +51,15 @@ class Writing:
 
 
 def write_episode(
-    path, storage='mcap', n_turns=8, missing=(), close=True, task='prepare_lunch', strategy='expert', then=None
+    path,
+    storage='mcap',
+    n_turns=8,
+    missing=(),
+    close=True,
+    task='prepare_lunch',
+    strategy='expert',
+    then=None,
+    start=START,
 ):
     """A bag of an episode of the scripted expert.
 
@@ -64,6 +72,7 @@ def write_episode(
         task: of the episode.
         strategy: of the episode.
         then: given the writing and the members of the episode's document, writes what comes after it.
+        start: when it begins, nanoseconds.
     """
     loaded = load_task(task)
     choice = WorldChoice(loaded, 3, 3)
@@ -73,7 +82,7 @@ def write_episode(
     members = {'task': task, 'seed': 3, 'sample': 3, 'dataset': None}
     writing = Writing(path, storage)
     for decision, _ in turns(episode, world, teacher):
-        turn, stamp = decision.turn, START + decision.turn * PERIOD
+        turn, stamp = decision.turn, start + decision.turn * PERIOD
         scene = world.scene(turn)
         kept = {name for name in TYPES if (name, turn) not in missing}
         if 'turn' in kept:
@@ -84,7 +93,7 @@ def write_episode(
         if turn == 1 and 'episode' in kept:
             writing.say('episode', episode_members(settings, scene, members), stamp + 2)
         if 'decision' in kept:
-            cloud = cloud_of_decision(decision, settings.symbols, writing.header(stamp), writing.cloud_types)
+            cloud = cloud_of_decision(decision, settings.symbols, writing.header(stamp), writing.cloud_types, scene)
             writing.send('decision', cloud, stamp + 3)
         if 'learner_state' in kept:
             writing.say('learner_state', state_members(episode), stamp + 4)
@@ -127,4 +136,6 @@ def state_members(episode):
 @pytest.fixture(scope='session')
 def bags():
     """The helpers above; test modules cannot import from each other in pytest's importlib mode."""
-    return SimpleNamespace(write_episode=write_episode, Writing=Writing, TYPES=TYPES, STRING=STRING, START=START)
+    return SimpleNamespace(
+        write_episode=write_episode, Writing=Writing, TYPES=TYPES, STRING=STRING, START=START, LATCHED=LATCHED
+    )

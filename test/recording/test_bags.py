@@ -2,15 +2,17 @@
 
 from __future__ import annotations
 
+import contextlib
 import resource
 import sqlite3
 import threading
+from types import SimpleNamespace
 
 import pytest
 import yaml
 from mcap.reader import make_reader
 
-from al_questioner.recording import BagError, BagWriter, Topic, deserialize, digest, read_bag, repair
+from al_questioner.recording import BagError, BagWriter, Topic, deserialize, digest, read_bag, repair, writing
 from al_questioner.recording.bags import typestore
 
 STRING = 'std_msgs/msg/String'
@@ -40,7 +42,7 @@ def test_what_is_written_is_read(tmp_path, storage):
 def test_an_mcap_bag_is_what_rosbag2_writes(tmp_path):
     """`ros2 bag` and Foxglove would not read it: held against the mcap library and the documented metadata."""
     path = write(tmp_path / 'b')
-    with (path / 'b.mcap').open('rb') as file:
+    with (path / 'b_0.mcap').open('rb') as file:
         reader = make_reader(file, validate_crcs=True)
         summary = reader.get_summary()
         found = [(schema.name, channel.topic, message.log_time) for schema, channel, message in reader.iter_messages()]
@@ -50,13 +52,18 @@ def test_an_mcap_bag_is_what_rosbag2_writes(tmp_path):
     (schema,) = summary.schemas.values()
     assert (schema.name, schema.encoding) == (STRING, 'ros2msg')
     assert b'string data' in schema.data
-    assert {channel.message_encoding for channel in summary.channels.values()} == {'cdr'}
+    hashes = set()
+    for channel in summary.channels.values():
+        assert channel.message_encoding == 'cdr'
+        assert list(channel.metadata) == ['offered_qos_profiles', 'topic_type_hash']
+        hashes.add(channel.metadata['topic_type_hash'])
     information = yaml.safe_load((path / 'metadata.yaml').read_text())['rosbag2_bagfile_information']
     assert information['version'] == 9
     assert information['storage_identifier'] == 'mcap'
-    assert information['relative_file_paths'] == ['b.mcap']
+    assert information['relative_file_paths'] == ['b_0.mcap']
     turn, answer = (topic['topic_metadata'] for topic in information['topics_with_message_count'])
     assert turn['type_description_hash'].startswith('RIHS01_')
+    assert hashes == {turn['type_description_hash'], answer['type_description_hash']}
     assert (turn['offered_qos_profiles'][0]['durability'], turn['offered_qos_profiles'][0]['depth']) == (
         'transient_local',
         1,
@@ -67,12 +74,47 @@ def test_an_mcap_bag_is_what_rosbag2_writes(tmp_path):
 def test_a_sqlite3_bag_has_the_tables_of_rosbag2(tmp_path):
     """`ros2 bag` would not read it."""
     path = write(tmp_path / 'b', storage='sqlite3')
-    database = sqlite3.connect(path / 'b.db3')
+    database = sqlite3.connect(path / 'b_0.db3')
     assert database.execute('SELECT schema_version FROM schema').fetchall() == [(4,)]
     assert database.execute('SELECT count(*) FROM messages').fetchall() == [(10,)]
     columns = [row[1] for row in database.execute('PRAGMA table_info(topics)')]
     assert columns == ['id', 'name', 'type', 'serialization_format', 'offered_qos_profiles', 'type_description_hash']
     database.close()
+
+
+@pytest.mark.parametrize('storage', ['mcap', 'sqlite3'])
+@pytest.mark.parametrize(
+    ('environment', 'wheels', 'expected'),
+    [
+        ('kilted', ['ros-jazzy-rclpy'], 'kilted'),
+        ('', ['numpy', 'ros-rclpy', 'ros-jazzy-rclpy', 'ros-jazzy-std-msgs'], 'jazzy'),
+        ('', ['numpy'], ''),
+    ],
+    ids=['environment', 'wheels', 'unknown'],
+)
+def test_a_bag_names_the_distribution_that_it_was_recorded_with(
+    tmp_path, monkeypatch, storage, environment, wheels, expected
+):
+    """`ros2 bag info` would name one that does not exist, and converters look for its message types."""
+    monkeypatch.setenv('ROS_DISTRO', environment)
+    monkeypatch.setattr(writing, 'distributions', lambda: [SimpleNamespace(name=name) for name in wheels])
+    writing.ros_distribution.cache_clear()
+    try:
+        path = write(tmp_path / 'b', storage=storage)
+    finally:
+        writing.ros_distribution.cache_clear()
+    metadata = (path / 'metadata.yaml').read_text()
+    assert yaml.safe_load(metadata)['rosbag2_bagfile_information']['ros_distro'] == expected
+    if storage == 'sqlite3':
+        with contextlib.closing(sqlite3.connect(path / 'b_0.db3')) as database:
+            assert database.execute('SELECT ros_distro FROM schema').fetchall() == [(expected,)]
+            ((inside,),) = database.execute('SELECT metadata FROM metadata').fetchall()
+    else:
+        with (path / 'b_0.mcap').open('rb') as file:
+            (record,) = make_reader(file).iter_metadata()
+        inside = record.metadata['serialized_metadata']
+    assert yaml.safe_load(inside)['ros_distro'] == expected
+    assert sorted(file.name for file in path.iterdir())[1:] == ['metadata.yaml']
 
 
 @pytest.mark.parametrize('storage', ['mcap', 'sqlite3'])
@@ -106,7 +148,7 @@ def test_what_cannot_be_written_is_said(tmp_path):
 
 
 def truncate(path):
-    file = path / 'b.mcap'
+    file = path / 'b_0.mcap'
     file.write_bytes(file.read_bytes()[:-100])
 
 
@@ -123,8 +165,8 @@ def miscount(path):
         (miscount, r'messages are missing: 10 of 12 on /x/turn'),
         (lambda path: (path / 'metadata.yaml').write_text('a: ['), 'cannot be read'),
         (lambda path: (path / 'metadata.yaml').write_text('[]'), 'cannot be read'),
-        (lambda path: (path / 'b.mcap').unlink(), 'cannot be read'),
-        (lambda path: (path / 'b.mcap').write_bytes(b'nothing'), 'cannot be read'),
+        (lambda path: (path / 'b_0.mcap').unlink(), 'cannot be read'),
+        (lambda path: (path / 'b_0.mcap').write_bytes(b'nothing'), 'cannot be read'),
     ],
 )
 def test_a_broken_bag_is_one_clear_line(tmp_path, damage, reason):

@@ -9,11 +9,12 @@ from hypothesis import strategies as st
 from al_questioner.domain import InputError
 from al_questioner.messages.stamps import SECOND
 from al_questioner.recording import BagMessage
-from al_questioner.recording.playback import FASTER, FASTEST, SLOWEST, Playback
+from al_questioner.recording.playback import FASTER, FASTEST, SLOWEST, Playback, without_steps_back
 
 
 def messages(*seconds, topic='/r/objects'):
-    return [BagMessage(topic, 'std_msgs/msg/String', 10**18 + round(s * SECOND), b'') for s in seconds]
+    data = b'{"schema":"al_questioner/turn/1"}' if topic == '/r/turn' else b''
+    return [BagMessage(topic, 'std_msgs/msg/String', 10**18 + round(s * SECOND), data) for s in seconds]
 
 
 def stamps(found):
@@ -235,3 +236,25 @@ def test_whatever_is_pressed_every_message_comes_once_and_in_order(gaps, looks):
         now += play.wait(now) + 1e-6
         seen += play.due(now)
     assert seen == all_
+
+
+def test_what_others_say_on_a_topic_of_that_name_is_no_turn():
+    """A step would end wherever a chat robot speaks."""
+    play = Playback([*messages(0, topic='/r/turn'), *messages(1, topic='/chat/turn'), *messages(2, topic='/r/turn')])
+    assert stamps(play.step(0.0, turn=True)) == [0, 1]
+    assert (play.turn, play.turns) == (1, 2)
+
+
+@pytest.mark.parametrize(
+    ('recorded', 'played'),
+    [
+        ([0, 1, 2], [0, 1, 2]),
+        ([0, 1, 0.999, 1.5], [0, 1, 1, 1.5]),
+        ([10, 11, 3, 4, 4.5], [10, 11, 11, 12, 12.5]),
+        ([10, 11, 3, 4, 0, 1], [10, 11, 11, 12, 12, 13]),
+        ([0, 1, 100, 101], [0, 1, 100, 101]),
+    ],
+)
+def test_a_clock_that_was_put_back_is_played_on(recorded, played):
+    """What came last would be played first, mixed with what came before."""
+    assert stamps(without_steps_back(messages(*recorded))) == played

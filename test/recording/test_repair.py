@@ -13,7 +13,7 @@ from pathlib import Path
 
 import pytest
 from mcap.writer import Writer as McapWriter
-from rosbags.rosbag2 import Reader
+from rosbags.rosbag2 import CompressionFormat, CompressionMode, Reader, StoragePlugin, Writer
 
 from al_questioner.recording import BagError, BagWriter, Topic, read_bag, repair
 from al_questioner.recording.bags import typestore
@@ -77,7 +77,7 @@ def test_a_flipped_bit_is_found_and_costs_one_chunk(tmp_path, number):
         for stamp in range(9):
             bag.write('/x/turn', text(f'message {stamp}'), stamp)
             bag.sync()
-    file = path / 'b.mcap'
+    file = path / 'b_0.mcap'
     file.write_bytes(file.read_bytes().replace(b'message %d' % number, b'massage %d' % number))
     with pytest.raises(BagError, match=r'checksum.*record --repair'):
         read_bag(path)
@@ -89,7 +89,7 @@ def test_a_flipped_bit_is_found_and_costs_one_chunk(tmp_path, number):
 def test_an_interrupted_repair_can_be_repeated(tmp_path, storage):
     """The only copy of a demonstration would be out of reach."""
     path = write(tmp_path / 'b', storage=storage)
-    (file,) = path.glob('b.*')
+    (file,) = path.glob('b_0.*')
     kept_as = file.rename(f'{file}.broken')
     for with_metadata in (True, False):
         if not with_metadata:
@@ -113,11 +113,11 @@ def test_a_bag_is_repaired_from_inside_its_folder_and_under_another_name(tmp_pat
 def test_an_original_that_was_kept_is_not_overwritten(tmp_path):
     """A second repair would destroy what the first one could not read."""
     path = write(tmp_path / 'b')
-    (path / 'b.mcap.broken').write_bytes(b'precious')
+    (path / 'b_0.mcap.broken').write_bytes(b'precious')
     (path / 'metadata.yaml').unlink()
     with pytest.raises(BagError, match='exists already; move it away'):
         repair(path)
-    assert (path / 'b.mcap.broken').read_bytes() == b'precious'
+    assert (path / 'b_0.mcap.broken').read_bytes() == b'precious'
 
 
 def test_topics_without_a_usable_type_are_left_out(tmp_path):
@@ -151,6 +151,47 @@ def test_topics_without_a_usable_type_are_left_out(tmp_path):
     assert dict(repair(path).kept) == {'/x/turn': 1}
 
 
+def test_a_table_of_the_first_versions_is_repaired(tmp_path):
+    """All messages are there; only what was not yet recorded then is missing."""
+    path = write(tmp_path / 'b', storage='sqlite3')
+    (path / 'metadata.yaml').unlink()
+    with contextlib.closing(sqlite3.connect(path / 'b_0.db3')) as database:
+        for column in ('offered_qos_profiles', 'type_description_hash'):
+            database.execute(f'ALTER TABLE topics DROP COLUMN {column}')
+        for table in ('schema', 'metadata', 'message_definitions'):
+            database.execute(f'DROP TABLE {table}')
+        database.commit()
+    assert repair(path).kept['/x/turn'] == 10
+    assert [message.stamp for message in read_bag(path).messages] == list(range(1000, 1010))
+
+
+@pytest.mark.parametrize('storage', ['mcap', 'sqlite3'])
+def test_messages_that_were_compressed_one_by_one_are_repaired(tmp_path, storage):
+    """The bag would be made whole with messages in it that nothing can read."""
+    path = tmp_path / 'b'
+    bag = Writer(path, version=9, storage_plugin=StoragePlugin[storage.upper()])
+    bag.set_compression(CompressionMode.MESSAGE, CompressionFormat.ZSTD)
+    with bag:
+        connection = bag.add_connection('/x/turn', STRING, typestore=typestore())
+        bag.write(connection, 5, text('a'))
+    (path / 'metadata.yaml').unlink()
+    assert repair(path).kept['/x/turn'] == 1
+    (message,) = read_bag(path).messages
+    assert message.data == text('a')
+
+
+@pytest.mark.parametrize('profiles', ['- durability: 1\n  depth: 1', '- depth: 1\n  durability: transient_local'])
+def test_what_was_latched_stays_so_when_it_is_repaired(tmp_path, profiles):
+    """Whoever comes late to a replay would see nothing; earlier versions wrote numbers."""
+    path = write(tmp_path / 'b', storage='sqlite3')
+    (path / 'metadata.yaml').unlink()
+    with contextlib.closing(sqlite3.connect(path / 'b_0.db3')) as database:
+        database.execute('UPDATE topics SET offered_qos_profiles = ?', (profiles,))
+        database.commit()
+    repair(path)
+    assert {topic.latched for topic in read_bag(path).topics} == {True}
+
+
 def overwrite(content, chance):
     """The content with a few flipped bits, or a hole, or cut off."""
     content, where = bytearray(content), chance.randrange(len(content))
@@ -172,7 +213,7 @@ def test_no_damage_ends_in_another_error(tmp_path, storage, copies):
     chance = random.Random(0)
     for number in range(copies):
         path = shutil.copytree(whole, tmp_path / str(number) / 'b')
-        (file,) = path.glob('b.*')
+        (file,) = path.glob('b_0.*')
         file.write_bytes(overwrite(file.read_bytes(), chance))
         with contextlib.suppress(BagError):
             repair(path)
@@ -187,7 +228,7 @@ def test_a_cut_file_is_repaired_as_far_as_it_goes(tmp_path, cut):
         for number in range(200):
             bag.write('/x/turn', text('x' * 100), number)
             bag.sync()
-    file = path / 'b.mcap'
+    file = path / 'b_0.mcap'
     content = file.read_bytes()
     file.write_bytes(content[: int(cut * len(content))])
     kept = repair(path).kept['/x/turn']
@@ -201,6 +242,6 @@ def test_what_cannot_be_repaired_is_said(tmp_path):
         repair(tmp_path)
     path = tmp_path / 'b'
     path.mkdir()
-    (path / 'b.mcap').write_bytes(b'nothing')
+    (path / 'b_0.mcap').write_bytes(b'nothing')
     with pytest.raises(BagError, match='no message can be read'):
         repair(path)

@@ -10,6 +10,7 @@ import pytest
 
 from al_questioner.cli import main
 from al_questioner.imitation.bags import read_demonstrations
+from al_questioner.recording import read_bag
 
 ROOT = Path(__file__).resolve().parents[2]
 CROPS = ROOT.parent / 'shared' / 'data' / 'tabletop_rgbd' / 'crops' / 'rgbd-dataset'
@@ -104,6 +105,7 @@ def test_a_recorded_demo_is_a_demonstration(processes: Any, tmp_path: Path) -> N
     episode = play(processes, tmp_path / 'graph', *shown, '--record', str(bag))
     (demonstration,) = read_demonstrations([bag])
     assert len(demonstration.steps) == 8
+    assert {topic.name.rpartition('/')[0] for topic in read_bag(bag).topics} == {'/demo'}
     assert [query.turn for query in demonstration.queries] == [query['turn'] for query in episode['queries']]
 
 

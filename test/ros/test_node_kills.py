@@ -15,8 +15,8 @@ import pytest
 
 from al_questioner.messages import documents
 from al_questioner.recording import BagError, deserialize, read_bag, read_log, repair
-from al_questioner.recording.bags import storage_files
 from al_questioner.recording.session_events import Told, decoded
+from al_questioner.recording.storages import storage_files
 from al_questioner.ros import qos
 from al_questioner.ros.learner import LearnerNode
 from al_questioner.simulation import WorldChoice, episode_settings, run_episode

@@ -114,6 +114,28 @@ def test_counts_are_told_and_a_late_end_keeps_everything(graph: Any, tmp_path: P
     assert Counter(message.topic for message in read_bag(tmp_path / 'b').messages)[topic] >= 1
 
 
+@pytest.mark.parametrize(
+    ('wanted', 'expected'), [('', None), ('robot', '/robot'), ('/lab/robot/', '/lab/robot'), ('/', '')]
+)
+def test_the_bag_names_its_topics_as_wanted(graph: Any, tmp_path: Path, wanted: str, expected: str | None) -> None:
+    """A recording that is handed on would name a namespace that was made up for one process."""
+    recorder = graph.start(RecorderNode, bag=str(tmp_path / 'b'), namespace_in_bag=wanted)
+    publisher = graph.ears.create_publisher(String, 'answer', qos.EVENTS)
+    graph.wait_for(publisher.get_subscription_count, 'the recorder')
+    publisher.publish(String(data='snack'))
+    topic = f'{f"/{graph.namespace}" if expected is None else expected}/answer'
+    graph.wait_for(lambda: recorder.counts()[f'written of {topic}'], 'a message')
+    graph.stop(recorder)
+    assert [message.topic for message in read_bag(tmp_path / 'b').messages] == [topic]
+
+
+def test_a_namespace_that_is_none_is_refused(graph: Any, tmp_path: Path) -> None:
+    """The bag would hold names that no tool takes."""
+    with pytest.raises(InputError, match='parameter namespace_in_bag'):
+        graph.start(RecorderNode, bag=str(tmp_path / 'b'), namespace_in_bag='my robot')
+    assert not (tmp_path / 'b').exists()
+
+
 def test_an_existing_bag_is_left_alone(graph: Any, tmp_path: Path) -> None:
     """A demonstration cannot be given twice."""
     (tmp_path / 'b').mkdir()

@@ -15,7 +15,7 @@ import pytest
 from al_questioner.cli import main
 from al_questioner.imitation.bags import read_demonstrations
 from al_questioner.recording import read_bag
-from al_questioner.recording.bags import storage_files
+from al_questioner.recording.storages import storage_files
 from al_questioner.ros.learner import LearnerNode
 
 ROOT = Path(__file__).resolve().parents[2]

@@ -17,9 +17,10 @@ from pathlib import Path
 from typing import Any
 
 import pytest
+import yaml
 
 from al_questioner.cli import main
-from al_questioner.recording import BagWriter, Topic, read_bag, read_sessions
+from al_questioner.recording import BagWriter, LeftOut, Topic, read_bag, read_sessions
 from al_questioner.ros import qos, replay
 from al_questioner.ros.learner import LearnerNode
 
@@ -50,12 +51,12 @@ def test_checking_names_what_differs_and_what_cannot_be_checked(
     (recorded,) = read_sessions(BAG)
     other = dataclasses.replace(recorded.settings, strategy='random_fsq')
     for session, status, text in (
-        (recorded, 0, 'short: cannot be checked'),
+        (recorded, 1, 'short: cannot be checked: too short'),
         (dataclasses.replace(recorded, settings=other), 1, ' was recorded\n'),
     ):
 
-        def read(_: Path, too_short: list[str], session: Any = session) -> list[Any]:
-            too_short.append('short')
+        def read(_: Path, left_out: list[LeftOut], session: Any = session) -> list[Any]:
+            left_out.append(LeftOut('short', 'too short'))
             return [session]
 
         monkeypatch.setattr(replay, 'read_sessions', read)
@@ -92,6 +93,29 @@ def test_unusable_arguments_end_with_status_2_and_one_line(tmp_path: Path, capsy
         error = capsys.readouterr().err
         assert reason in error
         assert error.count('\n') == 1, error
+
+
+def test_what_is_played_otherwise_than_recorded_is_said(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    """A page would show another episode than was recorded, without a word."""
+    recorded = read_bag(BAG)
+    with BagWriter(tmp_path / 'b', recorded.topics) as bag:
+        for place, message in enumerate(recorded.messages):
+            bag.write(message.topic, message.data, message.stamp - (3600 * 10**9 if place >= 50 else 0))
+    metadata = yaml.safe_load((tmp_path / 'b' / 'metadata.yaml').read_text())
+    topics = metadata['rosbag2_bagfile_information']['topics_with_message_count']
+    split = {'name': '/events/write_split', 'type': 'rosbag2_interfaces/msg/WriteSplitEvent'}
+    topics.append({'message_count': 0, 'topic_metadata': {**topics[0]['topic_metadata'], **split}})
+    (tmp_path / 'b' / 'metadata.yaml').write_text(yaml.safe_dump(metadata))
+    arguments = ['--rate', '1e9', '--wait-for-subscribers', '0', '--ros-args', '-r', '__ns:=/put_back']
+    assert main(['replay', str(tmp_path / 'b'), *arguments]) == 0
+    first, second, length, played = capsys.readouterr().out.splitlines()
+    assert first == (
+        'WARNING: /events/write_split: passed over, as the message type rosbag2_interfaces/msg/WriteSplitEvent'
+        ' is not installed'
+    )
+    assert second.startswith("WARNING: the recorder's clock was put back by 3600.0 s meanwhile")
+    assert length.endswith('163 messages, 2.1 s')
+    assert played == '163 of 163 messages played, 30 of 30 turns'
 
 
 @contextmanager

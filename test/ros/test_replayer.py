@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import dataclasses
 from collections import Counter
 from pathlib import Path
 from typing import Any
@@ -11,6 +12,7 @@ from diagnostic_msgs.msg import DiagnosticArray
 from rclpy.publisher import Publisher
 from rosgraph_msgs.msg import Clock
 from sensor_msgs.msg import PointCloud2
+from std_msgs.msg import String
 
 from al_questioner.domain import InputError
 from al_questioner.messages import documents
@@ -19,7 +21,8 @@ from al_questioner.recording import BagMessage, BagWriter, Topic, deserialize, r
 from al_questioner.recording.playback import Playback
 from al_questioner.ros import qos
 from al_questioner.ros.learner import LearnerNode
-from al_questioner.ros.replayer import ReplayNode, common_namespace, message_class
+from al_questioner.ros.message_classes import installed_part, message_class
+from al_questioner.ros.replayer import ReplayNode, common_namespace
 from al_questioner.ros.teacher import TeacherNode
 from al_questioner.simulation import WorldChoice, episode_settings, run_episode
 from al_questioner.teaching import ScriptedTeacher
@@ -256,6 +259,38 @@ def test_a_message_type_that_is_not_installed_is_named() -> None:
         message_class('robot_msgs/msg/Pose')
     with pytest.raises(InputError, match='message type std_msgs/msg/Nothing of the bag is not installed'):
         message_class('std_msgs/msg/Nothing')
+
+
+def test_what_is_not_installed_is_passed_over() -> None:
+    """A recording of the whole robot could not be played, for one topic of a type that nobody listens to."""
+    bag = read_bag(BAG)
+    others = (Topic('/events/write_split', 'rosbag2_interfaces/msg/WriteSplitEvent', False), Topic('/a', '', False))
+    foreign = [BagMessage(topic.name, topic.type, bag.messages[0].stamp, b'') for topic in others]
+    part, missing = installed_part(
+        dataclasses.replace(bag, topics=(*others, *bag.topics), messages=(*foreign, *bag.messages))
+    )
+    assert part == bag
+    assert missing == {topic.type: [topic.name] for topic in others}
+    with pytest.raises(InputError, match='nothing can be played: rosbag2_interfaces/msg/WriteSplitEvent'):
+        installed_part(dataclasses.replace(bag, topics=others, messages=tuple(foreign)))
+
+
+def test_a_replay_yields_to_no_other_topic_of_that_name(graph: Any, tmp_path: Path) -> None:
+    """A bag of the whole robot could not be played beside one that speaks."""
+    text = 'std_msgs/msg/String'
+    chat = Topic('/chat/turn', text, False)
+    ours = next(message for message in read_bag(BAG).messages if message.topic.endswith('/turn'))
+    with BagWriter(tmp_path / 'b', [Topic('/robot/turn', text, True), chat]) as writer:
+        writer.write('/robot/turn', ours.data, 1)
+        writer.write('/chat/turn', b'\x00\x01\x00\x00\x01\x00\x00\x00\x00', 2)
+    bag = read_bag(tmp_path / 'b')
+    graph.ears.create_publisher(String, 'chat/turn', qos.LATCHED)
+    node = graph.start(lambda **others: ReplayNode(bag, Playback(bag.messages, paused=True), 0.0, 0.0, **others))
+    graph.wait_for(lambda: node.other_publishers(f'/{graph.namespace}/chat/turn'), 'the other publisher')
+    node.press(' ')
+    graph.wait_for(lambda: node.over, 'the end of the replay')
+    assert node.failure is None
+    assert node.playback.position == 2
 
 
 def _recorded(name: str) -> list[BagMessage]:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import csv
 import dataclasses
+import itertools
 import json
 import sqlite3
 from pathlib import Path
@@ -15,7 +16,7 @@ from al_questioner.cli import main
 from al_questioner.domain import Answer, EpisodeSettings, LateAnswerError, Outcome, Scene, generator
 from al_questioner.imitation.bags import read_demonstrations
 from al_questioner.questioning import FEATURE_SETS, Choice, Episode, Observed, Situation, make_strategy
-from al_questioner.recording import SessionLog, read_log, read_sessions
+from al_questioner.recording import SessionLog, read_log, read_sessions, session_log
 from al_questioner.recording.session_events import Begun, Encoder, Seen, decoded
 from al_questioner.recording.session_log import DATABASE
 from al_questioner.rerun import decisions_anew, first_divergence
@@ -165,6 +166,26 @@ def test_names_that_tasks_may_not_have_any_more_stay_readable(
     (recorded,) = read_sessions(Path(paths[2]))
     assert recorded.settings.symbols == symbols
     assert first_divergence(recorded) is None
+
+
+@pytest.mark.parametrize('corrected', [False, True])
+def test_a_clock_that_was_put_back_hides_nothing_of_a_session(
+    tmp_path: Path, world: PerceivedWorld, monkeypatch: pytest.MonkeyPatch, corrected: bool
+) -> None:
+    """Of the bag, which has the times of the log, a part would be checked and learnt from."""
+    ticks = itertools.count()
+
+    def put_back() -> int:
+        tick = next(ticks)
+        return (10**9 + tick - (3600 if tick > 9 else 0)) * 10**9
+
+    monkeypatch.setattr(session_log.time, 'time_ns', put_back)
+    write_session(tmp_path / 'log', world, corrected)
+    assert next(ticks) > 18
+    assert main(['session', str(tmp_path / 'log'), '--bag', str(tmp_path / 'bag')]) == 0
+    (session,) = read_sessions(tmp_path / 'bag')
+    assert len(session.turns) == 7
+    assert first_divergence(session) is None
 
 
 @pytest.mark.parametrize('name', FEATURE_SETS)

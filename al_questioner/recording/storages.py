@@ -1,0 +1,94 @@
+"""The files of bags: which ones hold messages, and what is in them, in the order in which it was written."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from rosbags.interfaces import Connection
+from rosbags.rosbag2 import Reader
+from rosbags.rosbag2.reader import DirectoryReader
+from rosbags.rosbag2.storage_mcap import McapReader
+from rosbags.rosbag2.storage_sqlite3 import Sqlite3Reader
+
+if TYPE_CHECKING:
+    from rosbags.rosbag2.reader import ReaderProtocol
+
+STORAGE_SUFFIXES = {'mcap': '.mcap', 'sqlite3': '.db3'}
+"""Suffix of a bag's file by the name of its storage."""
+COMPRESSED = '.zstd'
+"""Added to the name of a file that was compressed as a whole."""
+
+_ZSTD = b'\x28\xb5\x2f\xfd'
+"""How everything begins that zstd has compressed; a serialised message begins with 0."""
+_ROS_1 = b'#ROSBAG V'
+_MCAP_OF_ROS_1 = b'\x04\x00\x00\x00ros1'
+"""The profile in the first record of a file."""
+
+
+def storage_files(path: Path) -> Iterator[Path]:
+    """The files of a bag's directory that hold messages and are not compressed."""
+    for suffix in STORAGE_SUFFIXES.values():
+        yield from sorted(path.glob(f'*{suffix}'))
+
+
+def holds_messages(file: Path) -> bool:
+    """Whether it is one of the files of a bag, compressed or not."""
+    return file.suffix != '.broken' and bool({*file.suffixes} & {*STORAGE_SUFFIXES.values()})
+
+
+def is_compressed(path: Path) -> bool:
+    """Whether it is a compressed file of messages, or a directory with one."""
+    files = [path] if path.is_file() else path.iterdir()
+    return any(holds_messages(file) and file.suffix == COMPRESSED for file in files)
+
+
+def of_ros_1(path: Path) -> Path | None:
+    """The file that was recorded by ROS 1: the path itself, or one of a bag's directory; None if there is none."""
+    files = [path] if path.is_file() else list(storage_files(path)) or sorted(path.glob('*.bag'))
+    for file in files:
+        with file.open('rb') as stream:
+            head = stream.read(64)
+        if head.startswith(_ROS_1) or (head.startswith(b'\x89MCAP') and _MCAP_OF_ROS_1 in head):
+            return file
+    return None
+
+
+def files_of(reader: Reader) -> list[ReaderProtocol]:
+    """The readers of the single files of an open bag, in order."""
+    return reader.storage.storages if isinstance(reader.storage, DirectoryReader) else [reader.storage]
+
+
+def written_order(storage: ReaderProtocol) -> Iterator[tuple[Connection, int, bytes]]:
+    """The messages of a file, with their topics and stamps, as they were written.
+
+    The stamps are those of the recorder's clock, which may have gone back: their order is another one then.
+    """
+    if isinstance(storage, McapReader):
+        found: Iterator[tuple[Connection, int, bytes]] = storage.messages_scan(storage.connections)
+    elif isinstance(storage, Sqlite3Reader):
+        found = _rows(storage)
+    else:
+        raise TypeError(f'unknown storage {type(storage).__name__}')
+    for connection, stamp, data in found:
+        yield connection, stamp, plain(bytes(data))
+
+
+def plain(data: bytes) -> bytes:
+    """A message, decompressed if it was compressed."""
+    if not data.startswith(_ZSTD):
+        return data
+    # Read by the library that wrote it: its name depends on the version of Python.
+    from rosbags.rosbag2 import reader
+
+    return bytes(reader.zstd.decompress(data))  # type: ignore[attr-defined]
+
+
+def _rows(storage: Sqlite3Reader) -> Iterator[tuple[Connection, int, bytes]]:
+    by_number = {connection.id: connection for connection in storage.connections}
+    if storage.dbconn is not None:
+        rows = storage.dbconn.execute('SELECT topic_id, timestamp, data FROM messages ORDER BY rowid')
+        for number, stamp, data in rows:
+            if number in by_number:
+                yield by_number[number], stamp, data

@@ -1,0 +1,43 @@
+"""Which message types are installed: a recording of a whole robot holds others."""
+
+from __future__ import annotations
+
+import importlib
+from collections import defaultdict
+from collections.abc import Mapping, Sequence
+from dataclasses import replace
+from typing import Any
+
+from al_questioner.domain import InputError
+from al_questioner.recording import Bag
+
+
+def message_class(type_: str) -> Any:
+    """The class of a type such as 'std_msgs/msg/String'.
+
+    Raises:
+        InputError: it is not installed.
+    """
+    package, _, name = type_.partition('/msg/')
+    try:
+        return getattr(importlib.import_module(f'{package}.msg'), name)
+    except (ImportError, AttributeError, ValueError, TypeError) as error:
+        raise InputError(f'message type {type_} of the bag is not installed ({error})') from error
+
+
+def installed_part(bag: Bag) -> tuple[Bag, Mapping[str, Sequence[str]]]:
+    """What of a bag can be played, and by message types that are not installed the topics that are passed over.
+
+    Raises:
+        InputError: no message of it can be.
+    """
+    missing: dict[str, list[str]] = defaultdict(list)
+    for topic in bag.topics:
+        try:
+            message_class(topic.type)
+        except InputError:
+            missing[topic.type].append(topic.name)
+    messages = tuple(message for message in bag.messages if message.type not in missing)
+    if not messages:
+        raise InputError(f'{bag.path}: nothing can be played: {", ".join(missing)} is not installed')
+    return replace(bag, topics=tuple(t for t in bag.topics if t.type not in missing), messages=messages), missing
