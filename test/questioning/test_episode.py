@@ -252,6 +252,22 @@ def test_demonstration_is_learnt(scripted, toy):
     assert episode.knowledge.is_labelled(scene).tolist() == [False, False, False, True]
 
 
+def test_a_demonstration_query_tells_what_is_known(scripted, toy):
+    """As it looks now: a teacher would show again what was named, or never again what has changed."""
+    episode, scene, ask = scripted
+    episode.tell(toy.reply(ask(LABEL), NO_SYMBOL))
+    assert ask(SUBSET).known is None
+    episode.tell(toy.reply(episode.pending, None, Outcome.UNKNOWN))
+    query = ask(DEMONSTRATION)
+    assert query.known == (11,)
+    episode.tell(toy.reply(query, 13))
+    assert ask(DEMONSTRATION).known == (11, 13)
+    episode.tell(toy.reply(episode.pending, 13))
+    turned = scene.features.copy()
+    turned[3] += 1
+    assert ask(DEMONSTRATION, toy.scene(turned, scene.object_ids)).known == (11,)
+
+
 def test_demonstration_of_nothing_teaches_nothing_but_costs(scripted, toy):
     episode, scene, ask = scripted
     record = episode.tell(toy.reply(ask(DEMONSTRATION), NO_SYMBOL))
