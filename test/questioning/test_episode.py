@@ -182,6 +182,8 @@ def test_a_scene_without_things_is_a_scene(toy, strategy, first):
         if is_empty:
             assert {action.kind for action in decision.candidates} <= {SUBSET.kind, NOTHING.kind}
             assert decision.features.shape == (len(decision.candidates), 7)
+        assert episode.knowledge.kernel.length_scale > 0
+        assert len(episode.knowledge.active_features) == 5
         if decision.query:
             kinds.add(decision.query.action.kind)
             episode.tell(full.answer(decision.query))
