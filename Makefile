@@ -35,11 +35,12 @@ test: setup
 test-all: setup
 	$(PYTEST)
 
-# All of docs/reproduction.md: the weights from the demonstrations, then the comparison and what stands beside it.
+# All of docs/reproduction.md: the weights from the demonstrations, then the comparison and what stands beside it. The paper
+# does not say that its teacher shows other things than before, hence --repeat-shown.
 reproduction: setup
 	$(RUN) al_questioner train_weights bags/expert_0 bags/expert_1 bags/expert_2 --out out/reproduction/weights.yaml
 	$(RUN) al_questioner experiment --out out/reproduction --weights-file out/reproduction/weights.yaml --samples 20 \
-		--task prepare_lunch pack_lunchbox kitchen_table --amplitude 4 --ceilings --studies --page docs/reproduction.md
+		--task prepare_lunch pack_lunchbox kitchen_table --amplitude 4 --repeat-shown --ceilings --studies --page docs/reproduction.md
 
 lint: setup
 	$(RUN) ruff format --check .

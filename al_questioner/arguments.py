@@ -12,6 +12,9 @@ from al_questioner.domain import InputError
 LARGEST_SEED = 2**63 - 1
 """ROS parameters have 64 bits."""
 
+REPEAT_SHOWN_HELP = 'the scripted teacher shows also what is known when other things of the symbol are there'
+"""Of several executables."""
+
 
 class Parser(argparse.ArgumentParser):
     """A parser whose complaints are one line, and to which what begins like a negative number is no option."""

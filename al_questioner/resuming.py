@@ -3,9 +3,10 @@
 from __future__ import annotations
 
 import contextlib
+import dataclasses
 
 from al_questioner.differences import differences
-from al_questioner.domain import AUTO, Answer, Decision, InputError, LateAnswerError, generator
+from al_questioner.domain import AUTO, Answer, Decision, InputError, LateAnswerError, Query, generator
 from al_questioner.questioning import Episode, Human, Remembered
 from al_questioner.recording.session_events import (
     Begun,
@@ -104,7 +105,7 @@ class Replay:
         action = decision.candidates[decision.chosen]
         if action != recorded.action:
             raise ReplayError(f'turn {recorded.turn}: {action} is chosen, {recorded.action} was recorded')
-        if decision.query != recorded.query:
+        if not _is_same_query(decision.query, recorded.query):
             raise ReplayError(f'turn {recorded.turn}: {decision.query} is asked, {recorded.query} was recorded')
         self.asked(seen, decision)
 
@@ -122,6 +123,13 @@ class Replay:
                 f'turn {self.episode.turn}: the models have version {version} after tuning,'
                 f' recorded were version {recorded.model_version} and turn {recorded.turn}'
             )
+
+
+def _is_same_query(query: Query | None, recorded: Query | None) -> bool:
+    """Whether they ask the same; logs of earlier versions do not tell which things were known."""
+    if query is not None and recorded is not None and recorded.known is None:
+        query = dataclasses.replace(query, known=None)
+    return query == recorded
 
 
 class DurableEpisode:

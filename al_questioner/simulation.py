@@ -9,6 +9,7 @@ from __future__ import annotations
 import operator
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
+from fractions import Fraction
 from functools import cached_property, lru_cache, partial
 from pathlib import Path
 
@@ -174,8 +175,10 @@ def accuracy(probabilities: NDArray[np.float64], labels: Sequence[str], symbols:
     truth = np.array([symbols.index(label) for label in labels])
     probabilities = np.asarray(probabilities)
     largest = probabilities == probabilities.max(axis=1, keepdims=True)
-    hits = largest[np.arange(len(truth)), truth] / largest.sum(axis=1)
-    return float(hits.mean())
+    tied = largest.sum(axis=1)[largest[np.arange(len(truth)), truth]]
+    # In fractions: thirds would add up to one number or another, by the order of the observations.
+    hits = sum(Fraction(int(count), ties) for ties, count in enumerate(np.bincount(tied)) if count)
+    return float(Fraction(hits) / len(truth))
 
 
 @dataclass(frozen=True)

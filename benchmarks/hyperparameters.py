@@ -94,7 +94,7 @@ def play(case: Case) -> Outcome:
     hyperparameters.LENGTH_SCALE_FACTOR = case.prior.length_scale_factor
     hyperparameters.PRIOR_DEVIATIONS = np.array(case.prior[2:])
     task = load_task(case.task)
-    teacher = ScriptedTeacher(task.symbols, task.relevant_groups, case.sample)
+    teacher = ScriptedTeacher(task.symbols, task.relevant_groups, case.sample, repeat_shown=True)
     settings = episode_settings(
         task, case.strategy, case.budget, case.turns, amplitude=case.amplitude, tune_every=case.tune_every
     )

@@ -56,7 +56,7 @@ def held_out(like: EpisodeSettings, task_name: str, count: int) -> list[tuple[De
     for seed in range(FIRST_HELD_OUT, FIRST_HELD_OUT + count):
         choice = WorldChoice(task, seed, seed)
         world = PerceivedWorld(choice.open())
-        teacher = ScriptedTeacher(task.symbols, task.relevant_groups, seed)
+        teacher = ScriptedTeacher(task.symbols, task.relevant_groups, seed, repeat_shown=True)
         found.append((demonstrate(choice, like, teacher, world), world))
     return found
 
@@ -95,7 +95,7 @@ def condition_rows(policies: Mapping[str, Array], task_name: str, samples: int) 
             )
             results = []
             for sample, world in worlds.items():
-                teacher = ScriptedTeacher(task.symbols, task.relevant_groups, sample)
+                teacher = ScriptedTeacher(task.symbols, task.relevant_groups, sample, repeat_shown=True)
                 results.append(run_episode(WorldChoice(task, sample, sample), settings, teacher, world=world))
             queries = [len(result.queries) for result in results]
             subset = [

@@ -119,7 +119,7 @@ def play(case: Case) -> list[Label]:
     settings = episode_settings(choice.task, case.strategy, case.budget, case.turns)
     world = PerceivedWorld(choice.open())
     strategy = Measuring(make_strategy(settings.strategy, settings.weights), world, case.every)
-    teacher = ScriptedTeacher(choice.task.symbols, choice.task.relevant_groups, case.sample)
+    teacher = ScriptedTeacher(choice.task.symbols, choice.task.relevant_groups, case.sample, repeat_shown=True)
     for _ in turns(Episode(settings, generator(case.sample, 'learner'), strategy=strategy), world, teacher):
         pass
     return strategy.found

@@ -20,13 +20,12 @@ from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.stats import mannwhitneyu
 
 from al_questioner.domain import InputError
 from al_questioner.experiments.figures import draw_cost_curves
 from al_questioner.experiments.plan import CONTROLS, PAPER_CONDITIONS, PAPER_STRATEGIES, Condition
 from al_questioner.experiments.results import EpisodeRow, Results, read_together
-from al_questioner.experiments.statistics import holm, paired_p
+from al_questioner.experiments.statistics import best_of, holm, paired_p, u_test
 
 Array = NDArray[np.float64]
 
@@ -101,7 +100,7 @@ def best_control(results: Results, cell: Cell) -> str:
     means = {name: mean for name in CONTROLS if (mean := results.mean_accuracy(*cell, name)) is not None}
     if not means:
         raise InputError(f'{cell.task}, {cell.condition}: no control was played, of {", ".join(CONTROLS)}')
-    return max(means, key=means.__getitem__)
+    return best_of(means)
 
 
 def accuracies_of_both(results: Results, cells: Sequence[Cell], first: str, other: str) -> tuple[Array, Array]:
@@ -116,11 +115,6 @@ def accuracies_of_both(results: Results, cells: Sequence[Cell], first: str, othe
         return np.mean([[accuracies[sample] for sample in samples] for accuracies in by_cell], axis=0)
 
     return averages(ours), averages(theirs)
-
-
-def u_test_p(ours: Array, theirs: Array) -> float:
-    """Of the one-tailed Mann-Whitney U test that ours are larger."""
-    return float(mannwhitneyu(ours, theirs, alternative='greater').pvalue)
 
 
 def print_accuracies(results: Results, task: str) -> None:
@@ -146,7 +140,7 @@ def print_tests(results: Results, strategy: str, others: Mapping[Cell, str]) -> 
     pairs = {cell: accuracies_of_both(results, [cell], strategy, other) for cell, other in others.items()}
     pairs = {cell: pair for cell, pair in pairs.items() if len(pair[0]) > 1}
     wilcoxon = holm([paired_p(*pair) for pair in pairs.values()])
-    mann_whitney = holm([u_test_p(*pair) for pair in pairs.values()])
+    mann_whitney = holm([u_test(*pair)[1] for pair in pairs.values()])
     rows = []
     for (cell, (ours, theirs)), p, u in zip(pairs.items(), wilcoxon, mann_whitney, strict=True):
         difference = ours - theirs
@@ -165,7 +159,7 @@ def print_averages(results: Results, strategy: str) -> None:
             ours, theirs = accuracies_of_both(results, cells_of(results, [task]), strategy, other)
             if len(ours) > 1:
                 means = f'{ours.mean():.3f}', f'{theirs.mean():.3f}'
-                tests = f'{paired_p(ours, theirs):.4f}', f'{u_test_p(ours, theirs):.4f}'
+                tests = f'{paired_p(ours, theirs):.4f}', f'{u_test(ours, theirs)[1]:.4f}'
                 rows.append((task, f'`{other}`', len(ours), *means, *tests))
     print_table(('task', 'against', 'samples', 'ours', 'theirs', 'Wilcoxon', 'Mann-Whitney'), rows)
 

@@ -22,7 +22,18 @@ from al_questioner.domain import (
 )
 from al_questioner.questioning import Situation, human
 from al_questioner.recording import LogWriteError, SessionLog, SessionLogError, read_log
-from al_questioner.recording.session_events import Begun, Encoder, KeptLate, Passed, Refused, Seen, Told, Tuned, decoded
+from al_questioner.recording.session_events import (
+    Begun,
+    Decided,
+    Encoder,
+    KeptLate,
+    Passed,
+    Refused,
+    Seen,
+    Told,
+    Tuned,
+    decoded,
+)
 from al_questioner.resuming import DurableEpisode, Replay, ReplayError
 from al_questioner.simulation import PerceivedWorld, WorldChoice, episode_settings
 from al_questioner.teaching import ScriptedTeacher
@@ -102,6 +113,24 @@ def test_killed_at_random_moments(tmp_path: Path) -> None:
     result = drive('random', tmp_path, 200, 1)
     assert result['problems'] == []
     assert result['kills'] >= 200
+
+
+def test_a_log_that_does_not_tell_what_was_known_is_gone_on_with(tmp_path: Path, world: PerceivedWorld) -> None:
+    """Sessions of earlier versions would be lost."""
+    of_demonstrations = begun(settings=episode_settings(TASK, 'rarest_demo', 20.0, 8))
+    session = DurableEpisode(of_demonstrations, SessionLog(tmp_path))
+    session.start()
+    play_turns(session, world, 5)
+    session.close()
+    replay, asked = Replay(of_demonstrations), []
+    for event in events(tmp_path)[1:]:
+        earlier = event
+        if isinstance(event, Decided) and event.query is not None:
+            asked.append(event.query)
+            earlier = dataclasses.replace(event, query=dataclasses.replace(event.query, known=None))
+        replay.play(earlier)
+    assert any(query.known for query in asked)
+    assert replay.episode.records == session.episode.records
 
 
 def test_the_same_state_after_resuming(tmp_path: Path, world: PerceivedWorld) -> None:

@@ -2,14 +2,27 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
+from fractions import Fraction
+
 import numpy as np
 import pytest
 from numpy.typing import NDArray
 
-from al_questioner.domain import AMPLITUDE, EpisodeSettings, SettingsError, View, generator
+from al_questioner.domain import (
+    AMPLITUDE,
+    Answer,
+    EpisodeSettings,
+    Query,
+    QueryKind,
+    SettingsError,
+    View,
+    generator,
+)
 from al_questioner.perception import perceive, view_features
 from al_questioner.questioning import STRATEGIES, Episode
 from al_questioner.simulation import (
+    EpisodeResult,
     Evaluation,
     PerceivedWorld,
     WorldChoice,
@@ -25,7 +38,7 @@ CHOICE = WorldChoice(TASK, 4, 4)
 SYMBOLS = ('a', 'b')
 
 
-def teacher(**rates: float) -> ScriptedTeacher:
+def teacher(**rates: float | bool) -> ScriptedTeacher:
     return ScriptedTeacher(TASK.symbols, TASK.relevant_groups, 4, **rates)
 
 
@@ -41,6 +54,49 @@ def teacher(**rates: float) -> ScriptedTeacher:
 def test_accuracy_of_hand_made_cases(probabilities: list[list[float]], expected: float) -> None:
     """Every reported figure would be another one; a learner that knows nothing must be at chance."""
     assert accuracy(np.array(probabilities), ['a', 'b'], SYMBOLS) == expected
+
+
+@pytest.mark.parametrize('symbols', [3, 5, 7])
+def test_an_accuracy_is_one_number_whatever_the_order(symbols: int) -> None:
+    """Two strategies that are equally accurate would be told apart by the order of the observations."""
+    rng, names = np.random.default_rng(0), tuple('abcdefg'[:symbols])
+    hits = np.array([True] * 10 + [False] * 27)
+    found = set()
+    for _ in range(200):
+        certain = np.where(np.arange(symbols) == 0, 0.9, 0.1)
+        probabilities = np.where(rng.permutation(hits)[:, None], certain, 0.5)
+        found.add(accuracy(probabilities, ['a'] * 37, names))
+    assert found == {float(Fraction(10 * symbols + 27, 37 * symbols))}
+
+
+def repeats(result: EpisodeResult) -> int:
+    """How many things were shown that had been named as they look, while others of the symbol were there."""
+    world, known, count = PerceivedWorld(result.choice.open()), set(), 0
+    for record in result.queries:
+        if record.object_id is None:
+            continue
+        views = {o.object_id: (o.object_id, id(o)) for o in world.observations(record.turn)}
+        truth = world.truth(record.turn)
+        fresh = [i for i, view in views.items() if view not in known and truth[i] == record.symbol]
+        count += bool(record.kind is QueryKind.DEMONSTRATION and views[record.object_id] in known and fresh)
+        known.add(views[record.object_id])
+    return count
+
+
+@pytest.mark.parametrize('task', ['prepare_lunch', 'kitchen_table'])
+def test_the_teacher_shows_what_the_learner_does_not_know(task: str) -> None:
+    """Demonstrations would be paid for and tell nothing; and a teacher that is started anew must know as much."""
+
+    class StartedAnew:
+        def answer(self, query: Query, truth: Mapping[int, str]) -> Answer:
+            return teacher().answer(query, truth)
+
+    choice = WorldChoice(load_task(task), 4, 4)
+    settings = episode_settings(choice.task, 'rarest_demo', budget=100, turns=40)
+    once = run_episode(choice, settings, teacher())
+    assert repeats(once) == 0
+    assert repeats(run_episode(choice, settings, teacher(repeat_shown=True))) > 0
+    assert run_episode(choice, settings, StartedAnew()) == once
 
 
 def test_what_is_said_later_is_measured_as_if_it_had_been_said_at_once() -> None:

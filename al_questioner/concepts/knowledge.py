@@ -171,6 +171,7 @@ class Knowledge:
             self.feature_names = scene.feature_names
             self.groups = tuple(dict.fromkeys(group_of(name) for name in scene.feature_names))
             self._standardiser = Standardiser(len(scene.feature_names))
+            self._active = np.ones(len(scene.feature_names), dtype=bool)
         views = [row.tobytes() for row in scene.features.astype(np.float32)]
         new = [self._last_views.get(i) != view for i, view in zip(scene.object_ids, views, strict=True)]
         if any(new):

@@ -10,7 +10,7 @@ from pathlib import Path
 
 from rich.console import Console
 
-from al_questioner.arguments import LARGEST_SEED, Parser, number
+from al_questioner.arguments import LARGEST_SEED, REPEAT_SHOWN_HELP, Parser, number
 from al_questioner.concepts import compile_models
 from al_questioner.configuration import shipped_names
 from al_questioner.demo.pictures import draw_pictures
@@ -56,6 +56,7 @@ def parser() -> Parser:
     result.add_argument('--sample', type=seed, help='sample of observations to draw the scenes from (that of the seed)')
     result.add_argument('--wrong-rate', type=float, default=0.0, help='share of wrong answers (%(default)s)')
     result.add_argument('--unknown-rate', type=float, default=0.0, help='share of "I do not know" (%(default)s)')
+    result.add_argument('--repeat-shown', action='store_true', help=REPEAT_SHOWN_HELP)
     period = number(float, 0, 3600)
     period_help = 'least seconds from turn to turn, not offline (%(default)s)'
     result.add_argument('--turn-period', type=period, default=0.0, help=period_help)
@@ -105,6 +106,7 @@ def main(arguments: Sequence[str]) -> int:
         given.seed,
         given.wrong_rate,
         given.unknown_rate,
+        repeat_shown=given.repeat_shown,
     )
     world = None if made_up is None else PerceivedWorld(made_up, made_up_scene)
     evaluation = Evaluation(choice, settings, world)
@@ -170,7 +172,12 @@ def _play_graph(given: argparse.Namespace, evaluation: Evaluation, watch: TurnWa
         episode_id=episode_id,
         parameters={
             'perception': world,
-            'teacher': {**world, 'wrong_rate': given.wrong_rate, 'unknown_rate': given.unknown_rate},
+            'teacher': {
+                **world,
+                'wrong_rate': given.wrong_rate,
+                'unknown_rate': given.unknown_rate,
+                'repeat_shown': given.repeat_shown,
+            },
             'learner': {
                 **world,
                 'strategy': settings.strategy,

@@ -46,6 +46,7 @@ def episode_document(result: EpisodeResult, teacher: ScriptedTeacher, world: Per
         'kernel': asdict(result.kernel),
         'wrong_rate': teacher.wrong_rate,
         'unknown_rate': teacher.unknown_rate,
+        'repeat_shown': teacher.repeat_shown,
         'version': __version__,
     }
 

@@ -57,6 +57,8 @@ class Query:
         turns_left: turns after this one.
         model_version: how often the models had been fitted when it was asked.
         text: the question in plain English.
+        known: of a demonstration query, ids of the things in the scene that have been named as they look now: another
+            one is of more use. None of other queries, and where it is not told.
     """
 
     query_id: str
@@ -68,6 +70,7 @@ class Query:
     turns_left: int
     model_version: int
     text: str
+    known: tuple[int, ...] | None = None
 
 
 Content = str | int | tuple[str, ...] | None

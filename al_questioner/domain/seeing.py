@@ -69,7 +69,7 @@ def group_of(feature_name: str) -> str:
 
 @dataclass(frozen=True, eq=False)
 class Scene:
-    """The objects seen this turn, as feature vectors; one observation per object.
+    """The objects seen this turn, as feature vectors; one observation per object. There may be none.
 
     Lists will do for tuples and arrays; what is no array of floating-point numbers becomes one of float32.
 
@@ -80,8 +80,8 @@ class Scene:
         feature_names: m distinct names; the group of a feature is `group_of` its name.
 
     Raises:
-        SceneError: no object, no feature, a shape that does not fit, an id that is no whole number, a name that is no
-            text, a repeated id or name, or a value that is no finite number.
+        SceneError: no feature, a shape that does not fit, an id that is no whole number, a name that is no text, a
+            repeated id or name, or a value that is no finite number.
     """
 
     object_ids: tuple[int, ...]
@@ -98,8 +98,6 @@ class Scene:
         ):
             object.__setattr__(self, name, read(getattr(self, name), name))
         n, m = len(self.object_ids), len(self.feature_names)
-        if n == 0:
-            raise SceneError('the scene is empty: it holds no object')
         if m == 0:
             raise SceneError('the scene has no features')
         if self.features.shape != (n, m):
@@ -108,7 +106,7 @@ class Scene:
             raise SceneError(f'positions have shape {self.positions.shape}, expected {(n, 3)}')
         if len(set(self.object_ids)) < n:
             raise SceneError('an object id occurs twice in the scene')
-        if min(self.object_ids) < 0:
+        if min(self.object_ids, default=0) < 0:
             raise SceneError('an object id is negative')
         if len(set(self.feature_names)) < m:
             raise SceneError('a feature name occurs twice in the scene')

@@ -11,7 +11,7 @@ import numpy as np
 from al_questioner.domain import QueryKind
 from al_questioner.experiments.plan import PAPER_CONDITIONS, PAPER_STRATEGIES, PAPER_TASKS, Condition
 from al_questioner.experiments.results import Results, TurnRow
-from al_questioner.experiments.statistics import Comparison, compare, p_text, paired_p
+from al_questioner.experiments.statistics import Comparison, compare, exceeds, p_text, paired_p
 
 OURS = 'dt_task_env'
 BASELINES = tuple(name for name in PAPER_STRATEGIES if name != OURS)
@@ -103,9 +103,13 @@ def _accuracy_verdicts(results: Results, task: str, name: str) -> Iterator[Verdi
     if name == 'C2':
         ahead = min(means[strategy] for strategy in CONSERVATIVE)
         rest = max(means[strategy] for strategy in PAPER_STRATEGIES if strategy not in CONSERVATIVE)
-        yield Verdict(f'{where}: accuracy order: {OURS} and {EQUAL_IN_C2} ahead of the others', order, '', ahead > rest)
+        yield Verdict(
+            f'{where}: accuracy order: {OURS} and {EQUAL_IN_C2} ahead of the others', order, '', exceeds(ahead, rest)
+        )
     else:
-        yield Verdict(f'{where}: accuracy order: {OURS} first', order, '', means[OURS] >= max(means.values()))
+        yield Verdict(
+            f'{where}: accuracy order: {OURS} first', order, '', not exceeds(max(means.values()), means[OURS])
+        )
     comparisons = {c.other: c for c in baseline_comparisons(results, task, PAPER_CONDITIONS[name])}
     tests = '; '.join(
         f'{other}: {p_text(c.p)} (Holm {p_text(c.p_holm)}), superiority {c.superiority:.2f}'
@@ -147,7 +151,7 @@ def _never_below_task_centric(results: Results, task: str) -> Verdict:
         f'{task}, all conditions: {OURS} always performs at least as well as dt_iros and dt_task',
         ', '.join(f'{name} {gap:+.3f}' for name, gap in gaps.items()) + ' to the better of them',
         '',
-        min(gaps.values()) >= 0,
+        not exceeds(0.0, min(gaps.values())),
     )
 
 

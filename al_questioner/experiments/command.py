@@ -14,7 +14,7 @@ from pathlib import Path
 from rich.console import Console
 from rich.table import Table
 
-from al_questioner.arguments import Parser, number
+from al_questioner.arguments import REPEAT_SHOWN_HELP, Parser, number
 from al_questioner.concepts import compile_models
 from al_questioner.configuration import shipped_names
 from al_questioner.domain import AMPLITUDE, EpisodeError, SettingsError
@@ -100,6 +100,7 @@ def parser() -> Parser:
         default=0.0,
         help='share of questions without an answer (%(default)s)',
     )
+    result.add_argument('--repeat-shown', action='store_true', help=REPEAT_SHOWN_HELP)
     result.add_argument(
         '--amplitude',
         type=number(float, 1e-3, 1e3),
@@ -206,6 +207,7 @@ def _plan(given: argparse.Namespace, weights: Mapping[str, Mapping[str, float]])
             weights,
             unknown_rate=given.unknown_rate,
             amplitude=given.amplitude,
+            repeat_shown=given.repeat_shown,
         ),
     )
 
@@ -238,6 +240,7 @@ def _varied(given: argparse.Namespace) -> str:
         'synchrony {}': given.synchrony,
         'share of wrong answers {}': given.wrong_rate or None,
         'share of questions without an answer {}': given.unknown_rate or None,
+        'the teacher shows also what is known': given.repeat_shown or None,
         'amplitude {:g}': given.amplitude if given.amplitude != AMPLITUDE else None,
     }
     return ', '.join(text.format(value) for text, value in parts.items() if value is not None)

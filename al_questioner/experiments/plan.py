@@ -73,6 +73,7 @@ class Variation:
         selector: of u_sampling, a key of `SELECTORS`.
         repeats: whether u_sampling may ask about a view that has been labelled.
         amplitude: of the kernel.
+        repeat_shown: whether the teacher shows also what is known when other things of the symbol are there.
     """
 
     change_interval: int | None = None
@@ -83,6 +84,7 @@ class Variation:
     repeats: bool = True
     unknown_rate: float = 0.0
     amplitude: float = AMPLITUDE
+    repeat_shown: bool = False
 
     def strategy(self, name: str) -> Strategy | None:
         """The strategy of this name as it is varied; None for one that is as its settings say."""

@@ -94,7 +94,12 @@ def play_episode(cell: Cell, variation: Variation, dataset: str = '') -> Episode
     task = variation.task(cell.task).of_sample(cell.sample)
     choice = WorldChoice(task, cell.seed, cell.sample, Path(dataset) if dataset else None)
     teacher = ScriptedTeacher(
-        task.symbols, task.relevant_groups, cell.seed, variation.wrong_rate, variation.unknown_rate
+        task.symbols,
+        task.relevant_groups,
+        cell.seed,
+        variation.wrong_rate,
+        variation.unknown_rate,
+        repeat_shown=variation.repeat_shown,
     )
     world = _open_world(cell.task, cell.sample, variation.change_interval, variation.synchrony, dataset)
     if cell.strategy in CEILINGS:

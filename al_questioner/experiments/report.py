@@ -16,8 +16,10 @@ from al_questioner.experiments.results import Results
 from al_questioner.experiments.statistics import (
     LEAST_FOR_INTERVAL,
     Comparison,
+    best_of,
     compare,
     control_test,
+    exceeds,
     mean_and_deviation,
     p_text,
 )
@@ -141,13 +143,13 @@ def _first_paragraph(results: Results) -> str:
             better = [
                 f'{name} {accuracies[name].mean():.3f}'
                 for name in BASELINES
-                if name in accuracies and accuracies[name].mean() > accuracies[OURS].mean()
+                if name in accuracies and exceeds(accuracies[name].mean(), accuracies[OURS].mean())
             ]
             if better:
                 others.append(f'{task}, {condition_name(condition)}: {", ".join(better)}')
-            best = max(controls, key=lambda name: controls[name])
+            best = best_of(controls)
             ours = float(accuracies[OURS].mean())
-            if controls[best] > ours:
+            if exceeds(controls[best], ours):
                 rivals = [accuracies[name] for name in controls if name != best]
                 p = control_test(accuracies[best], rivals, accuracies[OURS])
                 where = f'{task}, {condition_name(condition)}'
@@ -314,7 +316,8 @@ def _better_than_ours(
     for task, condition in cells:
         ours = own.mean_accuracy(task, condition, OURS)
         means = {label: results.mean_accuracy(task, condition, strategy) for label, results in columns.items()}
-        better = [label for label, mean in means.items() if mean is not None and ours is not None and mean > ours]
+        known = {label: mean for label, mean in means.items() if mean is not None}
+        better = [label for label, mean in known.items() if ours is not None and exceeds(mean, ours)]
         if better:
             found.append(f'{task}, {condition_name(condition)}: {"; ".join(better)}')
     listed = '\n'.join(f'- {line}' for line in found)

@@ -12,6 +12,8 @@ from scipy.stats import bootstrap, mannwhitneyu, wilcoxon
 Array = NDArray[np.float64]
 
 RESAMPLES = 2000
+ROUNDING = 1e-9
+"""Accuracies, or means of them, that differ by less are equal: the rest is the order in which they were summed."""
 LEAST_FOR_INTERVAL = 5
 """Samples below which resampling them says nothing of others: two that differ would give [1, 1]."""
 
@@ -48,24 +50,52 @@ def compare(first: Array, others: Mapping[str, Array], seed: int = 0) -> list[Co
         others: (n,) accuracies of each other strategy, in the same order of samples.
         seed: of the bootstrap.
     """
-    tests = {name: mannwhitneyu(first, other, alternative='greater') for name, other in others.items()}
-    corrected = holm([float(test.pvalue) for test in tests.values()])
+    tests = {name: u_test(first, other) for name, other in others.items()}
+    corrected = holm([p for _, p in tests.values()])
     found = []
-    for (name, test), p_holm in zip(tests.items(), corrected, strict=True):
+    for (name, (statistic, p)), p_holm in zip(tests.items(), corrected, strict=True):
         other = others[name]
         found.append(
             Comparison(
                 other=name,
                 mean=float(np.mean(first)),
                 other_mean=float(np.mean(other)),
-                p=float(test.pvalue),
+                p=p,
                 p_holm=p_holm,
-                superiority=float(test.statistic) / (len(first) * len(other)),
+                superiority=statistic / (len(first) * len(other)),
                 interval=superiority_interval(first, other, seed),
                 p_paired=paired_p(first, other),
             )
         )
     return found
+
+
+def u_test(first: Array, other: Array) -> tuple[float, float]:
+    """Statistic and p-value of the one-tailed Mann-Whitney U test that the first is larger."""
+    pooled = without_rounding(np.concatenate([first, other]))
+    test = mannwhitneyu(pooled[: len(first)], pooled[len(first) :], alternative='greater')
+    return float(test.statistic), float(test.pvalue)
+
+
+def without_rounding(values: Array) -> Array:
+    """(n,) the values, those made equal that differ by rounding alone: each as the smallest of its like."""
+    order = np.argsort(values, kind='stable')
+    ordered = values[order]
+    is_new = np.diff(ordered, prepend=-np.inf) > ROUNDING
+    equal = np.empty_like(ordered)
+    equal[order] = ordered[is_new][np.cumsum(is_new) - 1]
+    return equal
+
+
+def exceeds(first: float, other: float) -> bool:
+    """Whether a number is the larger one, and not by rounding alone."""
+    return first - other > ROUNDING
+
+
+def best_of(means: Mapping[str, float]) -> str:
+    """The name of the largest; the first one of those that differ from it by rounding alone."""
+    largest = max(means.values())
+    return next(name for name, mean in means.items() if not exceeds(largest, mean))
 
 
 def p_text(p: float) -> str:
@@ -81,8 +111,7 @@ def control_test(control: Array, others: Sequence[Array], first: Array) -> float
         others: of the other controls.
         first: of the strategy.
     """
-    tests = [mannwhitneyu(values, first, alternative='greater').pvalue for values in (control, *others)]
-    return holm([float(p) for p in tests])[0]
+    return holm([u_test(values, first)[1] for values in (control, *others)])[0]
 
 
 def holm(p_values: Sequence[float]) -> list[float]:
@@ -97,9 +126,11 @@ def holm(p_values: Sequence[float]) -> list[float]:
 
 def paired_p(first: Array, other: Array) -> float:
     """Of Wilcoxon's one-tailed signed-rank test that the first is larger; 1 if no pair differs."""
-    # Rounded, as equal accuracies that were averaged in another order are ties.
-    difference = np.round(first - other, 12)
-    return float(wilcoxon(difference, alternative='greater').pvalue) if difference.any() else 1.0
+    difference = first - other
+    # By their size, as the test ranks them.
+    sizes = without_rounding(np.append(np.abs(difference), 0.0))[:-1]
+    signed = np.sign(difference) * sizes
+    return float(wilcoxon(signed, alternative='greater').pvalue) if signed.any() else 1.0
 
 
 def superiority(first: Array, other: Array, axis: int = -1) -> Array:
@@ -113,7 +144,7 @@ def superiority(first: Array, other: Array, axis: int = -1) -> Array:
     if axis != -1:
         raise ValueError(f'the samples lie along the last axis, not {axis}')
     difference = first[..., :, None] - other[..., None, :]
-    return np.asarray(np.mean((difference > 0) + 0.5 * (difference == 0), axis=(-2, -1)))
+    return np.asarray(np.mean((difference > ROUNDING) + 0.5 * (np.abs(difference) <= ROUNDING), axis=(-2, -1)))
 
 
 def superiority_interval(first: Array, other: Array, seed: int) -> tuple[float, float] | None:

@@ -11,11 +11,10 @@ import numpy as np
 from scipy.special import log_softmax
 
 from al_questioner.domain import Outcome, QueryKind, QueryRecord, generator
-from al_questioner.imitation.demonstration import Array, Demonstration, Step, all_steps
+from al_questioner.imitation.demonstration import Array, Demonstration, Step, all_steps, teacher_of
 from al_questioner.questioning import Episode, Observed, make_strategy
 from al_questioner.questioning.choice import TIE
 from al_questioner.simulation import PerceivedWorld, turns
-from al_questioner.teaching import ScriptedTeacher
 
 
 @dataclass(frozen=True)
@@ -81,8 +80,7 @@ def imitate(weights: Array, demonstration: Demonstration, world: PerceivedWorld)
     settings = dataclasses.replace(demonstration.settings, strategy=feature_set.strategy, weights=named)
     learner = Observed(make_strategy(settings.strategy, named), feature_set)
     episode = Episode(settings, generator(choice.seed, 'learner'), demonstration.view_tolerance, learner)
-    teacher = ScriptedTeacher(choice.task.symbols, choice.task.relevant_groups, choice.seed)
-    played = [decision for decision, _ in islice(turns(episode, world, teacher), demonstration.turns)]
+    played = [decision for decision, _ in islice(turns(episode, world, teacher_of(choice)), demonstration.turns)]
     counts = np.mean([decision.features[decision.chosen] for decision in played], axis=0)
     return Imitation(np.asarray(counts), episode.records)
 

@@ -21,7 +21,14 @@ from al_questioner.imitation.choice_likelihood import RIDGE
 from al_questioner.imitation.demonstration import Demonstration
 from al_questioner.imitation.feature_matching import Iteration, MatchingSettings
 from al_questioner.imitation.pictures import draw_training
-from al_questioner.imitation.training import METHODS, Training, TrainingSettings, train, weights_document
+from al_questioner.imitation.training import (
+    METHODS,
+    Training,
+    TrainingSettings,
+    train,
+    validation_text,
+    weights_document,
+)
 from al_questioner.questioning import FEATURE_SETS, read_weights
 from al_questioner.recording import digest
 from al_questioner.recording.storages import STORAGE_SUFFIXES
@@ -54,7 +61,11 @@ def parser() -> Parser:
     )
     result.add_argument('--seed', type=number(int, 0, LARGEST_SEED), default=0, help='of the rollouts (%(default)s)')
     iterations_help = 'of maxent, at most (%(default)s)'
+    patience_help = (
+        'iterations of maxent without a new smallest gap, training or validation, until it stops (%(default)s)'
+    )
     result.add_argument('--iterations', type=number(int, 2, MOST), default=defaults.iterations, help=iterations_help)
+    result.add_argument('--patience', type=number(int, 1, MOST), default=defaults.patience, help=patience_help)
     rollouts_help = 'of each demonstration at each iteration of maxent (%(default)s)'
     result.add_argument('--rollouts', type=number(int, 2, MOST), default=defaults.rollouts, help=rollouts_help)
     validation_help = 'number of demonstrations, the last ones, that choose among the iterations (%(default)s)'
@@ -82,7 +93,7 @@ def main(arguments: Sequence[str]) -> int:
         raise InputError('a bag is named twice')
     left_out: list[str] = []
     demonstrations = read_demonstrations(paths, FEATURE_SETS[given.strategy], left_out)
-    matching = MatchingSettings(given.iterations, given.rollouts, seed=given.seed, jobs=given.jobs)
+    matching = MatchingSettings(given.iterations, given.rollouts, given.patience, given.seed, given.jobs)
     settings = TrainingSettings(given.method, given.validation, given.ridge, matching)
     with bars.Progress(
         bars.TextColumn('iteration {task.completed:.0f}, at most {task.total:.0f}'),
@@ -116,6 +127,8 @@ def main(arguments: Sequence[str]) -> int:
     draw_training(training, demonstrations, learner, picture)
     console.print(_table(training))
     console.print(_summary(training), highlight=False)
+    if training.matching is not None:
+        console.print(validation_text(training, training.matching), highlight=False, soft_wrap=True)
     _compare_eagerness(console, demonstrations, learner)
     for path in (given.out, picture):
         console.print(f'  {path}', highlight=False, soft_wrap=True)

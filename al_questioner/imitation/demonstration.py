@@ -165,6 +165,11 @@ def demonstrate(
     )
 
 
+def teacher_of(choice: WorldChoice) -> ScriptedTeacher:
+    """Who answers in rollouts: as in the demonstrations that ship, things are shown that are known already."""
+    return ScriptedTeacher(choice.task.symbols, choice.task.relevant_groups, choice.seed, repeat_shown=True)
+
+
 def all_steps(demonstrations: Sequence[Demonstration]) -> Iterator[Step]:
     """The steps of several demonstrations."""
     for demonstration in demonstrations:

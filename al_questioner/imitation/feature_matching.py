@@ -35,6 +35,9 @@ FIRST_ROLLOUTS = 8
 WINDOW = 10
 """Iterations over which weights and gaps are averaged: single ones are as noisy as their few rollouts."""
 
+TOO_LARGE = 2.0
+"""Times the smallest validation gap on the way: weights with a larger one do not hold what they were kept for."""
+
 
 @dataclass(frozen=True)
 class MatchingSettings:
@@ -79,12 +82,25 @@ class Matching:
         iterations: all that were made.
         kept: index of the last iteration of that window.
         gap: (F,) over the training demonstrations, of new rollouts with the weights.
+        validation_gap: (F,) the same over the validation demonstrations; that of training if there are none.
     """
 
     weights: Array
     iterations: tuple[Iteration, ...]
     kept: int
     gap: Array
+    validation_gap: Array
+
+    @property
+    def smallest_validation_gap(self) -> float:
+        """Length of the mean gap of the window that was kept: the smallest of all."""
+        return float(mean_gaps(self.iterations, self.kept)[1])
+
+    @property
+    def validation_failed(self) -> bool:
+        """Whether the validation gap of the weights is as large as before, or much larger than it was on the way."""
+        before, after = (float(np.linalg.norm(gap)) for gap in (self.iterations[0].validation_gap, self.validation_gap))
+        return after > min(before, TOO_LARGE * self.smallest_validation_gap)
 
 
 def match_features(
@@ -133,13 +149,15 @@ def match_features(
         kept = best_window(iterations)
         mean = np.asarray(np.mean([iteration.weights for iteration in window_of(iterations, kept)], axis=0))
         rollouts = simulator.roll_out(mean, settings.rollouts * FIRST_ROLLOUTS, f'{settings.seed}/kept')
-        return Matching(mean, tuple(iterations), kept, _gap(training, rollouts[: len(training)], scale))
+        gap = _gap(training, rollouts[: len(training)], scale)
+        held_out = _gap(validation, rollouts[len(training) :], scale) if validation else gap
+        return Matching(mean, tuple(iterations), kept, gap, held_out)
 
 
 def best_window(iterations: Sequence[Iteration]) -> int:
-    """Index of the last iteration of the window with the smallest mean validation gap; the last one if none is full."""
-    ends = range(WINDOW - 1, len(iterations))
-    return min(ends, key=lambda last: mean_gaps(iterations, last)[1], default=len(iterations) - 1)
+    """Index of the last iteration of the window with the smallest mean validation gap; a full one if there are any."""
+    ends = range(WINDOW - 1, len(iterations)) or range(len(iterations))
+    return min(ends, key=lambda last: mean_gaps(iterations, last)[1])
 
 
 def window_of(iterations: Sequence[Iteration], last: int) -> Sequence[Iteration]:

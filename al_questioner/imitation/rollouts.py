@@ -12,11 +12,10 @@ import numpy as np
 from scipy.special import softmax
 
 from al_questioner.domain import InputError, generator
-from al_questioner.imitation.demonstration import Array, Demonstration
+from al_questioner.imitation.demonstration import Array, Demonstration, teacher_of
 from al_questioner.questioning import Choice, Episode, FeatureSet, Situation
 from al_questioner.questioning.choice import settled_actions
 from al_questioner.simulation import PerceivedWorld, turns
-from al_questioner.teaching import ScriptedTeacher
 
 
 class SoftmaxQuestioner:
@@ -123,8 +122,8 @@ class _Stage:
             raise InputError(
                 f'{demonstration.name}: no simulated world to roll out in; use --method choice, which needs none'
             )
-        self._seed, task = choice.seed, choice.task
-        self._teacher = ScriptedTeacher(task.symbols, task.relevant_groups, choice.seed)
+        self._seed = choice.seed
+        self._teacher = teacher_of(choice)
         self._settings, self._tolerance = demonstration.settings, demonstration.view_tolerance
         self._feature_set = demonstration.feature_set
         # Of a demonstration that was cut off, a rollout is to be compared with what there is.

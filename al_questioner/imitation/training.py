@@ -161,6 +161,32 @@ def check_alike(demonstrations: Sequence[Demonstration]) -> None:
             )
 
 
+def validation_gaps(matching: Matching) -> dict[str, float]:
+    """Length of the gap over the validation demonstrations: before, after, and the smallest mean of a window."""
+    return {
+        'before': float(np.linalg.norm(matching.iterations[0].validation_gap)),
+        'after': float(np.linalg.norm(matching.validation_gap)),
+        'smallest': matching.smallest_validation_gap,
+    }
+
+
+def validation_text(training: Training, matching: Matching) -> str:
+    """Whether the weights hold for demonstrations that they were not learnt from, in words; a warning in colour."""
+    if not training.validation:
+        return 'no demonstration was held out, so nothing tells whether the weights hold for others'
+    gaps = validation_gaps(matching)
+    found = (
+        f'validation gap {gaps["before"]:.2f} before, {gaps["after"]:.2f} after,'
+        f' {gaps["smallest"]:.2f} where it was smallest, up to iteration {matching.kept + 1}'
+    )
+    if not matching.validation_failed:
+        return found
+    return (
+        f'{found}\n[yellow]WARNING: the validation gap has not stayed so small: the weights may not hold for other'
+        ' demonstrations than those that they were learnt from; give more of them, or more --rollouts[/yellow]'
+    )
+
+
 def weights_document(training: Training, count: int, bags: Sequence[Mapping[str, str]]) -> dict[str, Any]:
     """What `train_weights` writes: the weights, and where they come from.
 
@@ -180,6 +206,7 @@ def weights_document(training: Training, count: int, bags: Sequence[Mapping[str,
         }
         details['iterations'] = len(matching.iterations)
         details['kept_iteration'] = matching.kept + 1
+        details['validation_gap'] = {name: round(gap, 4) for name, gap in validation_gaps(matching).items()}
     else:
         details['settings'] = {'ridge': settings.ridge}
     return {

@@ -147,7 +147,7 @@ def settings_of(document: Document) -> EpisodeSettings:
 
 def query_members(query: Query) -> Document:
     """Members of a `query` document."""
-    return {
+    members = {
         'query_id': query.query_id,
         'turn': query.turn,
         'kind': query.action.kind.value,
@@ -160,10 +160,12 @@ def query_members(query: Query) -> Document:
         'model_version': query.model_version,
         'text': query.text,
     }
+    return members if query.known is None else {**members, 'known': list(query.known)}
 
 
 def query_of(document: Document) -> Query:
     """The query that a checked `query` document tells of."""
+    known = document.get('known')
     return Query(
         query_id=document['query_id'],
         turn=document['turn'],
@@ -174,6 +176,7 @@ def query_of(document: Document) -> Query:
         turns_left=document['turns_left'],
         model_version=document['model_version'],
         text=document['text'],
+        known=None if known is None else tuple(known),
     )
 
 

@@ -18,6 +18,7 @@ _AMOUNT: JsonSchema = {'type': 'number', 'minimum': 0}
 _POSITIVE: JsonSchema = {'type': 'number', 'exclusiveMinimum': 0}
 _NAMES: JsonSchema = {'type': 'array', 'items': _TEXT}
 _OBJECT_ID: JsonSchema = {'type': ['integer', 'null'], 'minimum': 0, 'maximum': 2**32 - 2}
+_OBJECT_IDS: JsonSchema = {'type': 'array', 'items': {**_OBJECT_ID, 'type': 'integer'}}
 _OPTIONAL_TEXT: JsonSchema = {'type': ['string', 'null']}
 _QUERIES = [kind.value for kind in QueryKind if kind is not QueryKind.NO_QUERY]
 _OUTCOMES = [outcome.value for outcome in Outcome]
@@ -74,7 +75,10 @@ _QUERY = _record(
         'model_version': _COUNT,
         'text': _TEXT,
     },
-    {'world': {'oneOf': [_WORLD, {'type': 'null'}]}},
+    {
+        'world': {'oneOf': [_WORLD, {'type': 'null'}]},
+        'known': _OBJECT_IDS,
+    },
 )
 _ANSWER = _record(
     {'query_id': _TEXT, 'answer_id': _TEXT, 'teacher_id': _TEXT, 'outcome': {'enum': _SAYABLE}},

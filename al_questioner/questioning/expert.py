@@ -5,8 +5,8 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from al_questioner.domain import QueryKind
-from al_questioner.questioning.candidates import is_affordable
+from al_questioner.domain import Action, QueryKind
+from al_questioner.questioning.candidates import is_affordable, is_open
 from al_questioner.questioning.choice import Choice, choose_best, has_asked, rows_of, settled_actions
 from al_questioner.questioning.decision_features import symbol_given_object
 from al_questioner.questioning.expected_utility import expected_features
@@ -51,11 +51,11 @@ class ScriptedExpert:
             if rng.random() * (turns_left + 1) < 1:
                 return subset
         due = self._due(situation) + rng.random() * HEAD_START * situation.costs.label
-        missing = self._missed_symbol(situation)
+        settled = settled_actions(situation)
+        missing = self._missed_symbol(situation, settled)
         if missing is not None and is_affordable(situation.costs.demonstration, due):
             return rows_of(situation, QueryKind.DEMONSTRATION)[missing : missing + 1]
         labels = rows_of(situation, QueryKind.LABEL)
-        settled = settled_actions(situation)
         is_open = np.array([situation.candidates[row] not in settled for row in labels], dtype=bool)
         if not len(labels) or not is_affordable(situation.costs.label, due):
             return labels[:0]
@@ -70,11 +70,12 @@ class ScriptedExpert:
 
     def _due(self, situation: Situation) -> float:
         """What an even pace leaves to spend by the end of this turn, the price of the subset query set aside."""
-        subset = min(situation.costs.feature_subset, situation.budget)
+        will_ask = is_open(QueryKind.FEATURE_SUBSET, situation.scene)
+        subset = min(situation.costs.feature_subset, situation.budget) if will_ask else 0.0
         spent = situation.spent - (subset if has_asked(situation, QueryKind.FEATURE_SUBSET) else 0.0)
         return (situation.budget - subset) * situation.turn / situation.turns - spent
 
-    def _missed_symbol(self, situation: Situation) -> int | None:
+    def _missed_symbol(self, situation: Situation, settled: set[Action]) -> int | None:
         """Index of a symbol that still has no example when others have `MISSED`; not if it is not here to be shown."""
         counts = list(situation.knowledge.positives.values())
         if max(counts) < MISSED:
@@ -85,6 +86,7 @@ class ScriptedExpert:
             if record.kind is QueryKind.DEMONSTRATION and record.turn >= situation.scene_turn
         }
         for index, (symbol, count) in enumerate(zip(situation.symbols, counts, strict=True)):
-            if count == 0 and symbol not in tried:
+            is_settled = Action(QueryKind.DEMONSTRATION, symbol=symbol) in settled
+            if count == 0 and symbol not in tried and not is_settled:
                 return index
         return None

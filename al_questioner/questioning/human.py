@@ -20,6 +20,7 @@ from al_questioner.domain.names import (
     quoted,
     suggestion,
 )
+from al_questioner.questioning.candidates import is_open
 from al_questioner.questioning.choice import Choice, settled_actions
 from al_questioner.questioning.decision_features import symbol_given_object
 from al_questioner.questioning.expected_utility import expected_features
@@ -209,6 +210,8 @@ def menu(situation: Situation) -> str:
     left = f'budget left: {situation.budget_left:g} of {situation.budget:g}'
     lines = [f'Turn {situation.turn} of {situation.turns}; {left}; scene since turn {situation.scene_turn}']
     kinds = {action.kind for action in situation.candidates}
+    if not len(situation.scene):
+        lines.append('Nothing is in view')
     if QueryKind.LABEL in kinds:
         lines.append(f'What is it? (cost {costs.label:g}; * named already)')
         lines += _columns([_object(situation, row, settled) for row in range(len(situation.scene))])
@@ -250,9 +253,20 @@ def _columns(entries: Sequence[str], width: int = 80) -> list[str]:
 
 
 def _index(action: Action, situation: Situation, what: str) -> int:
+    reason = _reason_against(action, situation)
+    if reason:
+        raise InputError(f'{what} is not possible: {reason}')
+    return situation.candidates.index(action)
+
+
+def _reason_against(action: Action, situation: Situation) -> str:
+    """Why something cannot be chosen; empty if it can."""
+    if action.kind is QueryKind.LABEL and action.object_id not in situation.scene.object_ids:
+        return 'there is no such object'
+    if not is_open(action.kind, situation.scene):
+        return 'nothing is in view' if action.kind is QueryKind.DEMONSTRATION else 'it has only one possible answer'
+    if action.symbol in situation.excluded_symbols:
+        return 'all things here have been named otherwise'
     if action in settled_actions(situation):
-        raise InputError(f'{what} is not possible: it was asked before and would tell nothing new')
-    try:
-        return situation.candidates.index(action)
-    except ValueError:
-        raise InputError(f'{what} is not possible: the budget does not pay for it') from None
+        return 'it was asked before and would tell nothing new'
+    return '' if action in situation.candidates else 'the budget does not pay for it'

@@ -83,8 +83,15 @@ class Situation:
         )
 
     @cached_property
+    def excluded_symbols(self) -> frozenset[str]:
+        """The symbols that nothing in the scene can be of: every view in it has been labelled, and otherwise."""
+        if not self.labelled.all():
+            return frozenset()
+        return frozenset(self.symbols).difference(self.knowledge.labels_of(self.scene))
+
+    @cached_property
     def candidates(self) -> tuple[Action, ...]:
-        """The affordable actions: DQ by symbol, LQ by object, FSQ, NQ."""
+        """The actions that can be paid for and tell something: DQ by symbol, LQ by object, FSQ, NQ."""
         return candidates(self.scene, self.symbols, self.costs, self.budget_left)
 
     @cached_property

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from al_questioner.arguments import REPEAT_SHOWN_HELP
 from al_questioner.domain import AMPLITUDE, AUTO
 from al_questioner.messages.schemas import LARGEST_TURN
 from al_questioner.questioning import STRATEGIES
@@ -29,6 +30,7 @@ TEACHER_SETTINGS = (
     Setting('teacher_id', '', "name under which the answers are given; empty: scripted, or the person's login name"),
     Setting('wrong_rate', 0.0, 'share of wrong answers', lower=0.0, upper=1.0),
     Setting('unknown_rate', 0.0, 'share of queries answered by "I do not know"', lower=0.0, upper=1.0),
+    Setting('repeat_shown', False, REPEAT_SHOWN_HELP),
     Setting('delay', 0.0, 'time the teacher takes to answer', unit='s', lower=0.0, upper=3600.0),
     WAIT_FOR_RECORDER,
 )

@@ -5,6 +5,7 @@ mode:=scripted answers with the truth of the simulated world; mode:=terminal sho
 
 from __future__ import annotations
 
+import dataclasses
 from collections.abc import Mapping, Sequence
 from typing import Any
 
@@ -83,6 +84,7 @@ class _Script:
             float(given['wrong_rate']),
             float(given['unknown_rate']),
             str(given['teacher_id']) or 'scripted',
+            bool(given['repeat_shown']),
         )
         self._delay = float(given['delay'])
         self.delivery = Delivery(node, self._acknowledged)
@@ -95,7 +97,10 @@ class _Script:
     def _consider(self, document: Document) -> None:
         check_world(document, self._choice)
         query = documents.query_of(document)
-        self._node.episode_id = document['episode_id']
+        if document['episode_id'] != self._node.episode_id:
+            self._node.episode_id = document['episode_id']
+            # What was named in another episode is nothing that this learner knows.
+            self._teacher = dataclasses.replace(self._teacher)
         answer = self._teacher.answer(query, self._world.truth(query.turn))
         self._node.does(f'{query.query_id}: {query.text}')
         self.delivery.send(answer, self._delay)

@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from collections.abc import Collection, Mapping, Sequence
+from dataclasses import dataclass, field
+from itertools import takewhile
 
 import numpy as np
 
@@ -14,8 +15,9 @@ from al_questioner.domain import NO_SYMBOL, Answer, Content, Outcome, Query, Que
 class ScriptedTeacher:
     """Answers from the ground truth.
 
-    The chance in an answer depends on the seed and the query's id alone: a teacher that is started anew in the middle
-    of an episode answers as the first one would have.
+    An answer depends on the seed and the query alone: a teacher that is started anew in the middle of an episode
+    answers as the first one would have. Of a thing that the learner knows it shows another one, if there is one. If the
+    query does not tell what the learner knows, that is taken to be what this teacher has named before.
 
     Attributes:
         symbols: the concepts.
@@ -24,6 +26,7 @@ class ScriptedTeacher:
         wrong_rate: share of answers that are wrong, in [0, 1].
         unknown_rate: share of queries answered by "I do not know", in [0, 1].
         teacher_id: who answers.
+        repeat_shown: whether any thing of the symbol is shown, be it known or not.
 
     Raises:
         SettingsError: a rate outside [0, 1], rates that add up to more than 1, or an empty id.
@@ -35,6 +38,9 @@ class ScriptedTeacher:
     wrong_rate: float = 0.0
     unknown_rate: float = 0.0
     teacher_id: str = 'scripted'
+    repeat_shown: bool = False
+    _named: dict[str, int] = field(default_factory=dict, init=False, repr=False, compare=False)
+    """By query, in their order, the thing that was named."""
 
     def __post_init__(self) -> None:
         if not self.teacher_id:
@@ -61,6 +67,9 @@ class ScriptedTeacher:
             content = self._demonstration(query, truth, wrong, rng)
         else:
             content = self._groups(query, wrong, rng)
+        named = content if query.action.kind is QueryKind.DEMONSTRATION else query.action.object_id
+        if content is not None and isinstance(named, int):
+            self._named.setdefault(query.query_id, named)
         return self._reply(query, Outcome.UNKNOWN if content is None else Outcome.ANSWERED, content)
 
     def _label(self, query: Query, truth: Mapping[int, str], wrong: bool, rng: np.random.Generator) -> Content:
@@ -71,7 +80,17 @@ class ScriptedTeacher:
 
     def _demonstration(self, query: Query, truth: Mapping[int, str], wrong: bool, rng: np.random.Generator) -> Content:
         shown = [object_id for object_id, label in truth.items() if (label == query.action.symbol) != wrong]
+        known = self._known(query)
+        shown = [object_id for object_id in shown if object_id not in known] or shown
         return int(rng.choice(shown)) if shown else NO_SYMBOL
+
+    def _known(self, query: Query) -> Collection[int]:
+        """The things that are not to be shown if there are others."""
+        if self.repeat_shown:
+            return ()
+        if query.known is not None:
+            return query.known
+        return [self._named[earlier] for earlier in takewhile(lambda one: one != query.query_id, self._named)]
 
     def _groups(self, query: Query, wrong: bool, rng: np.random.Generator) -> Content:
         """The relevant groups that the learner has; a wrong answer misjudges one group, if that leaves any."""

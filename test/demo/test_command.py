@@ -31,6 +31,18 @@ def test_json_holds_what_the_contract_names(tmp_path: Path) -> None:
         assert {'turn', 'kind', 'object_id', 'symbol', 'cost', 'outcome'} <= set(query)
 
 
+def test_the_teacher_is_told_of(tmp_path: Path) -> None:
+    """An episode could not be played again as it was, and the option would do nothing."""
+    shown, path = {}, tmp_path / 'episode.json'
+    for options in ((), ('--repeat-shown',)):
+        arguments = ['--strategy', 'rarest_demo', '--budget', '40', '--turns', '14', '--json', str(path), *options]
+        assert run(tmp_path, *arguments) == 0
+        episode = json.loads(path.read_text())
+        assert episode['repeat_shown'] is bool(options)
+        shown[options] = [query['object_id'] for query in episode['queries']]
+    assert len(set(map(tuple, shown.values()))) == 2
+
+
 def test_tuned_kernel_is_told(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     """Nobody would know with which kernel an accuracy was reached."""
     path = tmp_path / 'episode.json'

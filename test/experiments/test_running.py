@@ -238,6 +238,9 @@ def test_variations_change_what_is_played(tmp_path: Path) -> None:
         Variation(amplitude=4.0),
     ):
         assert play_episode(cell, variation).accuracy != plain.accuracy
+    demonstrations = Cell('prepare_lunch', 40, 20, 'rarest_demo', 0)
+    shown = [play_episode(demonstrations, Variation(repeat_shown=repeats)).queries for repeats in (False, True)]
+    assert shown[0] != shown[1]
     env = Cell('prepare_lunch', 6, 12, 'dt_task_env', 0)
     silent = Variation(weights={'dt_task_env': {'budget_consumption': -1.0}})
     assert play_episode(env, silent).queries == ()

@@ -6,17 +6,21 @@ import itertools
 
 import numpy as np
 import pytest
-from hypothesis import given
+from hypothesis import given, settings
 from hypothesis import strategies as st
 from scipy.stats import mannwhitneyu, wilcoxon
 
 from al_questioner.experiments.statistics import (
+    best_of,
     compare,
+    control_test,
+    exceeds,
     holm,
     mean_and_deviation,
     mean_and_error,
     paired_p,
     superiority,
+    u_test,
 )
 
 FIRST = np.array([0.9, 0.8, 0.7, 0.85, 0.95])
@@ -63,6 +67,35 @@ def test_equal_accuracies_are_no_difference() -> None:
     assert found.superiority == 0.5
     assert found.p > 0.3
     assert paired_p(FIRST, FIRST + 1e-15) == 1.0
+
+
+ROUNDED = [19 / 37, np.nextafter(19 / 37, 0), np.nextafter(19 / 37, 1)]
+"""The same accuracy, summed in different orders."""
+
+
+def test_accuracies_that_differ_by_rounding_are_equal() -> None:
+    """A strategy would beat another one by the last digit of what is the same (cf. scipy 17667)."""
+    low, high = np.full(6, ROUNDED[1]), np.full(6, ROUNDED[2])
+    for first, other in ((high, low), (low, high)):
+        (found,) = compare(first, {'other': other})
+        assert (found.superiority, found.interval, found.p_paired) == (0.5, (0.5, 0.5), 1.0)
+        assert found.p == pytest.approx(mannwhitneyu(low, low, alternative='greater').pvalue)
+        assert control_test(first, [], other) == pytest.approx(found.p)
+        assert not exceeds(first.mean(), other.mean())
+    assert best_of({'worst': 0.1, 'first': ROUNDED[1], 'second': ROUNDED[2]}) == 'first'
+    assert exceeds(0.5001, 0.5)
+
+
+@settings(deadline=None)
+@given(st.lists(st.tuples(*[st.integers(0, 4)] * 2, *[st.integers(-1, 1)] * 2), min_size=5, max_size=9))
+def test_rounding_changes_no_test(pairs: list[tuple[int, int, int, int]]) -> None:
+    """Ties among others, and equal differences, would be told apart as well."""
+    first, other, more, less = np.array(pairs, dtype=float).T
+    resolution = np.finfo(float).eps
+    exact = first / 8, other / 8
+    rounded = exact[0] * (1 + more * resolution), exact[1] * (1 + less * resolution)
+    for test in (u_test, paired_p, superiority):
+        assert test(*rounded) == test(*exact)
 
 
 def test_holm_counts_all_comparisons() -> None:

@@ -9,6 +9,7 @@ from scipy.special import softmax
 from al_questioner.domain import InputError
 from al_questioner.imitation.feature_matching import (
     Iteration,
+    Matching,
     MatchingSettings,
     best_window,
     gauss_newton_step,
@@ -127,6 +128,34 @@ def test_the_window_with_the_smallest_validation_gap_is_kept():
     assert best_window(iterations(falling, late_best)) == 19
     assert best_window(iterations(falling, falling)) == 29
     assert best_window(iterations(falling[:4], falling[:4])) == 3
+    assert best_window(iterations(falling[:6], [3, 2, 1, 4, 8, 16])) == 2, (
+        'not where it had grown, in short runs either'
+    )
+
+
+def test_a_validation_gap_that_did_not_stay_small_is_told():
+    """Weights would be taken for good because the gap closed where they were learnt."""
+    ones = np.eye(7)[0]
+    way = tuple(Iteration(np.zeros(7), g * ones, v * ones) for g, v in ((9, 8.0), (2, 1.5), (1, 1.0), (0.5, 1.0)))
+
+    def after(validation_gap, iterations=way):
+        return Matching(np.zeros(7), iterations, len(iterations) - 1, 0.4 * ones, validation_gap * ones)
+
+    smallest = after(0).smallest_validation_gap
+    assert smallest == pytest.approx(11.5 / 4)
+    assert not after(1.9 * smallest).validation_failed
+    assert after(2.1 * smallest).validation_failed
+    flat = (way[2],) * 3
+    assert after(1.1, flat).validation_failed, 'no smaller than before'
+
+
+def test_the_validation_gap_is_that_of_the_demonstrations_held_out(experts):
+    """The gap over those that were learnt from would be told for it."""
+    short = dataclasses.replace(FEW, iterations=2, rollouts=2)
+    found = match_features(experts[:1], experts[1:], short)
+    assert not np.array_equal(found.gap, found.validation_gap)
+    alone = match_features(experts[:1], [], short)
+    np.testing.assert_array_equal(alone.gap, alone.validation_gap)
 
 
 def test_a_demonstration_that_was_cut_off_is_compared_with_as_many_turns(experts):

@@ -10,7 +10,14 @@ from al_questioner.domain import DECISION_FEATURES, VALUE_FEATURES, InputError
 from al_questioner.imitation.demonstration import demonstrate
 from al_questioner.imitation.feature_matching import MatchingSettings
 from al_questioner.imitation.pictures import draw_training
-from al_questioner.imitation.training import TrainingSettings, check_alike, expected_gap, train, weights_document
+from al_questioner.imitation.training import (
+    TrainingSettings,
+    check_alike,
+    expected_gap,
+    train,
+    validation_text,
+    weights_document,
+)
 from al_questioner.questioning import FEATURE_SETS, make_strategy, read_weights
 from al_questioner.simulation import WorldChoice, episode_settings
 from al_questioner.teaching import ScriptedTeacher
@@ -36,9 +43,23 @@ def test_what_is_written_can_be_read_and_tells_where_it_comes_from(experts, tmp_
     assert details['settings'].get('validation', 1) == 1
     assert details['softmax_scale'] == pytest.approx(training.scale, rel=1e-5) != 1.0
     assert details['gap_after'] != details['gap_before']
+    assert set(details.get('validation_gap', ())) == ({'before', 'after', 'smallest'} if method == 'maxent' else set())
     assert details['unidentified'] == ['remaining_time']
     assert set(details['gap_before']) == set(details['gap_after']) == set(DECISION_FEATURES)
     assert draw_training(training, experts, [d.queries for d in experts], tmp_path / 'w.png').stat().st_size > 10_000
+
+
+def test_it_is_said_whether_the_weights_hold_for_others(experts):
+    """A small gap where they were learnt would pass for success."""
+    training = train(experts, TrainingSettings('maxent', matching=QUICK))
+    gap = training.matching.iterations[0].validation_gap
+    for share, fails in ((0.1, False), (1.5, True)):
+        text = validation_text(training, dataclasses.replace(training.matching, validation_gap=share * gap))
+        before = float(np.linalg.norm(gap))
+        assert f'validation gap {before:.2f} before, {share * before:.2f} after' in text
+        assert ('WARNING' in text) is fails
+    alone = train(experts[:1], TrainingSettings('maxent', matching=QUICK))
+    assert 'no demonstration was held out' in validation_text(alone, alone.matching)
 
 
 def test_unweighted_choices_leave_no_gap_at_the_experts_steps(made):

@@ -40,6 +40,17 @@ def test_query_survives() -> None:
     )
 
 
+@pytest.mark.parametrize('known', [(), (7, 3)])
+def test_what_is_known_survives(known: tuple[int, ...]) -> None:
+    """The teacher would show what the learner knows; earlier versions tell nothing of it."""
+    query = dataclasses.replace(QUERY, action=Action(QueryKind.DEMONSTRATION, symbol='snack'), known=known)
+    text = documents.write('query', 'e', documents.query_members(query))
+    assert documents.query_of(documents.read('query', text)) == query
+    assert 'known' not in documents.query_members(QUERY)
+    with pytest.raises(DocumentError, match='known'):
+        documents.read('query', text.replace(f'"known":{list(known)}'.replace(' ', ''), '"known":[-1]'))
+
+
 @pytest.mark.parametrize('answer', ANSWERS)
 def test_answer_survives(answer: Answer) -> None:
     """The learner would be told something else than the teacher said."""

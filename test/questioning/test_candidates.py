@@ -27,6 +27,18 @@ def test_canonical_order(scene):
     )
 
 
+def test_what_has_a_single_answer_is_no_candidate(toy):
+    """It would be asked and paid for, and tell nothing."""
+    one_group = toy.scene(np.zeros((2, 3)), names=('colour_red', 'colour_green', 'colour_blue'))
+    assert Action(QueryKind.FEATURE_SUBSET) not in candidates(one_group, SYMBOLS, Costs(), 10.0)
+    assert len(candidates(one_group, SYMBOLS, Costs(), 10.0)) == 3 + 2 + 1
+    nothing = toy.scene(np.empty((0, 5)))
+    subset, rest = Action(QueryKind.FEATURE_SUBSET), Action(QueryKind.NO_QUERY)
+    assert candidates(nothing, SYMBOLS, Costs(), 10.0) == (subset, rest)
+    nothing_of_one_group = toy.scene(np.empty((0, 1)), names=('size_height',))
+    assert candidates(nothing_of_one_group, SYMBOLS, Costs(), 10.0) == (rest,)
+
+
 def test_rounding_of_costs_does_not_lose_the_last_query(scene):
     """Three times 0.1 are 0.3, though not in floating point."""
     left = 0.3 - (0.1 + 0.1)

@@ -168,6 +168,57 @@ def test_single_object_scene(toy):
         play(toy, strategy, world=toy.world(0, n_objects=1), turns=6)
 
 
+@pytest.mark.parametrize('strategy', AUTOMATIC)
+@pytest.mark.parametrize('first', ['empty', 'full'])
+def test_a_scene_without_things_is_a_scene(toy, strategy, first):
+    """An empty table, at the start or later, would end the episode, or be asked about at a price."""
+    nothing, full = toy.scene(np.empty((0, 5))), toy.world(0, change_interval=1)
+    episode = Episode(toy.settings(strategy, budget=40.0), generator(0, 'strategy'))
+    kinds = set()
+    for turn in range(1, 21):
+        is_empty = (turn % 4 < 2) == (first == 'empty')
+        things = full.scene(turn)
+        decision = episode.ask(nothing if is_empty else things)
+        if is_empty:
+            assert {action.kind for action in decision.candidates} <= {SUBSET.kind, NOTHING.kind}
+            assert decision.features.shape == (len(decision.candidates), 7)
+        assert episode.knowledge.kernel.length_scale > 0
+        assert len(episode.knowledge.active_features) == 5
+        if decision.query:
+            kinds.add(decision.query.action.kind)
+            episode.tell(full.answer(decision.query))
+    assert kinds - {SUBSET.kind}, 'it goes on where there are things again'
+
+
+@pytest.mark.parametrize('strategy', AUTOMATIC)
+def test_a_single_group_of_features_is_not_asked_about(toy, strategy):
+    """There is only one answer. What waits for it, or sets its price aside, is to go on without."""
+
+    class OneGroup(toy.world):
+        def scene(self, turn):
+            seen = super().scene(turn)
+            return toy.scene(seen.features, seen.object_ids, tuple(f'colour_{i}' for i in range(5)))
+
+    episode, decisions = play(toy, strategy, world=OneGroup(0), budget=12.0)
+    assert SUBSET not in {action for decision in decisions for action in decision.candidates}
+    assert {record.kind for record in episode.records} & {QueryKind.LABEL, QueryKind.DEMONSTRATION}
+    if strategy == 'expert':
+        assert episode.spent == 12.0, 'an even pace ends with nothing left'
+
+
+@pytest.mark.parametrize('action', [LABEL, DEMONSTRATION])
+def test_what_waits_is_withdrawn_when_nothing_is_in_view_any_more(scripted, toy, action):
+    """Nobody could answer a question about what has gone."""
+    episode, _, ask = scripted
+    query = ask(action)
+    episode.let_pass()
+    again = ask(NOTHING, toy.scene(np.empty((0, 5))))
+    assert again is None
+    assert episode.pending is None
+    assert [record.outcome for record in episode.records] == [Outcome.UNANSWERED]
+    assert query.query_id == 'q1'
+
+
 def test_free_queries_need_no_budget(toy):
     episode, _ = play(toy, 'u_sampling', budget=0.0, turns=3, costs=Costs(label=0.0))
     assert len(episode.records) == 3
@@ -201,6 +252,22 @@ def test_demonstration_is_learnt(scripted, toy):
     record = episode.tell(toy.reply(query, 13))
     assert (record.object_id, record.symbol, record.cost) == (13, 'snack', 2.0)
     assert episode.knowledge.is_labelled(scene).tolist() == [False, False, False, True]
+
+
+def test_a_demonstration_query_tells_what_is_known(scripted, toy):
+    """As it looks now: a teacher would show again what was named, or never again what has changed."""
+    episode, scene, ask = scripted
+    episode.tell(toy.reply(ask(LABEL), NO_SYMBOL))
+    assert ask(SUBSET).known is None
+    episode.tell(toy.reply(episode.pending, None, Outcome.UNKNOWN))
+    query = ask(DEMONSTRATION)
+    assert query.known == (11,)
+    episode.tell(toy.reply(query, 13))
+    assert ask(DEMONSTRATION).known == (11, 13)
+    episode.tell(toy.reply(episode.pending, 13))
+    turned = scene.features.copy()
+    turned[3] += 1
+    assert ask(DEMONSTRATION, toy.scene(turned, scene.object_ids)).known == (11,)
 
 
 def test_demonstration_of_nothing_teaches_nothing_but_costs(scripted, toy):

@@ -116,6 +116,12 @@ def test_asks_for_a_demonstration_of_a_class_that_stays_without_example(toy):
         situation = Situation(10, 20, scene, knowledge, 20.0, 4.0, Costs(), 5, 0, 5, history)
         choice = make_strategy('expert', {}).choose(situation, np.random.default_rng(0))
         assert situation.candidates[choice.index].kind is kind
+    for row in (4, 5):
+        knowledge.label(row, scene.features[row], NO_SYMBOL, 1)
+    situation = Situation(10, 20, scene, knowledge, 20.0, 4.0, Costs(), 5, 0, 5, (subset,))
+    for seed in range(5):
+        choice = make_strategy('expert', {}).choose(situation, np.random.default_rng(seed))
+        assert situation.candidates[choice.index].kind is QueryKind.NO_QUERY, 'all that is here has been named'
 
 
 @settings(max_examples=25, deadline=None, suppress_health_check=[HealthCheck.function_scoped_fixture])

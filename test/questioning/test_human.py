@@ -67,10 +67,24 @@ def test_a_line_names_a_candidate(toy: Any, line: str, action: Action) -> None:
             {'history': (QueryRecord(1, QueryKind.FEATURE_SUBSET, None, None, 2, Outcome.ANSWERED),)},
             'asked before',
         ),
+        ('snack', {'scene': 'empty'}, 'nothing is in view'),
+        ('22', {'scene': 'empty'}, 'no such object'),
+        ('f', {'scene': 'one group'}, 'only one possible answer'),
+        ('main', {'scene': 'named'}, 'named otherwise'),
     ],
 )
 def test_a_line_that_names_none_is_explained(toy: Any, line: str, changes: dict[str, Any], reason: str) -> None:
     """The expert would not know what is wrong, or spend what is not there."""
+    scenes = {
+        'empty': toy.scene(np.empty((0, 5))),
+        'one group': toy.scene(np.zeros((1, 5)), names=[f'colour_{i}' for i in range(5)]),
+    }
+    if changes.get('scene') == 'named':
+        situation = situation_of(toy)
+        first = toy.scene(situation.scene.features[1:2], [21])
+        changes = {'scene': first, 'knowledge': situation.knowledge}
+    elif 'scene' in changes:
+        changes = {**changes, 'scene': scenes[changes['scene']]}
     with pytest.raises(InputError, match=reason):
         chosen_candidate(line, situation_of(toy, **changes))
 
@@ -170,6 +184,14 @@ def test_the_menu_tells_what_there_is_to_choose(toy: Any) -> None:
     assert 'Show me one' not in poor
     assert 'What is it?' in poor
     assert 'What is it?' not in menu(situation_of(toy, spent=20.0))
+
+
+def test_the_menu_of_a_scene_without_things(toy: Any) -> None:
+    """The person would wait for a list, or look for what costs and tells nothing."""
+    shown = menu(situation_of(toy, scene=toy.scene(np.empty((0, 5)))))
+    assert 'Nothing is in view' in shown
+    assert 'What is it' not in shown
+    assert 'Show me' not in shown
 
 
 def test_a_choice_is_a_demonstration_to_learn_from(toy: Any) -> None:

@@ -10,6 +10,7 @@ from al_questioner.domain import NO_SYMBOL, Action, Costs, Outcome, QueryKind, Q
 from al_questioner.questioning import STRATEGIES, Situation, UncertaintySampling, make_strategy
 from al_questioner.questioning.choice import choose_best, settled_actions
 
+AUTOMATIC = [name for name in STRATEGIES if name != 'human']
 CONTROLS = ('u_sampling_fsq', 'random_fsq', 'farthest_fsq', 'rarest_demo')
 SUBSET_ASKED = QueryRecord(1, QueryKind.FEATURE_SUBSET, None, None, 2.0, Outcome.ANSWERED, ('size',))
 
@@ -188,6 +189,18 @@ def test_what_is_settled_is_not_asked_again(toy):
         situation_of(toy, history=history)
     ), 'what went unanswered in the very turn of the change'
     assert settled_actions(situation_of(toy, history=history, scene_turn=3)) == {subset}
+
+
+def test_what_is_known_not_to_be_here_is_not_to_be_shown(toy):
+    """Where each view was named, as something else, the answer is sure to be that there is none."""
+    demonstrations = [Action(QueryKind.DEMONSTRATION, symbol=symbol) for symbol in toy.symbols]
+    labels = ['snack', NO_SYMBOL, 'snack', 'fruit', NO_SYMBOL, 'fruit']
+    known = situation_of(toy, labels, history=())
+    assert settled_actions(known) == set(demonstrations[:1])
+    assert settled_actions(situation_of(toy, labels[:5], history=())) == set()
+    for name in AUTOMATIC:
+        for seed in range(5):
+            assert chosen(name, known, seed, toy.weights.get(name)) != demonstrations[0]
 
 
 @pytest.mark.parametrize('outcome', [Outcome.UNKNOWN, Outcome.SKIP])

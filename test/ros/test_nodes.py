@@ -38,13 +38,20 @@ def is_over(states: list[dict[str, Any]]) -> bool:
 
 
 def offline_queries(
-    strategy: str, budget: float, turns: int, task_name: str = TASK, seed: int = 4, **kernel: Any
+    strategy: str,
+    budget: float,
+    turns: int,
+    task_name: str = TASK,
+    seed: int = 4,
+    repeat_shown: bool = False,
+    **kernel: Any,
 ) -> list[tuple[Any, ...]]:
     task = load_task(task_name)
     episode = Episode(episode_settings(task, strategy, budget, turns, **kernel), generator(seed, 'learner'))
     # Turn by turn, as `run_episode` does, without the held-out images on which it measures accuracy.
     world = PerceivedWorld(WorldChoice(task, seed, seed).open())
-    deque(play(episode, world, ScriptedTeacher(task.symbols, task.relevant_groups, seed)), maxlen=0)
+    teacher = ScriptedTeacher(task.symbols, task.relevant_groups, seed, repeat_shown=repeat_shown)
+    deque(play(episode, world, teacher), maxlen=0)
     return [(r.turn, r.kind.value, r.object_id, r.symbol, r.cost, r.outcome.value) for r in episode.records]
 
 
@@ -63,6 +70,17 @@ def test_graph_asks_what_an_offline_run_asks(graph: Any, strategy: str) -> None:
     asked = asked_in(states[-1])
     assert asked == offline_queries(strategy, 8.0, 14)
     assert states[-1]['spent'] <= 8.0
+
+
+def test_the_teacher_shows_what_is_known_if_told_to(graph: Any) -> None:
+    """A parameter would do nothing, or be the only way."""
+    states = graph.listen('learner_state')
+    graph.start_robot(strategy='rarest_demo', budget=40.0, turns=14)
+    graph.start(TeacherNode, **graph.world, repeat_shown=True)
+    graph.wait_for(lambda: is_over(states), 'the end of the episode')
+    asked = asked_in(states[-1])
+    assert asked == offline_queries('rarest_demo', 40.0, 14, repeat_shown=True)
+    assert asked != offline_queries('rarest_demo', 40.0, 14)
 
 
 def test_tuning_learner_asks_what_an_offline_run_asks_and_tells_its_kernel(graph: Any) -> None:

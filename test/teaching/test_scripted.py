@@ -19,7 +19,7 @@ def query(kind: QueryKind, number: int = 1, object_id: int | None = None, symbol
     return Query(f'q{number}', 1, Action(kind, object_id, symbol), GROUPS, 1.0, 9.0, 9, 0, 'What?')
 
 
-def teacher(**rates: float) -> ScriptedTeacher:
+def teacher(**rates: float | bool) -> ScriptedTeacher:
     return ScriptedTeacher(SYMBOLS, ('size', 'colour', 'shape'), seed=3, **rates)
 
 
@@ -34,6 +34,35 @@ def test_demonstrations_show_every_example_and_no_other() -> None:
     """A demonstration would show another thing, or always the same."""
     shown = {teacher().answer(query(QueryKind.DEMONSTRATION, n, symbol='snack'), TRUTH).content for n in range(60)}
     assert shown == {2, 3}
+
+
+MANY = dict.fromkeys(range(10, 16), 'snack') | {1: 'fruit'}
+
+
+def test_what_is_known_is_not_shown_while_there_are_others() -> None:
+    """Two units of the budget would be spent for what was said before."""
+    asked = query(QueryKind.DEMONSTRATION, symbol='snack')
+    for number in range(20):
+        some = dataclasses.replace(asked, query_id=f'q{number}', known=(1, 10, 11, 13, 99))
+        assert teacher().answer(some, MANY).content in (12, 14, 15)
+        everything = dataclasses.replace(some, known=tuple(MANY))
+        assert teacher().answer(everything, MANY).content in range(10, 16)
+        assert teacher(wrong_rate=1.0).answer(dataclasses.replace(some, known=(2,)), TRUTH).content in (1, 4)
+    assert {
+        teacher(repeat_shown=True).answer(dataclasses.replace(some, query_id=f'q{number}'), MANY).content
+        for number in range(60)
+    } == set(range(10, 16))
+
+
+def test_what_it_named_is_not_shown_where_nothing_is_told_of_what_is_known() -> None:
+    """Beside a learner of another make, it would show the same thing again."""
+    one = teacher()
+    one.answer(query(QueryKind.LABEL, 1, object_id=12), MANY)
+    asked = [query(QueryKind.DEMONSTRATION, number, symbol='snack') for number in range(2, 7)]
+    shown = [one.answer(each, MANY).content for each in asked]
+    assert set(shown) == {10, 11, 13, 14, 15}
+    assert [one.answer(each, MANY).content for each in asked] == shown, 'asked again, it says the same'
+    assert one.answer(query(QueryKind.DEMONSTRATION, 7, symbol='snack'), MANY).content in range(10, 16)
 
 
 def test_what_is_not_here_cannot_be_shown() -> None:
