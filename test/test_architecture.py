@@ -16,7 +16,7 @@ PACKAGE = 'al_questioner'
 
 LAYERS = (
     {'domain'},
-    {'arguments', 'configuration', 'differences', 'files', 'plotting', 'throttle', 'wording'},
+    {'arguments', 'configuration', 'differences', 'files', 'missing', 'plotting', 'throttle', 'wording'},
     {'concepts', 'messages', 'perception', 'world'},
     {'questioning', 'recording', 'teaching'},
     {'rerun', 'resuming', 'simulation', 'telling'},
