@@ -37,17 +37,17 @@ demo: setup
 	$(RUN) al_questioner demo
 
 test: setup
-	$(PYTEST) -m 'not slow'
+	$(PYTEST)
 
 test-all: setup
-	$(PYTEST)
+	$(PYTEST) -m ''
 
 # Both with the versions of Ubuntu 24.04.
 test-noble: $(NOBLE_INSTALLED)
-	$(NOBLE_PYTEST)
+	$(NOBLE_PYTEST) -m ''
 
 test-noble-quick: $(NOBLE_INSTALLED)
-	$(NOBLE_PYTEST) -m 'not slow'
+	$(NOBLE_PYTEST)
 
 # The constraints hold for what builds matplotlib, too, which without the libraries of the system would download them.
 $(NOBLE_INSTALLED): setup.cfg pyproject.toml test/noble.txt | $(NOBLE)/pyvenv.cfg

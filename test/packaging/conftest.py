@@ -65,11 +65,14 @@ def outer_environment() -> dict[str, str]:
 def source(tmp_path_factory: pytest.TempPathFactory) -> Path:
     """A copy of all that is shipped, in a folder whose name has a space."""
     copy = tmp_path_factory.mktemp('work space') / 'al_questioner'
-    not_shipped = {'bags', 'build', 'docs', 'install', 'log', 'out', 'test'}
+    not_shipped = {
+        CHECKOUT: {'build', 'install', 'log', 'out', 'test'},
+        CHECKOUT / 'docs': {path.name for path in (CHECKOUT / 'docs').iterdir()} - {'examples'},
+    }
 
     def ignored(folder: str, names: list[str]) -> set[str]:
         generated = {name for name in names if name.startswith('.') or name.endswith(('__pycache__', '.egg-info'))}
-        return generated | (not_shipped if Path(folder) == CHECKOUT else set())
+        return generated | not_shipped.get(Path(folder), set())
 
     shutil.copytree(CHECKOUT, copy, symlinks=True, ignore=ignored)
     return copy
