@@ -13,6 +13,7 @@ from collections.abc import Callable, Iterator, Mapping
 from importlib.util import find_spec
 from pathlib import Path
 
+import hypothesis
 import pytest
 
 from al_questioner.missing import FOR_BAGS, remedy
@@ -22,6 +23,10 @@ if os.environ.get('RMW_IMPLEMENTATION', 'rmw_fastrtps_cpp') == 'rmw_fastrtps_cpp
     os.environ['ROS_AUTOMATIC_DISCOVERY_RANGE'] = 'SUBNET'
 else:
     os.environ['ROS_AUTOMATIC_DISCOVERY_RANGE'] = 'LOCALHOST'
+
+# Both would fail a test because the machine is busy.
+hypothesis.settings.register_profile('patient', deadline=None, suppress_health_check=[hypothesis.HealthCheck.too_slow])
+hypothesis.settings.load_profile('patient')
 
 # So that nodes of other runs on this machine are not heard.
 os.environ['ROS_DOMAIN_ID'] = str(1 + os.getpid() % 100)
