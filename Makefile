@@ -8,10 +8,17 @@ INSTALLED := $(VENV)/installed
 # As the executables do for themselves, see al_questioner/__main__.py.
 export OMP_NUM_THREADS ?= 1
 
-# Nearly all of the tests' time is processes that start, so two files at a time, each in one process.
-PYTEST := $(RUN) pytest -n 2 --dist loadfile
+# What Ubuntu 24.04 has: its Python, and the versions in test/noble.txt.
+NOBLE_PYTHON ?= python3.12
+NOBLE := .venv-noble
+NOBLE_INSTALLED := $(NOBLE)/installed
 
-.PHONY: setup demo test test-all reproduction lint clean
+# Nearly all of the tests' time is processes that start, so two files at a time, each in one process.
+OPTIONS := -m pytest -n 2 --dist loadfile
+PYTEST := $(VENV)/bin/python $(OPTIONS)
+NOBLE_PYTEST := $(NOBLE)/bin/python $(OPTIONS)
+
+.PHONY: setup demo test test-all test-noble test-noble-quick reproduction lint clean
 
 setup: $(INSTALLED)
 
@@ -30,10 +37,31 @@ demo: setup
 	$(RUN) al_questioner demo
 
 test: setup
-	$(PYTEST) -m 'not slow'
+	$(PYTEST)
 
 test-all: setup
-	$(PYTEST)
+	$(PYTEST) -m ''
+
+# Both with the versions of Ubuntu 24.04.
+test-noble: $(NOBLE_INSTALLED)
+	$(NOBLE_PYTEST) -m ''
+
+test-noble-quick: $(NOBLE_INSTALLED)
+	$(NOBLE_PYTEST)
+
+# The constraints hold for what builds matplotlib, too, which without the libraries of the system would download them.
+$(NOBLE_INSTALLED): setup.cfg pyproject.toml test/noble.txt | $(NOBLE)/pyvenv.cfg
+	@pkg-config --exists freetype2 qhull_r || { echo 'make test-noble builds matplotlib:' \
+	'apt-get install g++ pkg-config libfreetype-dev libqhull-dev' >&2; exit 1; }
+	printf '[libs]\nsystem_freetype = true\nsystem_qhull = true\n' > $(NOBLE)/matplotlib.cfg
+	MPLSETUPCFG=$(CURDIR)/$(NOBLE)/matplotlib.cfg PIP_CONSTRAINT=test/noble.txt PIP_BUILD_CONSTRAINT=test/noble.txt \
+	$(NOBLE)/bin/python -m pip install --quiet --no-binary matplotlib --editable '.[ros,dev]'
+	@touch $@
+
+$(NOBLE)/pyvenv.cfg:
+	@$(NOBLE_PYTHON) -c 'import sys; sys.exit(sys.version_info[:2] != (3, 12))' || { echo 'make test-noble needs Python' \
+	'3.12, which $(NOBLE_PYTHON) is not: tell where it is with NOBLE_PYTHON=...' >&2; exit 1; }
+	$(NOBLE_PYTHON) -m venv $(NOBLE) || { rm -rf $(NOBLE); exit 1; }
 
 # All of docs/reproduction.md: the weights from the demonstrations, then the comparison and what stands beside it. The paper
 # does not say that its teacher shows other things than before, hence --repeat-shown.
@@ -48,5 +76,5 @@ lint: setup
 	$(RUN) mypy
 
 clean:
-	rm -rf $(VENV) build install log *.egg-info .pytest_cache .mypy_cache .ruff_cache .hypothesis
+	rm -rf $(VENV) $(NOBLE) build install log *.egg-info .pytest_cache .mypy_cache .ruff_cache .hypothesis
 	find . -name __pycache__ -type d -prune -exec rm -rf {} +

@@ -7,6 +7,7 @@ from setuptools import setup
 
 NAME = 'al_questioner'
 SHARE = f'share/{NAME}'
+SHARED = ('.cfg', '.db3', '.mcap', '.md', '.py', '.yaml')
 
 
 def data_files() -> list[tuple[str, list[str]]]:
@@ -14,10 +15,10 @@ def data_files() -> list[tuple[str, list[str]]]:
     files = defaultdict(list)
     files['share/ament_index/resource_index/packages'].append(f'resource/{NAME}')
     files[SHARE].append('package.xml')
-    for folder in ('config', 'launch'):
+    for folder in ('bags', 'config', 'docs/examples', 'launch'):
         for path in sorted(Path(folder).rglob('*')):
-            if path.suffix in ('.yaml', '.py'):
-                files[f'{SHARE}/{path.parent.as_posix()}'].append(path.as_posix())
+            if path.suffix in SHARED and 'build' not in path.parts:
+                files[f'{SHARE}/{path.parent.as_posix().removeprefix("docs/")}'].append(path.as_posix())
     # Not entry points: pip would put names as generic as `demo` into the environment's bin folder.
     files[f'lib/{NAME}'] += sorted(path.as_posix() for path in Path('scripts').iterdir())
     return sorted(files.items())

@@ -8,6 +8,7 @@ from collections.abc import Sequence
 
 from al_questioner import __version__
 from al_questioner.domain import EpisodeError, InputError
+from al_questioner.missing import remedy
 
 EXECUTABLES = {
     'perception': ('al_questioner.ros.perception', 'node: looks at the (simulated) table and publishes what it sees'),
@@ -63,10 +64,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
     except ModuleNotFoundError as error:
         if error.name is None or error.name.startswith('al_questioner'):
             raise
-        print(
-            f'{name}: {error}; without a ROS 2 installation, pip install ".[ros]" brings what is missing',
-            file=sys.stderr,
-        )
+        print(f'{name}: {error}; {remedy(error.name)}', file=sys.stderr)
         return 2
     except InputError as error:
         print(f'{name}: {error}', file=sys.stderr)

@@ -50,6 +50,12 @@ def named_file(folder: str, name_or_path: str, what: str) -> Path:
     raise InputError(f'unknown {what} {name_or_path!r}; known: {known}, or the path of a YAML file')
 
 
+def named_bag(name_or_path: str) -> Path:
+    """The bag at a path, or else the one of that name that ships, in the folder `bags` beside `config`."""
+    path, shipped = Path(name_or_path), config_dir().parent / 'bags' / name_or_path
+    return shipped if not path.exists() and (shipped / 'metadata.yaml').is_file() else path
+
+
 def shipped_names(folder: str) -> list[str]:
     """The names in `config/FOLDER`."""
     return sorted(path.stem for path in (config_dir() / folder).glob('*.yaml'))

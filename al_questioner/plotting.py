@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
 
@@ -10,6 +11,7 @@ import matplotlib
 matplotlib.use('Agg')
 
 from matplotlib import pyplot as plt
+from matplotlib.artist import Artist
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
@@ -29,6 +31,8 @@ STYLE: dict[Any, Any] = {
     'figure.constrained_layout.use': True,
 }
 DPI = 150
+LEGEND_MARGIN_POINTS = 6
+"""Between the panels and a legend that stands below them."""
 
 
 def kind_name(kind: QueryKind) -> str:
@@ -47,6 +51,23 @@ def mark_query(axes: Axes, record: QueryRecord, height: float) -> None:
     colour = KIND_COLOURS[record.kind]
     face = colour if record.outcome is Outcome.ANSWERED else 'white'
     axes.scatter(record.turn, height, s=52, facecolor=face, edgecolor=colour, linewidth=1.4, zorder=3)
+
+
+def put_legend_below(
+    figure: Figure, columns: int, handles: Sequence[Artist], labels: Sequence[str], **look: Any
+) -> None:
+    """Put a legend below all panels, in fewer columns than these where they would not fit."""
+    while True:
+        legend = figure.legend(handles, labels, loc='lower center', ncols=columns, frameon=False, **look)
+        extent = legend.get_window_extent()
+        # How wide it is depends on the names, which other packages choose, too.
+        if columns == 1 or extent.width <= figure.bbox.width:
+            break
+        legend.remove()
+        columns -= 1
+    # What `outside lower center` does, which matplotlib 3.6 does not know.
+    bottom = (extent.height + LEGEND_MARGIN_POINTS * figure.dpi / 72) / figure.bbox.height
+    figure.set_layout_engine('constrained', rect=(0, bottom, 1, 1 - bottom))
 
 
 def save(figure: Figure, path: Path) -> Path:

@@ -7,11 +7,16 @@ every later node. So the nodes get the range SUBNET, on a transport of Fast DDS 
 from __future__ import annotations
 
 import os
+import re
 import time
 from collections.abc import Callable, Iterator, Mapping
+from importlib.util import find_spec
 from pathlib import Path
 
+import hypothesis
 import pytest
+
+from al_questioner.missing import FOR_BAGS, remedy
 
 if os.environ.get('RMW_IMPLEMENTATION', 'rmw_fastrtps_cpp') == 'rmw_fastrtps_cpp':
     os.environ['FASTRTPS_DEFAULT_PROFILES_FILE'] = str(Path(__file__).with_name('loopback.xml'))
@@ -19,11 +24,33 @@ if os.environ.get('RMW_IMPLEMENTATION', 'rmw_fastrtps_cpp') == 'rmw_fastrtps_cpp
 else:
     os.environ['ROS_AUTOMATIC_DISCOVERY_RANGE'] = 'LOCALHOST'
 
+# Both would fail a test because the machine is busy.
+hypothesis.settings.register_profile('patient', deadline=None, suppress_health_check=[hypothesis.HealthCheck.too_slow])
+hypothesis.settings.load_profile('patient')
+
 # So that nodes of other runs on this machine are not heard.
 os.environ['ROS_DOMAIN_ID'] = str(1 + os.getpid() % 100)
 
 DEADLINE = 90.0
 """Seconds after which a test gives up; far more than anything here takes."""
+
+
+MISSING_FOR_BAGS = [module for module in FOR_BAGS if find_spec(module) is None]
+"""A robot on which rosdep alone installed what the package needs has none of them."""
+USES_BAGS = re.compile('BagMessage|BagWriter|RecorderNode|read_bag|read_sessions|--bag|--record')
+
+
+def pytest_ignore_collect(collection_path: Path) -> bool | None:
+    """Leave out the tests that cannot run without what bags need."""
+    source = collection_path / 'conftest.py' if collection_path.is_dir() else collection_path
+    if MISSING_FOR_BAGS and source.suffix == '.py' and source.is_file() and source != Path(__file__):
+        return bool(USES_BAGS.search(source.read_text(encoding='utf-8'))) or None
+    return None
+
+
+def pytest_report_header() -> str | None:
+    """Say what is left out."""
+    return f'NOT TESTED is what uses bags: {remedy(MISSING_FOR_BAGS[0])}' if MISSING_FOR_BAGS else None
 
 
 class PseudoTerminal:

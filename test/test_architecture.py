@@ -16,7 +16,17 @@ PACKAGE = 'al_questioner'
 
 LAYERS = (
     {'domain'},
-    {'arguments', 'configuration', 'differences', 'files', 'plotting', 'strategy_names', 'throttle', 'wording'},
+    {
+        'arguments',
+        'configuration',
+        'differences',
+        'files',
+        'missing',
+        'plotting',
+        'strategy_names',
+        'throttle',
+        'wording',
+    },
     {'concepts', 'messages', 'perception', 'world'},
     {'questioning', 'recording', 'teaching'},
     {'rerun', 'resuming', 'simulation', 'telling'},

@@ -6,7 +6,7 @@ from pathlib import Path
 
 import pytest
 
-from al_questioner.configuration import config_dir, named_file, read_yaml
+from al_questioner.configuration import config_dir, named_bag, named_file, read_yaml
 from al_questioner.domain import InputError
 
 
@@ -20,6 +20,15 @@ def test_missing_file_is_named(tmp_path: Path) -> None:
     """The path of a file that does not exist would be taken for a name."""
     with pytest.raises(InputError, match=r'mine\.yaml does not exist'):
         named_file('tasks', str(tmp_path / 'mine.yaml'), 'task')
+
+
+def test_a_bag_at_a_path_comes_before_one_that_ships(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """People would train on our expert instead of theirs, or have to know where ours lies."""
+    monkeypatch.chdir(tmp_path)
+    assert (named_bag('expert_0') / 'metadata.yaml').is_file()
+    assert named_bag('expert_7') == Path('expert_7')
+    Path('expert_0').mkdir()
+    assert named_bag('expert_0') == Path('expert_0')
 
 
 def test_own_file_is_taken(tmp_path: Path) -> None:

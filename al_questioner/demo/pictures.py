@@ -11,7 +11,7 @@ from matplotlib.figure import Figure
 from matplotlib.ticker import MaxNLocator
 
 from al_questioner.domain import Outcome, QueryRecord
-from al_questioner.plotting import KIND_COLOURS, STYLE, kind_name, mark_changes, mark_query, save
+from al_questioner.plotting import KIND_COLOURS, STYLE, kind_name, mark_changes, mark_query, put_legend_below, save
 from al_questioner.simulation import EpisodeResult, PerceivedWorld
 from al_questioner.wording import number_of
 from al_questioner.world.table_image import Mark, draw_scene
@@ -52,7 +52,7 @@ def _learning_curve(result: EpisodeResult) -> Figure:
     axes.xaxis.set_major_locator(MaxNLocator(integer=True, min_n_ticks=1))
     axes.set_title(_title(result), loc='left', fontsize=11)
     if result.queries:
-        figure.legend(frameon=False, loc='outside lower center', ncols=len(KIND_COLOURS))
+        put_legend_below(figure, len(KIND_COLOURS), *axes.get_legend_handles_labels())
     return figure
 
 

@@ -26,7 +26,7 @@ from al_questioner.experiments.plan import (
 from al_questioner.experiments.results import Results
 from al_questioner.experiments.statistics import mean_and_error
 from al_questioner.files import make_folder
-from al_questioner.plotting import KIND_COLOURS, STYLE, kind_name, mark_changes, save
+from al_questioner.plotting import KIND_COLOURS, STYLE, kind_name, mark_changes, put_legend_below, save
 from al_questioner.questioning.candidates import BUDGET_ROUNDING
 from al_questioner.wording import number_of
 
@@ -120,14 +120,8 @@ def _panels(
 
 def _finish(figure: Figure, columns: int, path: Path) -> Path:
     """Save a figure with the legend of its first panel below, in fewer columns than these where they would not fit."""
-    handles, labels = figure.axes[0].get_legend_handles_labels()
-    while True:
-        legend = figure.legend(handles, labels, loc='outside lower center', ncols=columns, frameon=False)
-        # How wide it is depends on the names, which other packages choose, too.
-        if columns == 1 or legend.get_window_extent().width <= figure.bbox.width:
-            return save(figure, path)
-        legend.remove()
-        columns -= 1
+    put_legend_below(figure, columns, *figure.axes[0].get_legend_handles_labels())
+    return save(figure, path)
 
 
 def _line(strategy: str) -> dict[str, Any]:

@@ -53,7 +53,9 @@ class Progress:
     def __exit__(
         self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
     ) -> None:
-        self._bar.stop()
+        # Before rich 14 the end of a bar is an empty line, even if the bar is disabled.
+        if not self._bar.disable:
+            self._bar.stop()
 
     def begin(self, cells: Sequence[Cell]) -> None:
         """Hear what is to be played."""

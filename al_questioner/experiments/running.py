@@ -5,9 +5,8 @@ from __future__ import annotations
 import itertools
 from collections.abc import Callable, Iterator, Sequence
 from concurrent.futures import BrokenExecutor
-from contextlib import contextmanager
 
-from joblib import Parallel, delayed, parallel_config
+from joblib import Parallel, delayed
 
 from al_questioner.domain import EpisodeError, InputError
 from al_questioner.experiments.plan import Cell
@@ -16,6 +15,13 @@ from al_questioner.experiments.storing import Store
 
 GROUPS_PER_JOB = 4
 """With fewer worlds for each process than that, the conditions of one are spread over several processes."""
+
+WAIT_SECONDS = 30
+"""For the first worker of a cluster."""
+
+Work = tuple[int, Store, Sequence[Cell], bool]
+"""Arguments of `_play`."""
+Results = Iterator[tuple[int, list[Played]]]
 
 
 def run(
@@ -43,21 +49,16 @@ def run(
         missing = [(number, part) for number, group in missing for part in _by_condition(group)]
     if begin is not None:
         begin([cell for _, group in missing for cell in group])
+    work = [(number, stores[number], group, scheduler is None) for number, group in missing]
     failed = []
-    with _backend(scheduler):
-        parallel = Parallel(n_jobs=-1 if scheduler else jobs, return_as='generator_unordered', pre_dispatch='2*n_jobs')
-        tasks = (delayed(_play)(number, stores[number], group, scheduler is None) for number, group in missing)
-        try:
-            for number, results in parallel(tasks):
-                for played in results:
-                    if played.error:
-                        failed.append(played)
-                    elif scheduler is not None:
-                        stores[number].save(played)
-                    if watch is not None:
-                        watch(played)
-        except BrokenExecutor as error:
-            raise EpisodeError('a worker process died (of memory?); what was played is kept, start it again') from error
+    for number, results in _locally(work, jobs) if scheduler is None else _on_cluster(work, scheduler):
+        for played in results:
+            if played.error:
+                failed.append(played)
+            elif scheduler is not None:
+                stores[number].save(played)
+            if watch is not None:
+                watch(played)
     return failed
 
 
@@ -80,19 +81,47 @@ def _play(number: int, store: Store, cells: Sequence[Cell], keep: bool) -> tuple
     return number, found
 
 
-@contextmanager
-def _backend(scheduler: str | None) -> Iterator[None]:
-    """Joblib's own processes, or the workers of a dask cluster."""
-    if scheduler is None:
-        yield
-        return
+def _locally(work: Sequence[Work], jobs: int) -> Results:
+    """Play in processes of this machine.
+
+    Raises:
+        EpisodeError: one of them died.
+    """
+    options = {'n_jobs': jobs, 'pre_dispatch': '2*n_jobs'}
     try:
-        from dask.distributed import Client
+        parallel = Parallel(return_as='generator_unordered', **options)
+    except ValueError:
+        # Before joblib 1.4 what is finished early is told in its turn.
+        parallel = Parallel(return_as='generator', **options)
+    try:
+        yield from parallel(delayed(_play)(*piece) for piece in work)
+    except BrokenExecutor as error:
+        raise EpisodeError('a worker process died (of memory?); what was played is kept, start it again') from error
+
+
+def _on_cluster(work: Sequence[Work], scheduler: str) -> Results:
+    """Play on the workers of a dask cluster.
+
+    Raises:
+        EpisodeError: no worker came, or one that played the same again and again died.
+        InputError: dask is not installed, or there is no scheduler at the address.
+    """
+    try:
+        from dask.distributed import Client, KilledWorker, as_completed
     except ImportError as error:
         raise InputError('dask is not installed: pip install ".[cluster]"') from error
     try:
         client = Client(scheduler, timeout='10s')  # type: ignore[no-untyped-call]
     except (OSError, ValueError) as error:
         raise InputError(f'no dask scheduler answers at {scheduler} ({" ".join(str(error).split())})') from error
-    with client, parallel_config(backend='dask', wait_for_workers_timeout=30):
-        yield
+    with client:
+        try:
+            client.wait_for_workers(1, timeout=WAIT_SECONDS)
+        except TimeoutError as error:
+            raise EpisodeError(f'{scheduler}: no worker came within {WAIT_SECONDS} s') from error
+        try:
+            futures = [client.submit(_play, *piece, pure=False) for piece in work]
+            for future in as_completed(futures):  # type: ignore[no-untyped-call]
+                yield future.result()
+        except KilledWorker as error:
+            raise EpisodeError('workers of the cluster died; what was played is kept, start it again') from error

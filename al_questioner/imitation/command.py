@@ -13,6 +13,7 @@ from rich.console import Console
 from rich.table import Table
 
 from al_questioner.arguments import LARGEST_SEED, Parser, number
+from al_questioner.configuration import named_bag
 from al_questioner.domain import InputError, QueryRecord
 from al_questioner.files import check_writable, make_folder, write_text
 from al_questioner.imitation.assessment import imitate, predict_queries
@@ -48,7 +49,8 @@ def parser() -> Parser:
         prog='train_weights',
         description="Learn a strategy's weights from an expert's recorded episodes.",
     )
-    result.add_argument('bags', nargs='+', type=Path, metavar='BAG', help='a bag of the `record` executable')
+    bags_help = 'a bag of the `record` executable, or the name of one that ships, such as expert_0'
+    result.add_argument('bags', nargs='+', type=named_bag, metavar='BAG', help=bags_help)
     result.add_argument('--out', type=Path, required=True, metavar='FILE', help='the YAML file to write')
     strategy_help = 'whose weights are learnt (%(default)s)'
     result.add_argument('--strategy', choices=tuple(FEATURE_SETS), default='dt_task_env', help=strategy_help)

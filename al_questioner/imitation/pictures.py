@@ -15,7 +15,7 @@ from al_questioner.domain import QueryRecord
 from al_questioner.imitation.demonstration import Demonstration
 from al_questioner.imitation.feature_matching import WINDOW, mean_gaps
 from al_questioner.imitation.training import Training
-from al_questioner.plotting import KIND_COLOURS, STYLE, kind_name, mark_changes, mark_query, save
+from al_questioner.plotting import KIND_COLOURS, STYLE, kind_name, mark_changes, mark_query, put_legend_below, save
 
 
 def draw_training(
@@ -98,5 +98,4 @@ def _draw_timelines(
         xlabel='turn', xlim=(0, max(d.settings.turns for d in demonstrations) + 1), ylim=(-len(demonstrations), 0.5)
     )
     axes.xaxis.set_major_locator(MaxNLocator(integer=True))
-    handles, labels = axes.get_legend_handles_labels()
-    figure.legend(handles, labels, loc='outside lower center', ncols=len(KIND_COLOURS), frameon=False, fontsize=9)
+    put_legend_below(figure, len(KIND_COLOURS), *axes.get_legend_handles_labels(), fontsize=9)

@@ -12,6 +12,7 @@ from rich.live import Live
 from rich.text import Text
 
 from al_questioner.arguments import Parser, number
+from al_questioner.configuration import named_bag
 from al_questioner.domain import EpisodeError, InputError
 from al_questioner.messages.stamps import SECOND
 from al_questioner.recording import LeftOut, read_bag, read_sessions
@@ -38,7 +39,8 @@ def parser() -> Parser:
         description='Play a bag on the topics it was recorded from, with its timing.',
         epilog=f'In a terminal: {KEYS}. ROS arguments may follow: --ros-args -r __ns:=/elsewhere',
     )
-    result.add_argument('bag', type=Path, metavar='BAG', help='directory of the bag')
+    bag_help = 'directory of the bag, or the name of one that ships, such as expert_0'
+    result.add_argument('bag', type=named_bag, metavar='BAG', help=bag_help)
     result.add_argument('--rate', type=float, default=1.0, help='recorded seconds in a second (%(default)s)')
     result.add_argument('--loop', action='store_true', help='begin anew at the end')
     clock_help = 'publish the recorded time on /clock so often (0: not at all)'

@@ -16,7 +16,6 @@ from al_questioner.domain.names import quoted
 from al_questioner.files import check_writable, write_text
 from al_questioner.recording import read_log, repair_log
 from al_questioner.session.account import Account, Said, account_of
-from al_questioner.session.bag import write_bag
 from al_questioner.session.export import session_document, spoken, write_tables
 from al_questioner.wording import number_of
 
@@ -58,6 +57,9 @@ def main(arguments: Sequence[str]) -> int:
     if given.csv is not None:
         written += write_tables(account, given.csv)
     if given.bag is not None:
+        # Only now, as a robot may lack what bags need.
+        from al_questioner.session.bag import write_bag
+
         write_bag(account, given.bag)
         written.append(given.bag)
     for path in written:

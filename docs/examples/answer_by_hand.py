@@ -1,6 +1,6 @@
 """Be the teacher: shows each question and publishes what you type, for those without the `ros2` command.
 
-    python3 docs/examples/answer_by_hand.py --ros-args -r __ns:=/my_robot
+    python3 answer_by_hand.py --ros-args -r __ns:=/my_robot
 
 Type a symbol, `none`, an object's number, feature groups with commas between, `?` or `skip`.
 """

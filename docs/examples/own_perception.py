@@ -1,9 +1,9 @@
 """A robot's own perception, as small as it gets: two coloured blobs, published ten times a second as `objects`.
 
-Run it beside a learner, instead of al_questioner's perception node:
+Run it, in its folder, beside a learner, instead of al_questioner's perception node:
 
-    python3 docs/examples/own_perception.py
-    python3 -m al_questioner learner --ros-args -p task:=docs/examples/blobs.yaml -p turns:=10
+    python3 own_perception.py
+    python3 -m al_questioner learner --ros-args -p task:=blobs.yaml -p turns:=10
 """
 
 import contextlib

@@ -20,6 +20,7 @@ from al_questioner.experiments.statistics import (
     mean_and_error,
     paired_p,
     superiority,
+    superiority_interval,
     u_test,
 )
 
@@ -111,6 +112,12 @@ def test_few_samples_give_no_interval(count: int) -> None:
     assert found.interval is None
     (found,) = compare(FIRST, {'other': OTHER})
     assert found.interval is not None
+
+
+def test_the_interval_of_a_share_is_that_of_the_binomial_distribution() -> None:
+    """Of 5 values drawn from 5, 3 of which are above: at most 1 is with a chance of .087, none with one of .010."""
+    first = np.array([1.0, 1.0, 1.0, -1.0, -1.0])
+    assert superiority_interval(first, np.zeros(5), seed=0) == (0.2, 1.0)
 
 
 def test_mean_and_deviation_by_hand() -> None:

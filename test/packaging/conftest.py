@@ -6,9 +6,10 @@ import os
 import shutil
 import subprocess
 import sys
-import sysconfig
 import venv
+from collections.abc import Callable
 from dataclasses import dataclass
+from functools import partial
 from pathlib import Path
 
 import pytest
@@ -51,10 +52,16 @@ class Installation:
         return done.stdout
 
 
+def libraries() -> list[str]:
+    """The folders of installed packages that this process knows, but those that hold this package."""
+    folders = [path for path in sys.path if Path(path).name in ('site-packages', 'dist-packages')]
+    return [path for path in folders if not Path(path, 'al_questioner').exists()]
+
+
 def outer_environment() -> dict[str, str]:
-    """This process's environment without the checkout, and with this interpreter as `python3`."""
+    """This process's environment without this package, and with this interpreter as `python3`."""
     environment = dict(os.environ)
-    paths = [path for path in environment.pop('PYTHONPATH', '').split(os.pathsep) if path and Path(path) != CHECKOUT]
+    paths = [path for path in environment.pop('PYTHONPATH', '').split(os.pathsep) if path in libraries()]
     if paths:
         environment['PYTHONPATH'] = os.pathsep.join(paths)
     environment['PATH'] = os.pathsep.join([str(Path(sys.executable).parent), environment['PATH']])
@@ -65,11 +72,14 @@ def outer_environment() -> dict[str, str]:
 def source(tmp_path_factory: pytest.TempPathFactory) -> Path:
     """A copy of all that is shipped, in a folder whose name has a space."""
     copy = tmp_path_factory.mktemp('work space') / 'al_questioner'
-    not_shipped = {'bags', 'build', 'docs', 'install', 'log', 'out', 'test'}
+    not_shipped = {
+        CHECKOUT: {'build', 'install', 'log', 'out', 'test'},
+        CHECKOUT / 'docs': {path.name for path in (CHECKOUT / 'docs').iterdir()} - {'examples'},
+    }
 
     def ignored(folder: str, names: list[str]) -> set[str]:
         generated = {name for name in names if name.startswith('.') or name.endswith(('__pycache__', '.egg-info'))}
-        return generated | (not_shipped if Path(folder) == CHECKOUT else set())
+        return generated | not_shipped.get(Path(folder), set())
 
     shutil.copytree(CHECKOUT, copy, symlinks=True, ignore=ignored)
     return copy
@@ -90,20 +100,24 @@ def install_with_pip(source: Path, place: Path, extras: str = '') -> Installatio
         Installation('pip', place, environment).run(*pip, f'{source}{extras}', cwd=place)
     else:
         Installation('pip', place, environment).run(*pip, '--no-deps', source, cwd=place)
-        ours = sysconfig.get_paths()['purelib']
-        environment['PYTHONPATH'] = os.pathsep.join(filter(None, (environment.get('PYTHONPATH'), ours)))
+        environment['PYTHONPATH'] = os.pathsep.join(libraries())
     environment['PATH'] = os.pathsep.join([str(python.parent), environment['PATH']])
     environment['AMENT_PREFIX_PATH'] = str(prefix)
     return Installation('pip', prefix, environment)
 
 
+def run_colcon(outer: Installation, verb: str, source: Path, *options: str) -> None:
+    """Run a verb of colcon on a package, with the place of an installation for the workspace."""
+    pytest.importorskip('colcon_core', reason='colcon is not installed: pip install .[dev]')
+    place = outer.prefix
+    folders = ('--build-base', place / 'build', '--install-base', place / 'install', '--base-paths', source)
+    outer.run(sys.executable, '-m', 'colcon', '--log-base', place / 'log', verb, *folders, *options, cwd=place)
+
+
 def install_with_colcon(source: Path, place: Path, *options: str) -> Installation:
     """A workspace, built and sourced."""
-    pytest.importorskip('colcon_core', reason='colcon is not installed: pip install .[dev]')
     outer = Installation('colcon', place, outer_environment())
-    folders = ('--build-base', place / 'build', '--install-base', place / 'install')
-    colcon = (sys.executable, '-m', 'colcon', '--log-base', place / 'log')
-    outer.run(*colcon, 'build', '--base-paths', source, *folders, *options, cwd=place)
+    run_colcon(outer, 'build', source, *options)
     # colcon's setup.bash does not quote the path of the interpreter it runs, which may lie in a folder with a space.
     outer.environment['COLCON_PYTHON_EXECUTABLE'] = str(Path(sys.base_prefix, 'bin', 'python3'))
     dump = outer.run('bash', '-c', 'source "$0" && env -0', place / 'install' / 'setup.bash', cwd=place)
@@ -119,3 +133,9 @@ def installation(
     tool, *options = request.param.split()
     install = {'pip': install_with_pip, 'colcon': install_with_colcon}[tool]
     return install(source, tmp_path_factory.mktemp(tool), *options)
+
+
+@pytest.fixture
+def workspace(tmp_path: Path) -> Callable[..., None]:
+    """Runs a verb of colcon on a package, in a workspace of its own."""
+    return partial(run_colcon, Installation('colcon', tmp_path, outer_environment()))

@@ -3,13 +3,16 @@
 from __future__ import annotations
 
 import ast
-import re
+import subprocess
 import sys
 from configparser import ConfigParser
 from pathlib import Path
 from xml.etree import ElementTree
 
 import pytest
+from packaging.requirements import Requirement
+
+from al_questioner.missing import FOR_BAGS
 
 CHECKOUT = Path(__file__).resolve().parents[2]
 
@@ -18,16 +21,19 @@ DISTRIBUTIONS = {
     'joblib': ('joblib', 'python3-joblib'),
     'jsonschema': ('jsonschema', 'python3-jsonschema'),
     'matplotlib': ('matplotlib', 'python3-matplotlib'),
-    'mcap': ('mcap', 'mcap-ros2-support'),
+    'mcap': ('mcap', None),
     'numba': ('numba', 'python3-numba'),
     'numpy': ('numpy', 'python3-numpy'),
     'prompt_toolkit': ('prompt_toolkit', 'python3-prompt-toolkit'),
     'rich': ('rich', 'python3-rich'),
-    'rosbags': ('rosbags', 'python3-rosbags-pip'),
+    'rosbags': ('rosbags', None),
     'scipy': ('scipy', 'python3-scipy'),
     'yaml': ('PyYAML', 'python3-yaml'),
 }
-"""PyPI and rosdep name by imported module, for what is no part of ROS."""
+"""PyPI and rosdep name by imported module, for what is no part of ROS; no rosdep name of what Ubuntu does not have.
+
+What rosdep would fetch with pip, Ubuntu 24.04 refuses to install.
+"""
 
 OPTIONAL = {'dask'}
 """Imported only by those who ask for it."""
@@ -46,30 +52,92 @@ def imported_distributions() -> list[str]:
     return sorted(found - set(sys.stdlib_module_names) - {'al_questioner'})
 
 
-def rosdep_keys() -> set[str | None]:
-    """What package.xml asks for at run time."""
-    return {element.text for element in ElementTree.parse(CHECKOUT / 'package.xml').iter('exec_depend')}
+def rosdep_keys(kind: str = 'exec_depend') -> set[str]:
+    """What package.xml asks for, at run time or for the tests."""
+    return {str(element.text) for element in ElementTree.parse(CHECKOUT / 'package.xml').iter(kind)}
 
 
-def requirements(section: str, option: str) -> list[str]:
-    """Names in a list of setup.cfg, without versions."""
+def requirements(section: str, option: str) -> list[Requirement]:
+    """A list of setup.cfg."""
     config = ConfigParser()
     config.read(CHECKOUT / 'setup.cfg', encoding='utf-8')
-    return [re.split('[<>=!~]', line)[0] for line in config[section][option].split()]
+    return [Requirement(line) for line in config[section][option].split()]
+
+
+def required_names(section: str, option: str) -> list[str]:
+    """The names in a list of setup.cfg, without versions."""
+    return [requirement.name for requirement in requirements(section, option)]
+
+
+def versions_of_noble() -> dict[str, str]:
+    """The versions of Ubuntu 24.04, by PyPI name."""
+    lines = (CHECKOUT / 'test' / 'noble.txt').read_text(encoding='utf-8').splitlines()
+    return dict(line.split('==') for line in lines if not line.startswith('#'))
 
 
 def test_what_is_imported_only_when_wished_for_is_an_extra() -> None:
     """A user who wants a cluster would have to guess what to install."""
-    assert 'dask[distributed]' in requirements('options.extras_require', 'cluster')
+    assert 'dask' in required_names('options.extras_require', 'cluster')
 
 
 @pytest.mark.parametrize('module', sorted(set(imported_distributions()) - OPTIONAL))
 def test_an_imported_module_is_required(module: str) -> None:
     pypi, rosdep = DISTRIBUTIONS.get(module, (None, module))
-    assert rosdep in rosdep_keys()
-    assert pypi is None or pypi in requirements('options', 'install_requires')
+    assert rosdep in rosdep_keys() or (rosdep is None and module in FOR_BAGS)
+    assert pypi is None or pypi in required_names('options', 'install_requires')
 
 
 def test_pip_requires_nothing_that_only_ros_can_bring() -> None:
     """A ROS installation knows its packages under no PyPI name: pip would fetch them a second time."""
-    assert not [name for name in requirements('options', 'install_requires') if name.startswith('ros-')]
+    assert not [name for name in required_names('options', 'install_requires') if name.startswith('ros-')]
+
+
+def test_rosdep_fetches_nothing_with_pip() -> None:
+    """Ubuntu 24.04 refuses it, and the installation would end there."""
+    pip_keys = [key for key in rosdep_keys() | rosdep_keys('test_depend') if key.endswith('-pip') or 'mcap' in key]
+    assert pip_keys == []
+
+
+def test_what_ubuntu_has_is_new_enough_and_tested() -> None:
+    """It is what rosdep installs: the package would fail where ROS 2 Jazzy runs, and no test would tell."""
+    noble = versions_of_noble()
+    of_ubuntu = [r for r in requirements('options', 'install_requires') if r.name not in FOR_BAGS]
+    assert [r.name for r in of_ubuntu if r.name not in noble] == []
+    asked = of_ubuntu + requirements('options.extras_require', 'test')
+    assert [str(r) for r in asked if r.name in noble and not r.specifier.contains(noble[r.name])] == []
+    assert [str(r) for r in of_ubuntu if not any(one.operator == '>=' for one in r.specifier)] == []
+
+
+@pytest.mark.parametrize('module', FOR_BAGS)
+def test_what_bags_need_is_told_as_it_is_required(module: str) -> None:
+    """People would install a version that cannot write bags."""
+    assert Requirement(FOR_BAGS[module]) in requirements('options', 'install_requires')
+    assert f"'{FOR_BAGS[module]}'" in (CHECKOUT / 'README.md').read_text(encoding='utf-8')
+
+
+def without_bags(code: str, *arguments: str) -> subprocess.CompletedProcess[str]:
+    """Run code where nothing is installed that only bags need."""
+    blocked = f'import sys; sys.modules.update(dict.fromkeys({list(FOR_BAGS)})); '
+    return subprocess.run([sys.executable, '-c', blocked + code, *arguments], capture_output=True, text=True)
+
+
+def test_all_but_bags_works_without_what_bags_need() -> None:
+    """A robot has nothing but what rosdep installs."""
+    modules = [
+        f'al_questioner.{name}' for name in ('ros.learner', 'ros.perception', 'ros.teacher', 'ros.terminal_teacher')
+    ]
+    modules += [f'al_questioner.{name}.command' for name in ('demo', 'experiments', 'session')]
+    done = without_bags('from importlib import import_module; [import_module(name) for name in sys.argv[1:]]', *modules)
+    assert done.returncode == 0, done.stderr
+
+
+@pytest.mark.parametrize(
+    'arguments', [('replay', 'bag'), ('train_weights', 'bag', '--out', 'w.yaml'), ('record', '--repair', 'bag')]
+)
+def test_bags_say_what_they_need(arguments: tuple[str, ...]) -> None:
+    """There would be a traceback, or advice that does not help."""
+    done = without_bags('from al_questioner.cli import main; sys.exit(main(sys.argv[1:]))', *arguments)
+    assert done.returncode == 2
+    assert done.stderr.startswith(f'{arguments[0]}: ')
+    assert done.stderr.count('\n') == 1
+    assert f"pip install '{FOR_BAGS['rosbags']}' '{FOR_BAGS['mcap']}'" in done.stderr

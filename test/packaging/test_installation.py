@@ -33,6 +33,23 @@ def test_manifest_configuration_and_launch_files_are_shared(installation):
     assert [str(path) for path in expected if not (share / path).is_file()] == []
 
 
+def test_bags_and_examples_are_shared(installation, source):
+    """The commands of the README would work in a checkout alone."""
+    share = installation.prefix / 'share' / 'al_questioner'
+    for folder in ('bags', 'docs/examples'):
+        files = [path.relative_to(source / folder) for path in (source / folder).rglob('*') if path.is_file()]
+        place = share / Path(folder).name
+        assert [
+            str(path) for path in files if (place / path).read_bytes() != (source / folder / path).read_bytes()
+        ] == []
+
+
+def test_a_bag_that_ships_is_found_by_its_name(installation, tmp_path):
+    executable = installation.prefix / 'lib' / 'al_questioner' / 'replay'
+    checked = installation.run(executable, 'expert_0', '--check', cwd=tmp_path)
+    assert checked.endswith('30 decisions, all as recorded\n')
+
+
 def test_the_installed_configuration_is_found(installation, tmp_path):
     code = 'from al_questioner.configuration import config_dir; print(config_dir())'
     folder = Path(installation.run('python3', '-c', code, cwd=tmp_path).strip())
