@@ -15,7 +15,7 @@ ROOT = Path(__file__).resolve().parent.parent
 PACKAGE = 'al_questioner'
 
 LAYERS = (
-    {'domain'},
+    {'domain', 'strict_yaml'},
     {'arguments', 'configuration', 'differences', 'files', 'plotting', 'throttle', 'wording'},
     {'concepts', 'messages', 'perception', 'world'},
     {'questioning', 'recording', 'teaching'},

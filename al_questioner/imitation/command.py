@@ -7,11 +7,11 @@ from collections.abc import Sequence
 from pathlib import Path
 
 import numpy as np
-import yaml
 from rich import progress as bars
 from rich.console import Console
 from rich.table import Table
 
+from al_questioner import strict_yaml
 from al_questioner.arguments import LARGEST_SEED, Parser, number
 from al_questioner.domain import InputError, QueryRecord
 from al_questioner.files import check_writable, make_folder, write_text
@@ -106,9 +106,7 @@ def main(arguments: Sequence[str]) -> int:
     bags = [{'name': path.name, 'sha256': digest(path)} for path in paths]
     for path in (given.out, picture):
         make_folder(path.parent)
-    write_text(
-        given.out, yaml.safe_dump(weights_document(training, len(demonstrations), bags), sort_keys=False, width=100)
-    )
+    write_text(given.out, strict_yaml.text_of(weights_document(training, len(demonstrations), bags)))
     learner = _learner(training, demonstrations)
     draw_training(training, demonstrations, learner, picture)
     console.print(_table(training))
