@@ -17,7 +17,7 @@ from rich.table import Table
 from al_questioner.arguments import Parser, number
 from al_questioner.concepts import compile_models
 from al_questioner.configuration import shipped_names
-from al_questioner.domain import AMPLITUDE, EpisodeError, SettingsError
+from al_questioner.domain import AMPLITUDE, AMPLITUDE_RANGE, EpisodeError, SettingsError
 from al_questioner.experiments.ceilings import CEILINGS
 from al_questioner.experiments.figures import condition_name, draw_figures
 from al_questioner.experiments.plan import (
@@ -102,7 +102,7 @@ def parser() -> Parser:
     )
     result.add_argument(
         '--amplitude',
-        type=number(float, 1e-3, 1e3),
+        type=number(float, *AMPLITUDE_RANGE),
         default=AMPLITUDE,
         help="variance of the Gaussian processes' kernel (%(default)s)",
     )

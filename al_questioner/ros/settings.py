@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from al_questioner.concepts import VIEW_TOLERANCE
-from al_questioner.domain import AMPLITUDE
+from al_questioner.domain import AMPLITUDE, AMPLITUDE_RANGE, LENGTH_SCALE_RANGE
 from al_questioner.messages.schemas import LARGEST_TURN
 from al_questioner.questioning import STRATEGIES
 from al_questioner.ros.parameters import Setting
@@ -65,9 +65,14 @@ def learner_settings(task: Task) -> tuple[Setting, ...]:
             lower=0.0,
             upper=86400.0,
         ),
-        Setting('amplitude', AMPLITUDE, "variance of the Gaussian processes' kernel", lower=1e-3, upper=1e3),
+        Setting('amplitude', AMPLITUDE, "variance of the Gaussian processes' kernel", '', *AMPLITUDE_RANGE),
         Setting(
-            'length_scale', 0.0, 'of the kernel; 0: root of the number of features', 'standard deviations', lower=0.0
+            'length_scale',
+            0.0,
+            f'of the kernel, {LENGTH_SCALE_RANGE[0]:g} or more; 0: root of the number of features',
+            unit='standard deviations',
+            lower=0.0,
+            upper=LENGTH_SCALE_RANGE[1],
         ),
         Setting(
             'tune_every',

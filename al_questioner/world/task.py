@@ -8,7 +8,7 @@ from dataclasses import dataclass, replace
 from types import MappingProxyType
 
 from al_questioner.configuration import named_file, read_yaml
-from al_questioner.domain import NO_SYMBOL, InputError
+from al_questioner.domain import LARGEST_AMOUNT, NO_SYMBOL, InputError
 from al_questioner.world.reading import (
     Interval,
     choice,
@@ -37,7 +37,7 @@ class EpisodeDefaults:
         strategy: questioning strategy.
     """
 
-    budget: float = setting(number(0), 25.0)
+    budget: float = setting(number(0, LARGEST_AMOUNT), 25.0)
     turns: int = setting(whole(1, 10_000), 40)
     strategy: str = setting(text, 'value_per_cost')
 
