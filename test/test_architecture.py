@@ -16,7 +16,8 @@ PACKAGE = 'al_questioner'
 
 LAYERS = (
     {'domain', 'strict_yaml'},
-    {'arguments', 'configuration', 'differences', 'files', 'plotting', 'throttle', 'wording'},
+    {'files'},
+    {'arguments', 'configuration', 'differences', 'plotting', 'throttle', 'wording'},
     {'concepts', 'messages', 'perception', 'world'},
     {'questioning', 'recording', 'teaching'},
     {'rerun', 'resuming', 'simulation', 'telling'},

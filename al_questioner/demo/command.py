@@ -17,7 +17,7 @@ from al_questioner.demo.pictures import draw_pictures
 from al_questioner.demo.progress import Progress
 from al_questioner.demo.report import episode_document, summary
 from al_questioner.domain import InputError, QueryRecord
-from al_questioner.files import make_folder, write_text
+from al_questioner.files import check_writable, make_folder, write_text
 from al_questioner.messages.schemas import LARGEST_TURN
 from al_questioner.questioning import STRATEGIES
 from al_questioner.simulation import (
@@ -96,8 +96,7 @@ def main(arguments: Sequence[str]) -> int:
     evaluation = Evaluation(choice, settings)
     make_folder(given.out)
     if given.json is not None:
-        make_folder(given.json.parent)
-        write_text(given.json, '', mode='a')
+        check_writable(given.json)
     console = Console()
     _tell(console, evaluation.world.report())
     with console.status('preparing the models (compiling them, if need be, takes some ten seconds)'):
@@ -108,12 +107,13 @@ def main(arguments: Sequence[str]) -> int:
         else:
             _play_graph(given, evaluation, progress.after_turn)
     result = evaluation.result()
-    pictures = draw_pictures(result, evaluation.world, given.out)
+    # The numbers first: a disk may be full by now.
+    console.print(summary(result))
+    _tell(console, evaluation.world.report())
     if given.json is not None:
         document = episode_document(result, teacher, evaluation.world)
         write_text(given.json, json.dumps(document, indent=1) + '\n')
-    console.print(summary(result))
-    _tell(console, evaluation.world.report())
+    pictures = draw_pictures(result, evaluation.world, given.out)
     for path in (*pictures, *(path for path in (given.json, given.record) if path)):
         console.print(f'  {path}', highlight=False, soft_wrap=True)
     return 0

@@ -11,6 +11,7 @@ from matplotlib.figure import Figure
 from matplotlib.ticker import MaxNLocator
 
 from al_questioner.domain import Outcome, QueryRecord
+from al_questioner.files import make_folder
 from al_questioner.plotting import KIND_COLOURS, STYLE, kind_name, mark_changes, mark_query, save
 from al_questioner.simulation import EpisodeResult, PerceivedWorld
 from al_questioner.wording import number_of
@@ -21,9 +22,9 @@ def draw_pictures(result: EpisodeResult, world: PerceivedWorld, folder: Path) ->
     """Write `learning_curve.png`, `timeline.png` and `scene.png`, and return their paths.
 
     Raises:
-        OSError: the folder cannot be written.
+        InputError: one cannot be written.
     """
-    folder.mkdir(parents=True, exist_ok=True)
+    make_folder(folder)
     with plt.rc_context(STYLE):
         figures = {'learning_curve': _learning_curve(result), 'timeline': _timeline(result, world)}
         figures['scene'] = _scene(result, world)

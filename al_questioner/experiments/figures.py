@@ -59,7 +59,7 @@ def draw_figures(results: Results, change_intervals: Mapping[str, int], folder: 
 
     Raises:
         InputError: the folder cannot be made.
-        OSError: a picture cannot be written.
+        InputError: a picture cannot be written.
     """
     make_folder(folder)
     paths = []
@@ -79,7 +79,7 @@ def draw_cost_curves(results: Results, folder: Path) -> list[Path]:
 
     Raises:
         InputError: the folder cannot be made.
-        OSError: a picture cannot be written.
+        InputError: a picture cannot be written.
     """
     make_folder(folder)
     with plt.rc_context(STYLE):

@@ -30,6 +30,9 @@ from al_questioner.wording import number_of
 
 MOST = 10_000
 
+FORMATS = ('.png', '.pdf', '.svg')
+"""Of the picture."""
+
 TIMID = 0.5
 """Share of the expert's questions below which learnt weights are warned of."""
 
@@ -74,6 +77,8 @@ def main(arguments: Sequence[str]) -> int:
     picture = given.picture or given.out.with_suffix('.png')
     if picture.resolve() == given.out.resolve():
         raise InputError(f'{picture} cannot be the weights and the picture: name one of them otherwise')
+    if picture.suffix not in FORMATS:
+        raise InputError(f'--picture: the name must end in {", ".join(FORMATS)}, not {picture.name!r}')
     _check_replaceable(given.out)
     for path in (given.out, picture):
         check_writable(path)

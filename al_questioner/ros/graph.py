@@ -18,6 +18,7 @@ from rclpy.parameter import Parameter
 from rclpy.validate_namespace import validate_namespace
 
 from al_questioner.domain import EpisodeError, InputError
+from al_questioner.files import make_folder
 from al_questioner.ros.learner import LearnerNode
 from al_questioner.ros.observer import ObserverNode, StateWatcher
 from al_questioner.ros.parameters import Value
@@ -106,7 +107,7 @@ class Graph:
     def _processes(self, names: Iterable[str]) -> Iterator[dict[str, subprocess.Popen[bytes]]]:
         """A process for each of these nodes, in a session of its own so that a signal reaches whatever it started."""
         processes = {}
-        self.log_dir.mkdir(parents=True, exist_ok=True)
+        make_folder(self.log_dir)
         try:
             for name in names:
                 with self._log(name).open('wb') as log:

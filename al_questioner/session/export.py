@@ -163,5 +163,4 @@ def _write(path: Path, columns: Sequence[str], rows: Sequence[Sequence[object]])
     writer = csv.writer(text, lineterminator='\n')
     writer.writerow(columns)
     writer.writerows(rows)
-    # JSON can say half of a character, UTF-8 cannot.
-    write_text(path, text.getvalue().encode(errors='replace').decode())
+    write_text(path, text.getvalue())
