@@ -15,7 +15,7 @@ ROOT = Path(__file__).resolve().parent.parent
 PACKAGE = 'al_questioner'
 
 LAYERS = (
-    {'domain', 'strict_yaml'},
+    {'domain', 'interrupts', 'late', 'strict_yaml'},
     {'files'},
     {'arguments', 'configuration', 'differences', 'plotting', 'throttle', 'wording'},
     {'concepts', 'messages', 'perception', 'world'},

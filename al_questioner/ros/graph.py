@@ -21,9 +21,9 @@ from al_questioner.domain import EpisodeError, InputError
 from al_questioner.files import make_folder
 from al_questioner.ros.learner import LearnerNode
 from al_questioner.ros.observer import ObserverNode, StateWatcher
-from al_questioner.ros.parameters import Value
 from al_questioner.ros.perception import PerceptionNode
 from al_questioner.ros.running import run_nodes
+from al_questioner.ros.setting import Value
 from al_questioner.ros.teacher import TeacherNode
 
 NODES: Mapping[str, Callable[..., Node]] = {
@@ -95,7 +95,7 @@ class Graph:
                     raise observers[0].failure
                 return observers[0].done and (recorder is None or recorder.poll() == 0)
 
-            run_nodes([make_observer, *nodes], [], '', is_over)
+            run_nodes([make_observer, *nodes], [], is_over)
         if not observers[0].done:
             raise EpisodeError('interrupted before the end of the episode')
 

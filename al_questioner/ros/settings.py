@@ -6,7 +6,7 @@ from al_questioner.concepts import VIEW_TOLERANCE
 from al_questioner.domain import AMPLITUDE, AMPLITUDE_RANGE, LENGTH_SCALE_RANGE
 from al_questioner.messages.schemas import LARGEST_TURN
 from al_questioner.questioning import STRATEGIES
-from al_questioner.ros.parameters import Setting
+from al_questioner.ros.setting import Setting
 from al_questioner.world import Task, load_task
 
 DEFAULT_TASK = 'kitchen_table'

@@ -12,9 +12,9 @@ from rclpy.parameter import Parameter
 from al_questioner.configuration import config_dir, read_yaml
 from al_questioner.domain import InputError
 from al_questioner.ros.learner import LearnerNode
-from al_questioner.ros.parameters import Setting, help_text
 from al_questioner.ros.perception import PerceptionNode
 from al_questioner.ros.recorder import RecorderNode
+from al_questioner.ros.setting import Setting, help_text
 from al_questioner.ros.settings import (
     PERCEPTION_SETTINGS,
     RECORDER_SETTINGS,
