@@ -102,7 +102,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
     if nobody reads what it prints.
     """
     arguments = list(sys.argv[1:] if arguments is None else arguments)
-    name = arguments[0] if arguments else 'al_questioner'
+    name = arguments[0] if arguments and arguments[0] in EXECUTABLES else 'al_questioner'
     for stream in (sys.stdin, sys.stdout, sys.stderr):
         if isinstance(stream, io.TextIOWrapper):
             # What a terminal has no character for is no reason to lose all the rest.

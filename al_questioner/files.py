@@ -50,11 +50,12 @@ def write_text(path: Path, text: str) -> None:
 
 
 def write_bytes(path: Path, content: bytes) -> None:
-    """Write a file as a whole, or leave what is there.
+    """Write a file as a whole, or leave what is there; the folders it lies in are made.
 
     Raises:
         InputError: it cannot be written.
     """
+    make_folder(path.parent)
     with _naming(path):
         draft = _draft(path)
         try:

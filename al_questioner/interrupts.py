@@ -1,18 +1,18 @@
-"""What Ctrl-C does, from the first instruction of a process to its last."""
+"""What Ctrl-C does, from the first instruction of a process to its last.
+
+This is what a process imports first, so that it needs next to nothing itself.
+"""
 
 from __future__ import annotations
 
 import os
 import signal
-from collections.abc import Iterator
-from contextlib import contextmanager
-from typing import Any
 
 STATUS = 130
 """Exit status of a process that was interrupted: 128 and the number of the signal, as shells have it."""
 
 
-def end_at_once(*_: Any) -> None:
+def end_at_once(*_: object) -> None:
     """End the process on an interrupt, without a word.
 
     While modules are imported nothing needs to be tidied up, and a KeyboardInterrupt would be a traceback, or come out
@@ -27,26 +27,29 @@ def install() -> None:
         signal.signal(signal.SIGINT, end_at_once)
 
 
-@contextmanager
-def raised() -> Iterator[None]:
-    """Have an interrupt raise KeyboardInterrupt within, where it would end the process at once without."""
-    yield from _swapped(end_at_once, signal.default_int_handler)
+class _Within:
+    """A context manager in which an interrupt is handled in another way, unless somebody else handles them."""
+
+    def __init__(self, outside: object, within: object) -> None:
+        self._outside, self._within = outside, within
+
+    def __enter__(self) -> None:
+        _exchange(self._outside, self._within)
+
+    def __exit__(self, *_: object) -> None:
+        _exchange(self._within, self._outside)
 
 
-@contextmanager
-def ending() -> Iterator[None]:
-    """Have an interrupt end the process at once within, for modules that are imported late."""
-    yield from _swapped(signal.default_int_handler, end_at_once)
+def raised() -> _Within:
+    """Have an interrupt raise KeyboardInterrupt within, where it would end the process without."""
+    return _Within(end_at_once, signal.default_int_handler)
 
 
-def _swapped(outside: Any, within: Any) -> Iterator[None]:
-    if signal.getsignal(signal.SIGINT) is not outside:
-        yield
-        return
-    signal.signal(signal.SIGINT, within)
-    try:
-        yield
-    finally:
-        # Unless somebody has seen to it that it does something else.
-        if signal.getsignal(signal.SIGINT) is within:
-            signal.signal(signal.SIGINT, outside)
+def ending() -> _Within:
+    """Have an interrupt end the process within, for modules that are imported late."""
+    return _Within(signal.default_int_handler, end_at_once)
+
+
+def _exchange(present: object, wanted: object) -> None:
+    if signal.getsignal(signal.SIGINT) is present:
+        signal.signal(signal.SIGINT, wanted)  # type: ignore[arg-type]

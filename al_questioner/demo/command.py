@@ -8,6 +8,7 @@ import os
 
 from rich.console import Console
 
+from al_questioner import interrupts
 from al_questioner.concepts import compile_models
 from al_questioner.demo.progress import Progress
 from al_questioner.demo.report import episode_document, summary
@@ -47,6 +48,8 @@ def main(given: argparse.Namespace) -> int:
     make_folder(given.out)
     if given.json is not None:
         check_writable(given.json)
+    if not given.offline:
+        _import_ros()
     console = Console()
     _tell(console, evaluation.world.report())
     with console.status('preparing the models (compiling them, if need be, takes some ten seconds)'):
@@ -78,20 +81,31 @@ def _tell(console: Console, notes: str) -> None:
         console.print(notes, highlight=False, markup=False, soft_wrap=True)
 
 
-def _play_graph(given: argparse.Namespace, evaluation: Evaluation, watch: TurnWatcher) -> None:
-    """Have the ROS nodes play the episode, and measure what they report.
+def _import_ros() -> None:
+    """Have ROS imported, which takes long, before anything is shown.
 
     Raises:
-        InputError: ROS is not installed, or the namespace is no namespace.
-        EpisodeError: the nodes did not play it to its end.
+        InputError: it is not installed.
     """
     try:
-        from al_questioner.ros.graph import Graph
-        from al_questioner.ros.worlds import new_episode_id
+        with interrupts.ending():
+            import al_questioner.ros.graph  # noqa: F401
     except ImportError as error:
         raise InputError(
             f'ROS 2 cannot be imported ({error}): install it (pip install ".[ros]"), or use --offline'
         ) from error
+
+
+def _play_graph(given: argparse.Namespace, evaluation: Evaluation, watch: TurnWatcher) -> None:
+    """Have the ROS nodes play the episode, and measure what they report.
+
+    Raises:
+        InputError: the namespace is no namespace.
+        EpisodeError: the nodes did not play it to its end.
+    """
+    from al_questioner.ros.graph import Graph
+    from al_questioner.ros.worlds import new_episode_id
+
     choice, settings = evaluation.choice, evaluation.settings
     world = {'task': given.task, 'dataset': str(given.dataset or ''), 'seed': choice.seed, 'sample': choice.sample}
     episode_id = new_episode_id(choice)

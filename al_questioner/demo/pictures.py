@@ -11,7 +11,6 @@ from matplotlib.figure import Figure
 from matplotlib.ticker import MaxNLocator
 
 from al_questioner.domain import Outcome, QueryRecord
-from al_questioner.files import make_folder
 from al_questioner.plotting import KIND_COLOURS, STYLE, kind_name, mark_changes, mark_query, save
 from al_questioner.simulation import EpisodeResult, PerceivedWorld
 from al_questioner.wording import number_of
@@ -24,7 +23,6 @@ def draw_pictures(result: EpisodeResult, world: PerceivedWorld, folder: Path) ->
     Raises:
         InputError: one cannot be written.
     """
-    make_folder(folder)
     with plt.rc_context(STYLE):
         figures = {'learning_curve': _learning_curve(result), 'timeline': _timeline(result, world)}
         figures['scene'] = _scene(result, world)

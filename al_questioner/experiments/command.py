@@ -32,7 +32,7 @@ from al_questioner.experiments.running import run
 from al_questioner.experiments.statistics import mean_and_deviation
 from al_questioner.experiments.storing import Store
 from al_questioner.experiments.studies import STUDIES, Study, make_studies
-from al_questioner.files import make_folder, write_text
+from al_questioner.files import write_text
 from al_questioner.questioning import FEATURE_SETS, Weights, make_strategy, read_weights
 from al_questioner.simulation import WorldChoice
 from al_questioner.wording import number_of
@@ -173,7 +173,6 @@ def _failures(failed: Sequence[Played]) -> list[str]:
 
 
 def _write_page(page: Page, path: Path) -> list[Path]:
-    make_folder(path.parent)
     figures = draw_figures(page.results, page.change_intervals, path.parent / 'figures' / path.stem)
     write_text(path, report(dataclasses.replace(page, figures=figures), path.parent))
     return [path, *figures]

@@ -97,9 +97,7 @@ class Store:
 
     def save(self, played: Played) -> None:
         """Store a cell; a crash meanwhile leaves no half of it."""
-        path = self._path(played.cell)
-        make_folder(path.parent)
-        write_text(path, json.dumps({'episode': played.episode, 'turns': played.turns}))
+        write_text(self._path(played.cell), json.dumps({'episode': played.episode, 'turns': played.turns}))
 
     def write_tables(self) -> list[Path]:
         """Write `episodes.csv` and `turns.csv` from what is stored of the plan, sorted."""

@@ -13,7 +13,7 @@ from rich.table import Table
 
 from al_questioner import strict_yaml
 from al_questioner.domain import InputError, QueryRecord
-from al_questioner.files import check_writable, make_folder, write_text
+from al_questioner.files import check_writable, write_text
 from al_questioner.imitation.assessment import imitate, predict_queries
 from al_questioner.imitation.bags import read_demonstrations
 from al_questioner.imitation.demonstration import Demonstration
@@ -63,8 +63,6 @@ def main(given: argparse.Namespace) -> int:
     played = number_of(sum(d.turns for d in demonstrations), 'turn')
     console.print(f'{number_of(len(demonstrations), "demonstration")}, {played}')
     bags = [{'name': path.name, 'sha256': digest(path)} for path in paths]
-    for path in (given.out, picture):
-        make_folder(path.parent)
     write_text(given.out, strict_yaml.text_of(weights_document(training, len(demonstrations), bags)))
     # Only now, as matplotlib takes long to import.
     from al_questioner.imitation.pictures import draw_training

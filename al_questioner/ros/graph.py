@@ -8,6 +8,7 @@ import os
 import signal
 import subprocess
 import sys
+import threading
 from collections.abc import Callable, Iterable, Iterator, Mapping
 from dataclasses import dataclass
 from pathlib import Path
@@ -65,13 +66,15 @@ class Graph:
 
         Raises:
             InputError: a namespace or a parameter that cannot be used.
-            EpisodeError: a process ended before the episode did, or the episode was interrupted.
+            EpisodeError: a process ended before the episode did, or this one was told to.
+            KeyboardInterrupt: it was interrupted, and all processes have ended.
         """
         try:
             validate_namespace(f'/{self.namespace}')
         except NameValidationException as error:
             raise InputError(' '.join(str(error).split())) from error
         observers: list[ObserverNode] = []
+        interrupted = threading.Event()
 
         def make_observer() -> Node:
             observers.append(ObserverNode(self.episode_id, watch, self.patience, namespace=self.namespace))
@@ -95,7 +98,9 @@ class Graph:
                     raise observers[0].failure
                 return observers[0].done and (recorder is None or recorder.poll() == 0)
 
-            run_nodes([make_observer, *nodes], [], is_over)
+            run_nodes([make_observer, *nodes], [], is_over, interrupted)
+        if interrupted.is_set():
+            raise KeyboardInterrupt
         if not observers[0].done:
             raise EpisodeError('interrupted before the end of the episode')
 

@@ -12,7 +12,7 @@ import rclpy
 from rclpy.exceptions import NameValidationException
 from rclpy.executors import ExternalShutdownException, SingleThreadedExecutor
 from rclpy.node import Node
-from rclpy.utilities import try_shutdown
+from rclpy.utilities import remove_ros_args, try_shutdown
 
 from al_questioner.domain import InputError
 from al_questioner.ros.arguments import check_ros_arguments
@@ -27,6 +27,7 @@ def run_nodes(
     makers: Sequence[Callable[[], Node]],
     arguments: Sequence[str],
     while_spinning: Callable[[], Any] | None = None,
+    interrupted: threading.Event | None = None,
 ) -> int:
     """Spin nodes in one process until SIGINT, SIGTERM or a shutdown of the context; return the exit status.
 
@@ -34,6 +35,7 @@ def run_nodes(
         makers: make the nodes, once ROS is initialised.
         arguments: of the process, ROS arguments included.
         while_spinning: called after every wait; a true result ends the spinning.
+        interrupted: set by SIGINT.
 
     Raises:
         InputError: a parameter that cannot be used.
@@ -41,19 +43,22 @@ def run_nodes(
     check_ros_arguments(arguments)
     # Only rclpy's own handler, which shuts the context down, is to act on a signal: a KeyboardInterrupt could hit
     # anywhere, and the second SIGINT of `ros2 launch` would hit the clean-up.
-    interrupted = threading.Event()
-    previous = signal.signal(signal.SIGINT, lambda *_: interrupted.set())
+    interrupted = interrupted or threading.Event()
+    previous = signal.signal(signal.SIGINT, _setter(interrupted))
     try:
         os.environ.setdefault(*TRANSPORTS)
+        # For its error: rclpy.init would print lines of its own beside it.
+        remove_ros_args(['', *arguments])
         rclpy.init(args=list(arguments))
     except (RuntimeError, ValueError) as error:
+        signal.signal(signal.SIGINT, previous)
         raise InputError(f'unusable ROS arguments: {_one_line(error)}') from error
-    if interrupted.is_set():
-        # Before rclpy had a handler of its own.
-        try_shutdown()
     nodes: list[Node] = []
     executor = SingleThreadedExecutor()
     try:
+        if interrupted.is_set():
+            # Before rclpy had a handler of its own.
+            raise ExternalShutdownException
         for make in makers:
             nodes.append(make())
             executor.add_node(nodes[-1])
@@ -81,6 +86,10 @@ def run_nodes(
         # Python gives a handler of ours back to the system as it exits, where a late SIGINT would kill; not so SIG_IGN.
         signal.signal(signal.SIGINT, signal.SIG_IGN if while_spinning is None else previous)
     return 0
+
+
+def _setter(event: threading.Event) -> Callable[..., None]:
+    return lambda *_: event.set()
 
 
 def _one_line(error: Exception) -> str:
