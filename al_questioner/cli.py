@@ -121,7 +121,10 @@ def main(arguments: Sequence[str] | None = None) -> int:
         if error.errno not in NO_ROOM:
             raise
         _leave_output()
-        print(f'{name}: {error.filename or "the output"} cannot be written ({error.strerror})', file=sys.stderr)
+        print(
+            f'{name}: {error.filename or "the output, or a file,"} cannot be written ({error.strerror})',
+            file=sys.stderr,
+        )
         return 2
 
 

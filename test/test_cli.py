@@ -105,7 +105,7 @@ def test_a_reader_who_has_gone_is_no_error(command: list[str]) -> None:
 def test_output_that_there_is_no_room_for_is_one_line() -> None:
     with Path('/dev/full').open('wb') as full:
         _, error = ended('--help', status=2, stdout=full.fileno())
-    assert error == 'al_questioner: the output cannot be written (No space left on device)\n'
+    assert error == 'al_questioner: the output, or a file, cannot be written (No space left on device)\n'
 
 
 @pytest.mark.parametrize(

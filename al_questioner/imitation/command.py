@@ -26,6 +26,9 @@ from al_questioner.recording.bags import STORAGE_SUFFIXES
 from al_questioner.simulation import PerceivedWorld
 from al_questioner.wording import number_of
 
+ITERATIONS_OF_A_LINE = 5
+"""Where there is no terminal to show a bar."""
+
 TIMID = 0.5
 """Share of the expert's questions below which learnt weights are warned of."""
 
@@ -54,7 +57,10 @@ def main(given: argparse.Namespace) -> int:
 
         def watch(iteration: int, state: Iteration) -> None:
             gap, held_out = np.linalg.norm(state.gap), np.linalg.norm(state.validation_gap)
-            progress.update(bar, completed=iteration, description=f'gap {gap:.2f}, validation {held_out:.2f}')
+            gaps = f'gap {gap:.2f}, validation {held_out:.2f}'
+            progress.update(bar, completed=iteration, description=gaps)
+            if not console.is_terminal and iteration % ITERATIONS_OF_A_LINE == 0:
+                console.print(f'iteration {iteration}, at most {given.iterations}: {gaps}', highlight=False)
 
         training = train(demonstrations, settings, watch)
     # Only now, as it is no use to anybody whose bags cannot be learnt from.
