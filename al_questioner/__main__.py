@@ -1,5 +1,11 @@
 """`python -m al_questioner EXECUTABLE ...`: what `ros2 run al_questioner EXECUTABLE ...` is on a ROS install."""
 
+from al_questioner import interrupts
+
+# Before anything that takes a while to import.
+if __name__ == '__main__':
+    interrupts.install()
+
 import os
 import sys
 

@@ -24,6 +24,11 @@ class Parser(argparse.ArgumentParser):
         # Of argparse itself; it would take -5/40 for an option and complain of a missing value.
         self._negative_number_matcher = re.compile(r'-[\d.]')
 
+    def _print_message(self, message: str, file: Any = None) -> None:
+        # That of argparse passes over what could not be printed.
+        if file is not None:
+            file.write(message)
+
     def error(self, message: str) -> NoReturn:
         """Raise an InputError instead of printing the usage."""
         raise InputError(f'{message} (--help tells the arguments)')

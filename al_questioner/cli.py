@@ -2,38 +2,88 @@
 
 from __future__ import annotations
 
+import contextlib
+import errno
 import importlib
+import io
+import os
+import signal
 import sys
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
+from typing import Any, NamedTuple
 
-from al_questioner import __version__
+from al_questioner import __version__, interrupts
 from al_questioner.domain import EpisodeError, InputError
 from al_questioner.missing import remedy
 
+NO_ROOM = (errno.ENOSPC, errno.EDQUOT, errno.EFBIG)
+"""On the disk, or for a file of that size: no fault of the program, wherever it comes from."""
+
+
+class Executable(NamedTuple):
+    """What a command line is read by, and who does what it says: functions as `MODULE:NAME`.
+
+    They are in modules of their own so that a wrong option, or `--help`, does not wait for what the work needs.
+    """
+
+    parse: str
+    run: str
+    description: str
+
+
 EXECUTABLES = {
-    'perception': ('al_questioner.ros.perception', 'node: looks at the (simulated) table and publishes what it sees'),
-    'learner': ('al_questioner.ros.learner', 'node: decides what to ask, asks, and learns from the answers'),
-    'teacher': (
-        'al_questioner.ros.teacher',
+    'perception': Executable(
+        'al_questioner.ros.arguments:perception',
+        'al_questioner.ros.perception:main',
+        'node: looks at the (simulated) table and publishes what it sees',
+    ),
+    'learner': Executable(
+        'al_questioner.ros.arguments:learner',
+        'al_questioner.ros.learner:main',
+        'node: decides what to ask, asks, and learns from the answers',
+    ),
+    'teacher': Executable(
+        'al_questioner.ros.arguments:teacher',
+        'al_questioner.ros.teacher:main',
         'node: answers the questions from a script; mode:=terminal lets you answer',
     ),
-    'record': ('al_questioner.ros.record', 'node: records an episode into a bag; --repair makes a killed one whole'),
-    'replay': (
-        'al_questioner.ros.replay',
+    'record': Executable(
+        'al_questioner.ros.arguments:record',
+        'al_questioner.ros.record:main',
+        'node: records an episode into a bag; --repair makes a killed one whole',
+    ),
+    'replay': Executable(
+        'al_questioner.ros.arguments:replay',
+        'al_questioner.ros.replay:main',
         'plays a bag on its topics; --check tells whether it leads to the same again',
     ),
-    'session': ('al_questioner.session.command', "shows, checks, repairs and exports the log of a learner's session"),
-    'train_weights': ('al_questioner.imitation.command', "learns the decision weights from an expert's bags"),
-    'experiment': ('al_questioner.experiments.command', "plays, tests and draws the paper's comparison"),
-    'demo': ('al_questioner.demo.command', 'plays one learning episode and shows how it went'),
+    'session': Executable(
+        'al_questioner.session.arguments:parse',
+        'al_questioner.session.command:main',
+        "shows, checks, repairs and exports the log of a learner's session",
+    ),
+    'train_weights': Executable(
+        'al_questioner.imitation.arguments:parse',
+        'al_questioner.imitation.command:main',
+        "learns the decision weights from an expert's bags",
+    ),
+    'experiment': Executable(
+        'al_questioner.experiments.arguments:parse',
+        'al_questioner.experiments.command:main',
+        "plays, tests and draws the paper's comparison",
+    ),
+    'demo': Executable(
+        'al_questioner.demo.arguments:parse',
+        'al_questioner.demo.command:main',
+        'plays one learning episode and shows how it went',
+    ),
 }
-"""Module and one-line description of each executable; the module is imported only when it is run."""
 
 
 def usage() -> str:
     """What `--help` prints."""
     width = max(map(len, EXECUTABLES))
-    lines = [f'  {name:<{width}}  {description}' for name, (_, description) in EXECUTABLES.items()]
+    lines = [f'  {name:<{width}}  {description}' for name, (*_, description) in EXECUTABLES.items()]
     return '\n'.join(
         [
             'usage: python -m al_questioner EXECUTABLE [arguments]',
@@ -47,8 +97,39 @@ def usage() -> str:
 
 
 def main(arguments: Sequence[str] | None = None) -> int:
-    """Run one executable and return its exit status: 0, 2 for input that cannot be used, 1 for a failure."""
+    """Run one executable and return its exit status.
+
+    0, 2 for input that cannot be used or a file that cannot be written, 1 for a failure, 130 if it was interrupted, 141
+    if nobody reads what it prints.
+    """
     arguments = list(sys.argv[1:] if arguments is None else arguments)
+    name = arguments[0] if arguments and arguments[0] in EXECUTABLES else 'al_questioner'
+    for stream in (sys.stdin, sys.stdout, sys.stderr):
+        if isinstance(stream, io.TextIOWrapper):
+            # What a terminal has no character for is no reason to lose all the rest.
+            stream.reconfigure(errors='replace')
+    try:
+        try:
+            return _run(arguments)
+        finally:
+            # Now, as Python would complain at length later.
+            if sys.stdout is not None:
+                sys.stdout.flush()
+    except BrokenPipeError:
+        _leave_output()
+        return 128 + signal.SIGPIPE
+    except OSError as error:
+        if error.errno not in NO_ROOM:
+            raise
+        _leave_output()
+        print(
+            f'{name}: {error.filename or "the output, or a file,"} cannot be written ({error.strerror})',
+            file=sys.stderr,
+        )
+        return 2
+
+
+def _run(arguments: Sequence[str]) -> int:
     if not arguments or arguments[0] in ('-h', '--help'):
         print(usage())
         return 0 if arguments else 2
@@ -60,7 +141,10 @@ def main(arguments: Sequence[str] | None = None) -> int:
         print(f'al_questioner: unknown executable {name!r}; known: {", ".join(EXECUTABLES)}', file=sys.stderr)
         return 2
     try:
-        status: int = importlib.import_module(EXECUTABLES[name][0]).main(rest)
+        given = _function(EXECUTABLES[name].parse)(rest)
+        run = _function(EXECUTABLES[name].run)
+        with interrupts.raised():
+            status: int = run(given)
     except ModuleNotFoundError as error:
         if error.name is None or error.name.startswith('al_questioner'):
             raise
@@ -73,5 +157,17 @@ def main(arguments: Sequence[str] | None = None) -> int:
         print(f'{name}: {error}', file=sys.stderr)
         return 1
     except KeyboardInterrupt:
-        return 130
+        return interrupts.STATUS
     return status
+
+
+def _function(path: str) -> Callable[[Any], Any]:
+    module, _, name = path.partition(':')
+    function: Callable[[Any], Any] = getattr(importlib.import_module(module), name)
+    return function
+
+
+def _leave_output() -> None:
+    """Let nobody complain about what could not be printed."""
+    with contextlib.suppress(OSError, ValueError):
+        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())

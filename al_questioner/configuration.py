@@ -9,6 +9,7 @@ from typing import Any
 
 import yaml
 
+from al_questioner import strict_yaml
 from al_questioner.domain import InputError
 
 
@@ -65,16 +66,21 @@ def read_yaml(path: Path) -> Mapping[str, Any]:
     """The mapping that a YAML file holds.
 
     Raises:
-        InputError: the file cannot be read, is no YAML, or holds something else than a mapping.
+        InputError: the file cannot be read, is no YAML, holds something else than a mapping, or a value or key that
+            cannot be relied on, see `strict_yaml`; the text names the file and, where there is one, the line.
     """
     try:
-        content = yaml.safe_load(path.read_text(encoding='utf-8'))
+        with path.open('rb') as file:
+            content = strict_yaml.parse(file.read(strict_yaml.MOST_BYTES + 1))
     except OSError as error:
         raise InputError(f'{path}: cannot be read ({error.strerror})') from error
-    except UnicodeDecodeError as error:
-        raise InputError(f'{path}: cannot be read ({error})') from error
-    except yaml.YAMLError as error:
-        raise InputError(f'{path}: not valid YAML ({" ".join(str(error).split())})') from error
+    except yaml.MarkedYAMLError as error:
+        mark = error.problem_mark or error.context_mark
+        line = f', line {mark.line + 1}' if mark else ''
+        reason = ' '.join(', '.join(part for part in (error.context, error.problem) if part).split())
+        fault = reason if isinstance(error, strict_yaml.RefusedYAMLError) else f'not valid YAML ({reason})'
+        raise InputError(f'{path}{line}: {fault}') from error
     if not isinstance(content, Mapping):
-        raise InputError(f'{path}: expected a mapping of settings, found {type(content).__name__}')
+        found = 'nothing' if content is None else type(content).__name__
+        raise InputError(f'{path}: expected a mapping of settings, found {found}')
     return content

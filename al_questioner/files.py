@@ -3,6 +3,9 @@
 from __future__ import annotations
 
 import os
+import threading
+from collections.abc import Iterator
+from contextlib import contextmanager
 from pathlib import Path
 
 from al_questioner.domain import InputError
@@ -26,26 +29,65 @@ def check_writable(path: Path) -> None:
     Raises:
         InputError: it could not.
     """
-    existed, folders = path.exists(), [folder for folder in path.parents if not folder.exists()]
+    folders = [folder for folder in path.parents if not folder.exists()]
     make_folder(path.parent)
-    write_text(path, '', mode='a')
-    if not existed:
-        path.unlink()
+    with _naming(path):
+        draft = _draft(path)
+        draft.open('ab').close()
+        if draft != path:
+            draft.unlink()
     for folder in folders:
         folder.rmdir()
 
 
-def write_text(path: Path, text: str, mode: str = 'w') -> None:
-    """Write a file, or, with mode `a`, see whether one could.
+def write_text(path: Path, text: str) -> None:
+    """Write a file as a whole, or leave what is there; half of a character, which only JSON can say, becomes `?`.
 
     Raises:
         InputError: it cannot be written.
     """
+    write_bytes(path, text.encode(errors='replace'))
+
+
+def write_bytes(path: Path, content: bytes) -> None:
+    """Write a file as a whole, or leave what is there; the folders it lies in are made.
+
+    Raises:
+        InputError: it cannot be written.
+    """
+    make_folder(path.parent)
+    with _naming(path):
+        draft = _draft(path)
+        try:
+            draft.write_bytes(content)
+            if draft != path:
+                # A link stays a link.
+                draft.replace(path.resolve())
+        finally:
+            if draft != path:
+                draft.unlink(missing_ok=True)
+
+
+def _draft(path: Path) -> Path:
+    """A file beside another one, to be renamed to it once it is whole; a device or a pipe itself.
+
+    Raises:
+        OSError: the other one may not be written.
+    """
+    target = path.resolve()
+    if target.exists():
+        if not target.is_file():
+            return path
+        target.open('ab').close()
+    return target.with_name(f'.draft-{os.getpid()}-{threading.get_ident()}')
+
+
+@contextmanager
+def _naming(path: Path) -> Iterator[None]:
     try:
-        with path.open(mode, encoding='utf-8') as file:
-            file.write(text)
+        yield
     except OSError as error:
-        raise InputError(f'{path} cannot be written ({error.strerror})') from error
+        raise InputError(f'{path} cannot be written ({error.strerror or error})') from error
 
 
 def sync_to_disk(path: Path) -> None:

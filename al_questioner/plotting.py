@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import io
 from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
@@ -16,6 +17,7 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from al_questioner.domain import Outcome, QueryKind, QueryRecord
+from al_questioner.files import write_bytes
 
 KIND_COLOURS = {
     QueryKind.LABEL: '#2c6fbb',
@@ -71,11 +73,13 @@ def put_legend_below(
 
 
 def save(figure: Figure, path: Path) -> Path:
-    """Write a figure and forget it.
+    """Write a figure, in the format that the name ends in, and forget it.
 
     Raises:
-        OSError: it cannot be written.
+        InputError: it cannot be written.
     """
-    figure.savefig(path, dpi=DPI)
+    content = io.BytesIO()
+    figure.savefig(content, dpi=DPI, format=path.suffix.removeprefix('.'))
     plt.close(figure)
+    write_bytes(path, content.getvalue())
     return path

@@ -28,8 +28,8 @@ from al_questioner.imitation.assessment import agreement, count_gap, imitate
 from al_questioner.imitation.bags import read_demonstrations
 from al_questioner.imitation.choice_likelihood import fit_temperature
 from al_questioner.imitation.demonstration import Array, Demonstration, all_steps, demonstrate, feature_scale
-from al_questioner.imitation.feature_matching import MatchingSettings
-from al_questioner.imitation.training import TrainingSettings, train
+from al_questioner.imitation.settings import MatchingSettings, TrainingSettings
+from al_questioner.imitation.training import train
 from al_questioner.questioning import read_weights
 from al_questioner.simulation import PerceivedWorld, WorldChoice, episode_settings, run_episode
 from al_questioner.teaching import ScriptedTeacher

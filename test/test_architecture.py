@@ -15,18 +15,9 @@ ROOT = Path(__file__).resolve().parent.parent
 PACKAGE = 'al_questioner'
 
 LAYERS = (
-    {'domain'},
-    {
-        'arguments',
-        'configuration',
-        'differences',
-        'files',
-        'missing',
-        'plotting',
-        'strategy_names',
-        'throttle',
-        'wording',
-    },
+    {'domain', 'interrupts', 'late', 'strict_yaml'},
+    {'files', 'missing', 'strategy_names'},
+    {'arguments', 'configuration', 'differences', 'plotting', 'throttle', 'wording'},
     {'concepts', 'messages', 'perception', 'world'},
     {'questioning', 'recording', 'teaching'},
     {'rerun', 'resuming', 'simulation', 'telling'},

@@ -40,7 +40,7 @@ def test_own_file_is_taken(tmp_path: Path) -> None:
 
 @pytest.mark.parametrize(
     ('content', 'reason'),
-    [(b'a: [', 'not valid YAML'), (b'- 1', 'found list'), (b'\xff\xfe\xff', 'cannot be read'), (b'', 'NoneType')],
+    [(b'a: [', 'not valid YAML'), (b'- 1', 'found list'), (b'\xff\xfe\xff', 'not valid YAML'), (b'', 'found nothing')],
 )
 def test_broken_yaml_is_one_line(tmp_path: Path, content: bytes, reason: str) -> None:
     """A broken file would end in a traceback."""

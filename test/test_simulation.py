@@ -11,7 +11,10 @@ from numpy.typing import NDArray
 
 from al_questioner.domain import (
     AMPLITUDE,
+    DECISION_FEATURES,
+    VALUE_FEATURES,
     Answer,
+    Costs,
     EpisodeSettings,
     Query,
     QueryKind,
@@ -239,8 +242,15 @@ def settings(**changes: object) -> EpisodeSettings:
         ({'symbols': ('a',)}, 'at least two'),
         ({'symbols': ('a', 'a')}, 'distinct'),
         ({'symbols': ('a', 'none')}, 'none'),
+        ({'budget': 1e308}, r'budget must lie in \[0, 1e\+12\], not 1e\+308'),
+        ({'costs': Costs(demonstration=1e200)}, r'the cost of a demonstration query must lie in \[0, 1e\+12\]'),
         ({'amplitude': 0.0}, 'amplitude'),
+        ({'amplitude': 1e200}, r'amplitude must lie in \[0.001, 1000\], not 1e\+200'),
+        ({'length_scale': 1e200}, r'length_scale must lie in \[0.001, 1000\], not 1e\+200'),
+        ({'length_scale': 1e-200}, r'length_scale must lie in \[0.001, 1000\], not 1e-200'),
+        ({'length_scale': 0.0}, 'length_scale'),
         ({'length_scale': float('nan')}, 'length_scale'),
+        ({'weights': {'gain': -1e200}}, r'the weight of gain must lie in \[-1e\+09, 1e\+09\]'),
         ({'tune_every': -1}, 'tune_every must be 0 or more, not -1'),
         ({'weights': {'beauty': 1.0}}, 'unknown decision feature'),
         ({'weights': {'remaining_time': float('nan')}}, 'not finite'),
@@ -250,3 +260,22 @@ def test_settings_out_of_range_are_refused(changes: dict[str, object], reason: s
     """An episode would be played under limits that make no sense."""
     with pytest.raises(SettingsError, match=reason):
         settings(**changes)
+
+
+@pytest.mark.parametrize(
+    'changes',
+    [
+        {'length_scale': 1e-3, 'amplitude': 1e3, 'tune_every': 2},
+        {'length_scale': 1e3, 'amplitude': 1e3, 'tune_every': 2},
+        {'length_scale': 1e3, 'amplitude': 1e-3, 'tune_every': 2},
+        {'budget': 1e12, 'costs': Costs(1e12, 1.0, 0.0)},
+        {'strategy': 'dt_task_env', 'weights': dict.fromkeys(DECISION_FEATURES, 1e9)},
+        {'weights': dict.fromkeys(VALUE_FEATURES, -1e9)},
+    ],
+)
+@pytest.mark.filterwarnings('error')
+def test_settings_at_the_ends_of_their_ranges_can_be_played(changes: dict[str, object]) -> None:
+    """What the ranges allow would end an episode, or learn nothing but overflows."""
+    changes = {'symbols': TASK.symbols, 'strategy': 'value_per_cost', 'budget': 4.0, 'turns': 5, **changes}
+    played = run_episode(CHOICE, settings(**changes), teacher())
+    assert len(played.accuracy) == 5

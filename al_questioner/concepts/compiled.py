@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from contextlib import suppress
 from functools import cache
 from typing import Any, TypeVar, cast
 
@@ -22,10 +23,19 @@ def compiled(function: Function) -> Function:
     options: dict[str, Any] = {'nogil': True, 'error_model': 'numpy', 'fastmath': {'reassoc', 'contract', 'nsz'}}
     try:
         result = numba.njit(cache=True, **options)(function)
+        result._cache.save_overload = _if_there_is_room(result._cache.save_overload)
     except RuntimeError:
         # Neither the package's folder nor the user's cache can be written.
         result = numba.njit(**options)(function)
     return cast(Function, result)
+
+
+def _if_there_is_room(save: Callable[..., None]) -> Callable[..., None]:
+    def save_or_not(*arguments: Any) -> None:
+        with suppress(OSError):
+            save(*arguments)
+
+    return save_or_not
 
 
 @cache

@@ -8,11 +8,14 @@ their `owners` entry, so that |Y| classifiers on the same data hold one matrix b
 from __future__ import annotations
 
 import numpy as np
-from scipy.spatial.distance import cdist
-from scipy.special import erf, expit
 
 from al_questioner.concepts.arrays import Array, Index
 from al_questioner.domain import FloatArray
+from al_questioner.late import late
+
+cdist = late('scipy.spatial.distance', 'cdist')
+erf = late('scipy.special', 'erf')
+expit = late('scipy.special', 'expit')
 
 STEP_TOLERANCE = 1e-5
 """Newton has converged once a full step moves no latent value by more; the next one would move it by the square."""

@@ -9,12 +9,12 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from scipy.optimize import minimize
-from scipy.spatial.distance import cdist
-from scipy.special import expit
 
 from al_questioner.concepts.arrays import Array
-from al_questioner.concepts.gaussian_process import find_modes, well_conditioned
+from al_questioner.concepts.gaussian_process import cdist, expit, find_modes, well_conditioned
+from al_questioner.late import late
+
+minimize = late('scipy.optimize', 'minimize')
 
 AMPLITUDE_FACTOR = 4.0
 LENGTH_SCALE_FACTOR = 2.0

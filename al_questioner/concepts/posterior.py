@@ -10,11 +10,13 @@ from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
-from scipy.linalg import lapack
-from scipy.special import expit
 
 from al_questioner.concepts.arrays import Array, Index, Single
-from al_questioner.concepts.gaussian_process import find_modes, well_conditioned
+from al_questioner.concepts.gaussian_process import expit, find_modes, well_conditioned
+from al_questioner.late import late
+
+dpotrf = late('scipy.linalg.lapack', 'dpotrf')
+dpotri = late('scipy.linalg.lapack', 'dpotri')
 
 NEWTON_TOLERANCE = 1e-7
 """Largest step from a mode that is taken for found; W is that of the point before the step."""
@@ -136,10 +138,10 @@ def _scaled_covariance(b: Array) -> Array:
     if len(b) == 0:
         return b
     # LAPACK is called directly: the wrappers' checks cost more than the factorisation of a few dozen examples.
-    factor, failed = lapack.dpotrf(b.T, lower=1, overwrite_a=1, clean=1)
+    factor, failed = dpotrf(b.T, lower=1, overwrite_a=1, clean=1)
     if failed:
         raise ArithmeticError('the kernel matrix is not a covariance')
-    lower, _ = lapack.dpotri(factor, lower=1, overwrite_c=1)
+    lower, _ = dpotri(factor, lower=1, overwrite_c=1)
     covariance: Array = -(lower + lower.T)
     diagonal = np.arange(len(b))
     covariance[diagonal, diagonal] = 1 - lower[diagonal, diagonal]

@@ -6,11 +6,13 @@ from collections.abc import Callable, Sequence
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.special import fdtrc
-from scipy.stats import kruskal
 
 from al_questioner.concepts.arrays import Array
 from al_questioner.domain import FloatArray, InputError
+from al_questioner.late import late
+
+fdtrc = late('scipy.special', 'fdtrc')
+kruskal = late('scipy.stats', 'kruskal')
 
 Selector = Callable[[FloatArray, Sequence[str]], NDArray[np.bool_]]
 """From (n, m) features of the labelled things and their n labels to (m,) the features to use."""

@@ -24,9 +24,8 @@ def draw_pictures(result: EpisodeResult, world: PerceivedWorld, folder: Path, ha
         Their paths.
 
     Raises:
-        OSError: the folder cannot be written.
+        InputError: one cannot be written.
     """
-    folder.mkdir(parents=True, exist_ok=True)
     with plt.rc_context(STYLE):
         figures = {'learning_curve': _learning_curve(result), 'timeline': _timeline(result, world)}
         if has_views:

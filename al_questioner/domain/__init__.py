@@ -29,8 +29,11 @@ from al_questioner.domain.errors import (
 from al_questioner.domain.seeing import Camera, FloatArray, Observation, Scene, View, group_of
 from al_questioner.domain.settings import (
     AMPLITUDE,
+    AMPLITUDE_RANGE,
     AUTO,
     DECISION_FEATURES,
+    LARGEST_AMOUNT,
+    LENGTH_SCALE_RANGE,
     VALUE_CONSTANTS,
     VALUE_FEATURES,
     WEIGHED,
@@ -41,8 +44,11 @@ from al_questioner.domain.settings import (
 
 __all__ = [
     'AMPLITUDE',
+    'AMPLITUDE_RANGE',
     'AUTO',
     'DECISION_FEATURES',
+    'LARGEST_AMOUNT',
+    'LENGTH_SCALE_RANGE',
     'NO_SYMBOL',
     'SAYABLE_OUTCOMES',
     'VALUE_CONSTANTS',

@@ -38,6 +38,15 @@ WEIGHED = (*DECISION_FEATURES, *VALUE_FEATURES, *VALUE_CONSTANTS)
 AMPLITUDE = 100.0
 """Variance of the Gaussian processes' kernel of a learner, unless it is told otherwise: see docs/method.md, Beliefs."""
 
+AMPLITUDE_RANGE = (1e-3, 1e3)
+LENGTH_SCALE_RANGE = (1e-3, 1e3)
+"""Smallest and largest, in standard deviations. Beyond, all things look alike, or none do, and numbers overflow."""
+
+LARGEST_AMOUNT = 1e12
+"""Of a budget, or a price: far beyond, a price of 1 would be lost in rounding."""
+LARGEST_WEIGHT = 1e9
+"""Of either sign; sums of weighted features stay finite."""
+
 
 AUTO: Final = 'auto'
 """The view tolerance that is found from the looks themselves."""
@@ -121,6 +130,7 @@ class EpisodeSettings:
             raise SettingsError(f'{NO_SYMBOL!r} cannot be a symbol: it stands for things that belong to no symbol')
         if not (np.isfinite(self.budget) and self.budget >= 0):
             raise SettingsError(f'budget must be a finite number of 0 or more, not {self.budget}')
+        _check_range('budget', self.budget, 0, LARGEST_AMOUNT)
         if self.turns < 1:
             raise SettingsError(f'turns must be 1 or more, not {self.turns}')
         if self.change_interval < 1:
@@ -129,14 +139,14 @@ class EpisodeSettings:
             cost = getattr(self.costs, kind)
             if not (np.isfinite(cost) and cost >= 0):
                 raise SettingsError(f'the cost of a {kind} query must be a number of 0 or more, not {cost}')
+            _check_range(f'the cost of a {kind} query', cost, 0, LARGEST_AMOUNT)
         for outcome in Outcome:
             share = self.costs.share(outcome)
             if not 0.0 <= share <= 1.0:
                 raise SettingsError(f'the share charged for outcome {outcome.value} must be in [0, 1], not {share}')
-        if not (np.isfinite(self.amplitude) and self.amplitude > 0):
-            raise SettingsError(f'amplitude must be a number above 0, not {self.amplitude}')
-        if self.length_scale is not None and not (np.isfinite(self.length_scale) and self.length_scale > 0):
-            raise SettingsError(f'length_scale must be a number above 0, not {self.length_scale}')
+        _check_range('amplitude', self.amplitude, *AMPLITUDE_RANGE)
+        if self.length_scale is not None:
+            _check_range('length_scale', self.length_scale, *LENGTH_SCALE_RANGE)
         if self.tune_every < 0:
             raise SettingsError(f'tune_every must be 0 or more, not {self.tune_every}')
         for name, weight in self.weights.items():
@@ -144,7 +154,13 @@ class EpisodeSettings:
                 raise SettingsError(f'unknown decision feature {name!r}; known: {", ".join(WEIGHED)}')
             if not np.isfinite(weight):
                 raise SettingsError(f'the weight of {name} is not finite ({weight})')
+            _check_range(f'the weight of {name}', weight, -LARGEST_WEIGHT, LARGEST_WEIGHT)
 
     def tunes_after(self, turn: int) -> bool:
         """Whether amplitude and length scale are re-optimised at the end of this turn."""
         return self.tune_every > 0 and turn > 0 and turn % self.tune_every == 0
+
+
+def _check_range(what: str, value: float, lowest: float, highest: float) -> None:
+    if not lowest <= value <= highest:
+        raise SettingsError(f'{what} must lie in [{lowest:g}, {highest:g}], not {value}')

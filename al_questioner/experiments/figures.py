@@ -25,7 +25,6 @@ from al_questioner.experiments.plan import (
 )
 from al_questioner.experiments.results import Results
 from al_questioner.experiments.statistics import mean_and_error
-from al_questioner.files import make_folder
 from al_questioner.plotting import KIND_COLOURS, STYLE, kind_name, mark_changes, put_legend_below, save
 from al_questioner.questioning.candidates import BUDGET_ROUNDING
 from al_questioner.wording import number_of
@@ -58,10 +57,8 @@ def draw_figures(results: Results, change_intervals: Mapping[str, int], folder: 
         folder: of the pictures.
 
     Raises:
-        InputError: the folder cannot be made.
-        OSError: a picture cannot be written.
+        InputError: a picture cannot be written.
     """
-    make_folder(folder)
     paths = []
     with plt.rc_context(STYLE):
         for task in results.tasks:
@@ -78,10 +75,8 @@ def draw_cost_curves(results: Results, folder: Path) -> list[Path]:
     """Write how accurate the strategies of all tasks are for what they have spent, and return the pictures' paths.
 
     Raises:
-        InputError: the folder cannot be made.
-        OSError: a picture cannot be written.
+        InputError: a picture cannot be written.
     """
-    make_folder(folder)
     with plt.rc_context(STYLE):
         return [
             _cost_curves(results, task, folder / f'accuracy_by_cost_{task_label(task)}.png') for task in results.tasks

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import csv
 import hashlib
+import io
 import json
 import os
 import platform
@@ -96,11 +97,7 @@ class Store:
 
     def save(self, played: Played) -> None:
         """Store a cell; a crash meanwhile leaves no half of it."""
-        path = self._path(played.cell)
-        make_folder(path.parent)
-        draft = path.with_suffix('.tmp')
-        write_text(draft, json.dumps({'episode': played.episode, 'turns': played.turns}))
-        draft.replace(path)
+        write_text(self._path(played.cell), json.dumps({'episode': played.episode, 'turns': played.turns}))
 
     def write_tables(self) -> list[Path]:
         """Write `episodes.csv` and `turns.csv` from what is stored of the plan, sorted."""
@@ -170,12 +167,8 @@ def _machine() -> dict[str, Any]:
 
 
 def _write_csv(path: Path, columns: Sequence[str], rows: Iterator[Row]) -> None:
-    draft = path.with_suffix('.tmp')
-    try:
-        with draft.open('w', newline='', encoding='utf-8') as file:
-            writer = csv.DictWriter(file, columns)
-            writer.writeheader()
-            writer.writerows(rows)
-        draft.replace(path)
-    except OSError as error:
-        raise InputError(f'{path} cannot be written ({error.strerror})') from error
+    table = io.StringIO()
+    writer = csv.DictWriter(table, columns)
+    writer.writeheader()
+    writer.writerows(rows)
+    write_text(path, table.getvalue())

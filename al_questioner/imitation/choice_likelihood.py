@@ -15,10 +15,7 @@ from scipy.special import logsumexp
 
 from al_questioner.domain import InputError
 from al_questioner.imitation.demonstration import Array, Demonstration, Step, all_steps, feature_scale
-
-RIDGE = 0.01
-"""Strength of the normal prior on the weights, a step, in units of the features' scale; it bounds them where the
-choices are separable."""
+from al_questioner.imitation.settings import RIDGE
 
 
 def balance_kinds(steps: Sequence[Step]) -> Array:

@@ -2,91 +2,40 @@
 
 from __future__ import annotations
 
-import os
+import argparse
 from collections.abc import Sequence
 from pathlib import Path
 
 import numpy as np
-import yaml
 from rich import progress as bars
 from rich.console import Console
 from rich.table import Table
 
-from al_questioner.arguments import LARGEST_SEED, Parser, number
-from al_questioner.configuration import named_bag
+from al_questioner import strict_yaml
 from al_questioner.domain import InputError, QueryRecord
-from al_questioner.files import check_writable, make_folder, write_text
+from al_questioner.files import check_writable, write_text
 from al_questioner.imitation.assessment import imitate, predict_queries
 from al_questioner.imitation.bags import read_demonstrations
-from al_questioner.imitation.choice_likelihood import RIDGE
 from al_questioner.imitation.demonstration import Demonstration
-from al_questioner.imitation.feature_matching import Iteration, MatchingSettings
-from al_questioner.imitation.pictures import draw_training
-from al_questioner.imitation.training import (
-    METHODS,
-    Training,
-    TrainingSettings,
-    train,
-    validation_text,
-    weights_document,
-)
+from al_questioner.imitation.feature_matching import Iteration
+from al_questioner.imitation.settings import MatchingSettings, TrainingSettings
+from al_questioner.imitation.training import Training, train, validation_text, weights_document
 from al_questioner.questioning import FEATURE_SETS, read_weights
 from al_questioner.recording import digest
 from al_questioner.recording.storages import STORAGE_SUFFIXES
 from al_questioner.simulation import PerceivedWorld
 from al_questioner.wording import number_of
 
-MOST = 10_000
+ITERATIONS_OF_A_LINE = 5
+"""Where there is no terminal to show a bar."""
 
 TIMID = 0.5
 """Share of the expert's questions below which learnt weights are warned of."""
 
 
-def parser() -> Parser:
-    """The arguments of `train_weights`."""
-    defaults = MatchingSettings()
-    result = Parser(
-        prog='train_weights',
-        description="Learn a strategy's weights from an expert's recorded episodes.",
-    )
-    bags_help = 'a bag of the `record` executable, or the name of one that ships, such as expert_0'
-    result.add_argument('bags', nargs='+', type=named_bag, metavar='BAG', help=bags_help)
-    result.add_argument('--out', type=Path, required=True, metavar='FILE', help='the YAML file to write')
-    strategy_help = 'whose weights are learnt (%(default)s)'
-    result.add_argument('--strategy', choices=tuple(FEATURE_SETS), default='dt_task_env', help=strategy_help)
-    result.add_argument(
-        '--method',
-        choices=METHODS,
-        default=METHODS[0],
-        help='maxent: match the feature counts in rollouts, for simulated worlds (default);'
-        ' choice: likelihood of the choices, without a simulator',
-    )
-    result.add_argument('--seed', type=number(int, 0, LARGEST_SEED), default=0, help='of the rollouts (%(default)s)')
-    iterations_help = 'of maxent, at most (%(default)s)'
-    patience_help = (
-        'iterations of maxent without a new smallest gap, training or validation, until it stops (%(default)s)'
-    )
-    result.add_argument('--iterations', type=number(int, 2, MOST), default=defaults.iterations, help=iterations_help)
-    result.add_argument('--patience', type=number(int, 1, MOST), default=defaults.patience, help=patience_help)
-    rollouts_help = 'of each demonstration at each iteration of maxent (%(default)s)'
-    result.add_argument('--rollouts', type=number(int, 2, MOST), default=defaults.rollouts, help=rollouts_help)
-    validation_help = 'number of demonstrations, the last ones, that choose among the iterations (%(default)s)'
-    result.add_argument('--validation', type=number(int, 0, MOST), default=1, help=validation_help)
-    ridge_help = 'strength of the prior of choice (%(default)s)'
-    result.add_argument('--ridge', type=number(float, 0, 1e6), default=RIDGE, help=ridge_help)
-    jobs = os.cpu_count() or 1
-    result.add_argument('--jobs', type=number(int, 1, 1024), default=jobs, help='processes of maxent (%(default)s)')
-    result.add_argument('--picture', type=Path, metavar='FILE', help='(the name of --out, ending in .png)')
-    return result
-
-
-def main(arguments: Sequence[str]) -> int:
+def main(given: argparse.Namespace) -> int:
     """Learn weights, write them, and show what came of it."""
-    given = parser().parse_args(arguments)
-    console = Console()
-    picture = given.picture or given.out.with_suffix('.png')
-    if picture.resolve() == given.out.resolve():
-        raise InputError(f'{picture} cannot be the weights and the picture: name one of them otherwise')
+    console, picture = Console(), given.picture
     _check_replaceable(given.out)
     for path in (given.out, picture):
         check_writable(path)
@@ -109,7 +58,10 @@ def main(arguments: Sequence[str]) -> int:
 
         def watch(iteration: int, state: Iteration) -> None:
             gap, held_out = np.linalg.norm(state.gap), np.linalg.norm(state.validation_gap)
-            progress.update(bar, completed=iteration, description=f'gap {gap:.2f}, validation {held_out:.2f}')
+            gaps = f'gap {gap:.2f}, validation {held_out:.2f}'
+            progress.update(bar, completed=iteration, description=gaps)
+            if not console.is_terminal and iteration % ITERATIONS_OF_A_LINE == 0:
+                console.print(f'iteration {iteration}, at most {given.iterations}: {gaps}', highlight=False)
 
         training = train(demonstrations, settings, watch)
     # Only now, as it is no use to anybody whose bags cannot be learnt from.
@@ -120,11 +72,10 @@ def main(arguments: Sequence[str]) -> int:
     played = number_of(sum(d.turns for d in demonstrations), 'turn')
     console.print(f'{number_of(len(demonstrations), "demonstration")}, {played}')
     bags = [{'name': path.name, 'sha256': digest(path)} for path in paths]
-    for path in (given.out, picture):
-        make_folder(path.parent)
-    write_text(
-        given.out, yaml.safe_dump(weights_document(training, len(demonstrations), bags), sort_keys=False, width=100)
-    )
+    write_text(given.out, strict_yaml.text_of(weights_document(training, len(demonstrations), bags)))
+    # Only now, as matplotlib takes long to import.
+    from al_questioner.imitation.pictures import draw_training
+
     learner = _learner(training, demonstrations)
     draw_training(training, demonstrations, learner, picture)
     console.print(_table(training))

@@ -17,6 +17,7 @@ from numpy.typing import NDArray
 from al_questioner.imitation.demonstration import Array, Demonstration, feature_scale
 from al_questioner.imitation.identifiability import identify
 from al_questioner.imitation.rollouts import Rollout, Simulator
+from al_questioner.imitation.settings import MatchingSettings
 
 DAMPING = 0.3
 """Added to the squared singular values of the Jacobian: where the rollouts tell little, steps are short."""
@@ -37,25 +38,6 @@ WINDOW = 10
 
 TOO_LARGE = 2.0
 """Times the smallest validation gap on the way: weights with a larger one do not hold what they were kept for."""
-
-
-@dataclass(frozen=True)
-class MatchingSettings:
-    """How feature counts are matched.
-
-    Attributes:
-        iterations: at most.
-        rollouts: of each demonstration at each iteration, 2 or more: a single one tells nothing of its neighbours.
-        patience: iterations without a new smallest gap, training or validation, mean of the window, until it stops.
-        seed: of the rollouts.
-        jobs: number of processes.
-    """
-
-    iterations: int = 100
-    rollouts: int = 4
-    patience: int = 12
-    seed: int = 0
-    jobs: int = 1
 
 
 @dataclass(frozen=True, eq=False)

@@ -30,7 +30,7 @@ def draw_training(
         path: of the picture.
 
     Raises:
-        OSError: it cannot be written.
+        InputError: it cannot be written.
     """
     with plt.rc_context(STYLE):
         height = 3.2 + 0.75 * len(demonstrations) + 0.8

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import dataclasses
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
@@ -12,30 +12,12 @@ import numpy as np
 from al_questioner import __version__
 from al_questioner.domain import InputError
 from al_questioner.imitation.assessment import Agreement, agreement
-from al_questioner.imitation.choice_likelihood import RIDGE, fit_choices, fit_temperature
+from al_questioner.imitation.choice_likelihood import fit_choices, fit_temperature
 from al_questioner.imitation.demonstration import Array, Demonstration, all_steps, feature_scale
-from al_questioner.imitation.feature_matching import Iteration, Matching, MatchingSettings, match_features
+from al_questioner.imitation.feature_matching import Iteration, Matching, match_features
 from al_questioner.imitation.identifiability import Identifiability, identify
+from al_questioner.imitation.settings import TrainingSettings
 from al_questioner.questioning import FeatureSet
-
-METHODS = ('maxent', 'choice')
-
-
-@dataclass(frozen=True)
-class TrainingSettings:
-    """How weights are learnt.
-
-    Attributes:
-        method: 'maxent', see `feature_matching`, or 'choice', see `choice_likelihood`.
-        validation: number of demonstrations, the last ones, that choose among the iterations of maxent.
-        ridge: of the choice likelihood.
-        matching: settings of maxent.
-    """
-
-    method: str = 'maxent'
-    validation: int = 1
-    ridge: float = RIDGE
-    matching: MatchingSettings = field(default_factory=MatchingSettings)
 
 
 @dataclass(frozen=True, eq=False)

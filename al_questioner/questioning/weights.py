@@ -60,6 +60,5 @@ def read_weights(path: Path) -> Weights:
         if name not in WEIGHED:
             raise SettingsError(f'{path}: unknown decision feature {name!r}; known: {", ".join(WEIGHED)}')
         if isinstance(value, bool) or not isinstance(value, (int, float)) or not math.isfinite(value):
-            hint = ' (in YAML a power of ten has a point and a sign: 1.0e+6)' if 'e' in str(value).lower() else ''
-            raise SettingsError(f'{path}: the weight of {name} must be a finite number, not {value!r}{hint}')
+            raise SettingsError(f'{path}: the weight of {name} must be a finite number, not {value!r}')
     return Weights({name: float(value) for name, value in values.items()}, str(content.get('provenance', '')).strip())

@@ -8,6 +8,7 @@ import os
 import signal
 import subprocess
 import sys
+import threading
 from collections.abc import Callable, Iterable, Iterator, Mapping
 from dataclasses import dataclass
 from pathlib import Path
@@ -18,11 +19,12 @@ from rclpy.parameter import Parameter
 from rclpy.validate_namespace import validate_namespace
 
 from al_questioner.domain import EpisodeError, InputError
+from al_questioner.files import make_folder
 from al_questioner.ros.learner import LearnerNode
 from al_questioner.ros.observer import ObserverNode, StateWatcher
-from al_questioner.ros.parameters import Value
 from al_questioner.ros.perception import PerceptionNode
 from al_questioner.ros.running import run_nodes
+from al_questioner.ros.setting import Value
 from al_questioner.ros.teacher import TeacherNode
 
 NODES: Mapping[str, Callable[..., Node]] = {
@@ -66,13 +68,15 @@ class Graph:
 
         Raises:
             InputError: a namespace or a parameter that cannot be used.
-            EpisodeError: a process ended before the episode did, or the episode was interrupted.
+            EpisodeError: a process ended before the episode did, or this one was told to.
+            KeyboardInterrupt: it was interrupted, and all processes have ended.
         """
         try:
             validate_namespace(f'/{self.namespace}')
         except NameValidationException as error:
             raise InputError(' '.join(str(error).split())) from error
         observers: list[ObserverNode] = []
+        interrupted = threading.Event()
 
         def make_observer() -> Node:
             observers.append(ObserverNode(self.episode_id, watch, self.patience, namespace=self.namespace))
@@ -96,7 +100,9 @@ class Graph:
                     raise observers[0].failure
                 return observers[0].done and (recorder is None or recorder.poll() == 0)
 
-            run_nodes([make_observer, *nodes], [], '', is_over)
+            run_nodes([make_observer, *nodes], [], is_over, interrupted)
+        if interrupted.is_set():
+            raise KeyboardInterrupt
         if not observers[0].done:
             raise EpisodeError('interrupted before the end of the episode')
 
@@ -108,7 +114,7 @@ class Graph:
     def _processes(self, names: Iterable[str]) -> Iterator[dict[str, subprocess.Popen[bytes]]]:
         """A process for each of these nodes, in a session of its own so that a signal reaches whatever it started."""
         processes = {}
-        self.log_dir.mkdir(parents=True, exist_ok=True)
+        make_folder(self.log_dir)
         try:
             for name in names:
                 with self._log(name).open('wb') as log:

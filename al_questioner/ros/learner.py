@@ -43,10 +43,10 @@ from al_questioner.resuming import DurableEpisode
 from al_questioner.ros import qos
 from al_questioner.ros.alarm import Alarm
 from al_questioner.ros.node import QuestionerNode
-from al_questioner.ros.parameters import declare, help_text, refuse_unknown
+from al_questioner.ros.parameters import declare, refuse_unknown
 from al_questioner.ros.repeating import PATIENT, Repeater
 from al_questioner.ros.running import run_nodes
-from al_questioner.ros.settings import DEFAULT_TASK, WORLD_SETTINGS, all_names, learner_settings
+from al_questioner.ros.settings import all_names, learner_settings
 from al_questioner.ros.turn_stamps import TurnStamps
 from al_questioner.ros.types import CLOUD_TYPES, MARKER_TYPES, header
 from al_questioner.ros.worlds import declare_world, new_episode_id, world_members
@@ -54,7 +54,7 @@ from al_questioner.simulation import WorldChoice, episode_settings
 from al_questioner.teaching import read_plain_answer, respelt
 from al_questioner.telling import episode_members, noise_text, state_members
 from al_questioner.throttle import Throttle
-from al_questioner.world import Task, load_task
+from al_questioner.world import Task
 
 SECONDS_OF_A_RIVAL = 60.0
 """For which another learner is a concern after it was heard."""
@@ -419,5 +419,4 @@ def _session(settings: EpisodeSettings, world: WorldChoice, given: Mapping[str, 
 
 def main(arguments: Sequence[str]) -> int:
     """Run the node."""
-    settings = (*WORLD_SETTINGS, *learner_settings(load_task(DEFAULT_TASK)))
-    return run_nodes([partial(LearnerNode, yields=True)], arguments, help_text(__doc__, settings))
+    return run_nodes([partial(LearnerNode, yields=True)], arguments)

@@ -1,19 +1,16 @@
-"""Node parameters: declared with description, unit and range, checked once, read as a mapping."""
+"""Node parameters: declared as their settings say, read as a mapping."""
 
 from __future__ import annotations
 
-import json
 import math
 from collections.abc import Collection, Sequence
-from dataclasses import dataclass
 
 from rcl_interfaces.msg import FloatingPointRange, IntegerRange, ParameterDescriptor, ParameterType
 from rclpy.node import Node
 from rclpy.parameter import Parameter
 
 from al_questioner.domain import InputError
-
-Value = str | int | float | bool
+from al_questioner.ros.setting import Setting, Value
 
 _TYPES = {
     bool: ParameterType.PARAMETER_BOOL,
@@ -24,72 +21,24 @@ _TYPES = {
 _LARGEST_INTEGER = 2**63 - 1
 
 
-@dataclass(frozen=True)
-class Setting:
-    """A parameter that is fixed while the node runs.
-
-    Attributes:
-        name: of the parameter.
-        default: its value if nobody sets it; also tells the type. An integer given for a float is taken as a float.
-        description: one line.
-        unit: of a number, empty for a mere count or name.
-        lower: smallest number allowed.
-        upper: largest number allowed.
-        word: if not empty, what can be given in the place of a number; the default is one of the two.
-    """
-
-    name: str
-    default: Value
-    description: str
-    unit: str = ''
-    lower: float = -math.inf
-    upper: float = math.inf
-    word: str = ''
-
-    def checked(self, value: object) -> Value:
-        """The value in the type of the parameter.
-
-        Raises:
-            InputError: another type, not finite, or outside the range.
-        """
-        if self.word and value == self.word:
-            return self.word
-        kind = float if self.word else type(self.default)
-        if kind is float and type(value) is int:
-            value = float(value)
-        if not isinstance(value, kind) or (isinstance(value, bool) and kind is not bool):
-            expected = f"be a number or '{self.word}'" if self.word else f'be of type {kind.__name__}'
-            raise InputError(f'parameter {self.name} must {expected}, not {value!r}')
-        if isinstance(value, (int, float)) and not isinstance(value, bool):
-            if not math.isfinite(value):
-                raise InputError(f'parameter {self.name} must be a finite number, not {value}')
-            if not self.lower <= value <= self.upper:
-                raise InputError(f'parameter {self.name} must {self._range()}, not {value}')
-        return value
-
-    def _range(self) -> str:
-        if math.isinf(self.upper):
-            return f'be {self.lower:g} or more'
-        return f'lie in [{self.lower:g}, {self.upper:g}]' + (f' {self.unit}' if self.unit else '')
-
-    def descriptor(self) -> ParameterDescriptor:
-        """What `ros2 param describe` shows."""
-        unit = f' [{self.unit}]' if self.unit else ''
-        descriptor = ParameterDescriptor(
-            name=self.name,
-            type=ParameterType.PARAMETER_NOT_SET if self.word else _TYPES[type(self.default)],
-            description=self.description + unit,
-            read_only=True,
-            dynamic_typing=bool(self.word),
-        )
-        bounded = math.isfinite(self.lower) or math.isfinite(self.upper)
-        if type(self.default) is float and bounded:
-            descriptor.floating_point_range = [FloatingPointRange(from_value=self.lower, to_value=self.upper)]
-        if type(self.default) is int and bounded:
-            lower = int(self.lower) if math.isfinite(self.lower) else -_LARGEST_INTEGER
-            upper = int(self.upper) if math.isfinite(self.upper) else _LARGEST_INTEGER
-            descriptor.integer_range = [IntegerRange(from_value=lower, to_value=upper, step=1)]
-        return descriptor
+def descriptor(setting: Setting) -> ParameterDescriptor:
+    """What `ros2 param describe` shows."""
+    kind = type(setting.default)
+    described = ParameterDescriptor(
+        name=setting.name,
+        type=ParameterType.PARAMETER_NOT_SET if setting.word else _TYPES[kind],
+        description=setting.described,
+        read_only=True,
+        dynamic_typing=bool(setting.word),
+    )
+    bounded = math.isfinite(setting.lower) or math.isfinite(setting.upper)
+    if kind is float and bounded:
+        described.floating_point_range = [FloatingPointRange(from_value=setting.lower, to_value=setting.upper)]
+    if kind is int and bounded:
+        lower = int(setting.lower) if math.isfinite(setting.lower) else -_LARGEST_INTEGER
+        upper = int(setting.upper) if math.isfinite(setting.upper) else _LARGEST_INTEGER
+        described.integer_range = [IntegerRange(from_value=lower, to_value=upper, step=1)]
+    return described
 
 
 def refuse_unknown(node: Node, known_elsewhere: Collection[str]) -> None:
@@ -109,16 +58,6 @@ def refuse_unknown(node: Node, known_elsewhere: Collection[str]) -> None:
             raise InputError(f'unknown parameter {name}; known: {", ".join(sorted(known))}')
 
 
-def help_text(description: str | None, settings: Sequence[Setting]) -> str:
-    """What `--help` of a node prints: what it does, and its parameters with their defaults."""
-    lines = [(description or '').strip(), '', 'parameters (--ros-args -p NAME:=VALUE):']
-    width = max(len(setting.name) for setting in settings)
-    for setting in settings:
-        default = json.dumps(setting.default)
-        lines.append(f'  {setting.name:<{width}}  {setting.descriptor().description} (default {default})')
-    return '\n'.join(lines)
-
-
 def declare(node: Node, settings: Sequence[Setting]) -> dict[str, Value]:
     """Declare parameters on a node and return their values by name.
 
@@ -130,5 +69,5 @@ def declare(node: Node, settings: Sequence[Setting]) -> dict[str, Value]:
         given = node.declare_parameter(setting.name, setting.default, ParameterDescriptor(dynamic_typing=True))
         values[setting.name] = setting.checked(given.value)
         node.set_parameters([Parameter(setting.name, value=values[setting.name])])
-        node.set_descriptor(setting.name, setting.descriptor())
+        node.set_descriptor(setting.name, descriptor(setting))
     return values

@@ -16,9 +16,9 @@ from al_questioner.messages.pictures import image
 from al_questioner.messages.stamps import stamp_of
 from al_questioner.ros import qos
 from al_questioner.ros.node import QuestionerNode
-from al_questioner.ros.parameters import declare, help_text, refuse_unknown
+from al_questioner.ros.parameters import declare, refuse_unknown
 from al_questioner.ros.running import run_nodes
-from al_questioner.ros.settings import PERCEPTION_SETTINGS, WORLD_SETTINGS, all_names
+from al_questioner.ros.settings import PERCEPTION_SETTINGS, all_names
 from al_questioner.ros.types import CLOUD_TYPES, header, octets
 from al_questioner.ros.worker import Worker
 from al_questioner.ros.worlds import check_world, declare_world
@@ -75,4 +75,4 @@ class PerceptionNode(QuestionerNode):
 
 def main(arguments: Sequence[str]) -> int:
     """Run the node."""
-    return run_nodes([PerceptionNode], arguments, help_text(__doc__, (*WORLD_SETTINGS, *PERCEPTION_SETTINGS)))
+    return run_nodes([PerceptionNode], arguments)

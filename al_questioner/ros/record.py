@@ -2,29 +2,25 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+import argparse
 from pathlib import Path
 from typing import TYPE_CHECKING
 
 from rich.console import Console
 
-from al_questioner.domain import EpisodeError, InputError
+from al_questioner.domain import EpisodeError
 from al_questioner.recording import repair
 
 if TYPE_CHECKING:
     from al_questioner.ros.recorder import RecorderNode
 
 
-def main(arguments: Sequence[str]) -> int:
+def main(given: argparse.Namespace) -> int:
     """Record until the process is told to end, or repair a bag, for which ROS is not needed."""
-    if arguments and arguments[0] == '--repair':
-        if len(arguments) != 2:
-            raise InputError(f'--repair takes one bag, not {len(arguments) - 1}')
-        return _repair(Path(arguments[1]))
-    from al_questioner.ros.parameters import help_text
+    if given.repair is not None:
+        return _repair(given.repair)
     from al_questioner.ros.recorder import RecorderNode
     from al_questioner.ros.running import run_nodes
-    from al_questioner.ros.settings import RECORDER_SETTINGS
 
     made: list[RecorderNode] = []
 
@@ -32,11 +28,9 @@ def main(arguments: Sequence[str]) -> int:
         made.append(RecorderNode())
         return made[0]
 
-    description = f'{__doc__}\n\nusage: record --ros-args -p bag:=PATH ...\n       record --repair BAG'
     run_nodes(
         [make],
-        arguments,
-        help_text(description, RECORDER_SETTINGS),
+        given.ros,
         lambda: made[0].done or made[0].failure is not None,
     )
     if made and made[0].failure is not None:

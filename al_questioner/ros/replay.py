@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import argparse
 import time
 from collections.abc import Callable, Sequence
 from pathlib import Path
@@ -11,14 +12,13 @@ from rich.console import Console
 from rich.live import Live
 from rich.text import Text
 
-from al_questioner.arguments import Parser, number
-from al_questioner.configuration import named_bag
-from al_questioner.domain import EpisodeError, InputError
+from al_questioner.domain import EpisodeError
 from al_questioner.messages.stamps import SECOND
 from al_questioner.recording import LeftOut, read_bag, read_sessions
 from al_questioner.recording.playback import STEP, Playback, without_steps_back
 from al_questioner.recording.scenes import scenes_of
 from al_questioner.rerun import first_divergence
+from al_questioner.ros.arguments import KEYS
 from al_questioner.ros.message_classes import installed_part
 from al_questioner.wording import number_of
 
@@ -28,46 +28,10 @@ if TYPE_CHECKING:
 
 Shown = TypeVar('Shown', 'ReplayNode', 'StandInNode')
 
-_TIMING = ('rate', 'loop', 'clock', 'start_paused', 'wait_for_subscribers')
-KEYS = 'space: pause · right or n: a turn · s: a message · up, down: rate · q: quit'
 
-
-def parser() -> Parser:
-    """The arguments of `replay`; ROS arguments may follow."""
-    result = Parser(
-        prog='replay',
-        description='Play a bag on the topics it was recorded from, with its timing.',
-        epilog=f'In a terminal: {KEYS}. ROS arguments may follow: --ros-args -r __ns:=/elsewhere',
-    )
-    bag_help = 'directory of the bag, or the name of one that ships, such as expert_0'
-    result.add_argument('bag', type=named_bag, metavar='BAG', help=bag_help)
-    result.add_argument('--rate', type=float, default=1.0, help='recorded seconds in a second (%(default)s)')
-    result.add_argument('--loop', action='store_true', help='begin anew at the end')
-    clock_help = 'publish the recorded time on /clock so often (0: not at all)'
-    result.add_argument('--clock', type=number(float, 0, 1000), default=0.0, metavar='HZ', help=clock_help)
-    result.add_argument('--start-paused', action='store_true', help='begin with a pause')
-    wait_help = 'begin when somebody listens, or after so many seconds (%(default)s)'
-    result.add_argument(
-        '--wait-for-subscribers', type=number(float, 0, 3600), default=5.0, metavar='SECONDS', help=wait_help
-    )
-    perception_help = 'stand in for perception: show the scene of turn N when a live learner begins its turn N'
-    result.add_argument('--as-perception', action='store_true', help=perception_help)
-    check_help = 'do not play: tell whether the recorded scenes and answers give the recorded decisions; needs no ROS'
-    result.add_argument('--check', action='store_true', help=check_help)
-    return result
-
-
-def main(arguments: Sequence[str]) -> int:
+def main(given: argparse.Namespace) -> int:
     """Play a bag, show its scenes to a learner, or check it."""
-    own, ros = _split(arguments)
-    own_parser = parser()
-    given = own_parser.parse_args(own)
-    console = Console()
-    if given.check or given.as_perception:
-        mode, names = '--check' if given.check else '--as-perception', _TIMING
-        for name in (*names, 'as_perception') if given.check else names:
-            if getattr(given, name) != own_parser.get_default(name):
-                raise InputError(f'--{name.replace("_", "-")} has no meaning together with {mode}')
+    console, ros = Console(), given.ros
     if given.check:
         return _check(given.bag, console)
     if given.as_perception:
@@ -146,16 +110,10 @@ def _run(
             return made[0].over
 
         with keys:
-            run_nodes([make_one], ros, '', watch)
+            run_nodes([make_one], ros, watch)
     if made and made[0].failure is not None:
         raise made[0].failure
     return made[0] if made else None
-
-
-def _split(arguments: Sequence[str]) -> tuple[list[str], list[str]]:
-    """One's own arguments, and those of ROS."""
-    at = arguments.index('--ros-args') if '--ros-args' in arguments else len(arguments)
-    return list(arguments[:at]), list(arguments[at:])
 
 
 def _status_of_playback(node: ReplayNode, keys: bool) -> str:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import os
 import signal
+import threading
 from collections.abc import Callable, Sequence
 from typing import Any
 
@@ -14,6 +15,7 @@ from rclpy.node import Node
 from rclpy.utilities import remove_ros_args, try_shutdown
 
 from al_questioner.domain import InputError
+from al_questioner.ros.arguments import check_ros_arguments
 
 TRANSPORTS = ('FASTDDS_BUILTIN_TRANSPORTS', 'UDPv4')
 """Environment variable and our value: a process that is killed may leave a lock of Fast DDS's shared memory behind, on
@@ -24,37 +26,39 @@ ONCE_A_SECOND = {'throttle_duration_sec': 1.0}
 def run_nodes(
     makers: Sequence[Callable[[], Node]],
     arguments: Sequence[str],
-    description: str,
     while_spinning: Callable[[], Any] | None = None,
+    interrupted: threading.Event | None = None,
 ) -> int:
     """Spin nodes in one process until SIGINT, SIGTERM or a shutdown of the context; return the exit status.
 
     Args:
         makers: make the nodes, once ROS is initialised.
         arguments: of the process, ROS arguments included.
-        description: what `--help` prints.
         while_spinning: called after every wait; a true result ends the spinning.
+        interrupted: set by SIGINT.
 
     Raises:
         InputError: a parameter that cannot be used.
     """
-    if any(argument in ('-h', '--help') for argument in arguments):
-        print(description)
-        return 0
+    check_ros_arguments(arguments)
     # Only rclpy's own handler, which shuts the context down, is to act on a signal: a KeyboardInterrupt could hit
     # anywhere, and the second SIGINT of `ros2 launch` would hit the clean-up.
-    previous = signal.signal(signal.SIGINT, lambda *_: None)
+    interrupted = interrupted or threading.Event()
+    previous = signal.signal(signal.SIGINT, _setter(interrupted))
     try:
-        _refuse_stray(arguments)
         os.environ.setdefault(*TRANSPORTS)
+        # For its error: rclpy.init would print lines of its own beside it.
+        remove_ros_args(['', *arguments])
         rclpy.init(args=list(arguments))
-    except InputError:
-        raise
     except (RuntimeError, ValueError) as error:
+        signal.signal(signal.SIGINT, previous)
         raise InputError(f'unusable ROS arguments: {_one_line(error)}') from error
     nodes: list[Node] = []
     executor = SingleThreadedExecutor()
     try:
+        if interrupted.is_set():
+            # Before rclpy had a handler of its own.
+            raise ExternalShutdownException
         for make in makers:
             nodes.append(make())
             executor.add_node(nodes[-1])
@@ -84,11 +88,8 @@ def run_nodes(
     return 0
 
 
-def _refuse_stray(arguments: Sequence[str]) -> None:
-    """Raise an InputError for arguments that nobody would read."""
-    own = remove_ros_args(['', *arguments])[1:]
-    if own:
-        raise InputError(f'unexpected argument {own[0]!r}; parameters are given as --ros-args -p NAME:=VALUE')
+def _setter(event: threading.Event) -> Callable[..., None]:
+    return lambda *_: event.set()
 
 
 def _one_line(error: Exception) -> str:

@@ -3,10 +3,10 @@
 from __future__ import annotations
 
 from al_questioner.arguments import REPEAT_SHOWN_HELP
-from al_questioner.domain import AMPLITUDE, AUTO
+from al_questioner.domain import AMPLITUDE, AMPLITUDE_RANGE, AUTO, LENGTH_SCALE_RANGE
 from al_questioner.messages.schemas import LARGEST_TURN
 from al_questioner.questioning import STRATEGIES
-from al_questioner.ros.parameters import Setting
+from al_questioner.ros.setting import Setting
 from al_questioner.world import Task, load_task
 
 DEFAULT_TASK = 'kitchen_table'
@@ -74,9 +74,14 @@ def learner_settings(task: Task) -> tuple[Setting, ...]:
             lower=0.0,
             upper=86400.0,
         ),
-        Setting('amplitude', AMPLITUDE, "variance of the Gaussian processes' kernel", lower=1e-3, upper=1e3),
+        Setting('amplitude', AMPLITUDE, "variance of the Gaussian processes' kernel", '', *AMPLITUDE_RANGE),
         Setting(
-            'length_scale', 0.0, 'of the kernel; 0: root of the number of features', 'standard deviations', lower=0.0
+            'length_scale',
+            0.0,
+            f'of the kernel, {LENGTH_SCALE_RANGE[0]:g} or more; 0: root of the number of features',
+            unit='standard deviations',
+            lower=0.0,
+            upper=LENGTH_SCALE_RANGE[1],
         ),
         Setting(
             'tune_every',

@@ -14,9 +14,10 @@ from al_questioner.messages import documents
 from al_questioner.messages.documents import Document
 from al_questioner.ros.delivery import Delivery
 from al_questioner.ros.node import QuestionerNode
-from al_questioner.ros.parameters import Value, declare, help_text, refuse_unknown
+from al_questioner.ros.parameters import declare, refuse_unknown
 from al_questioner.ros.running import run_nodes
-from al_questioner.ros.settings import TEACHER_MODES, TEACHER_SETTINGS, WORLD_SETTINGS, all_names
+from al_questioner.ros.setting import Value
+from al_questioner.ros.settings import TEACHER_MODES, TEACHER_SETTINGS, all_names
 from al_questioner.ros.terminal_teacher import Attend, TerminalTeacher, login_name
 from al_questioner.ros.worlds import check_world, declare_world
 from al_questioner.simulation import WorldChoice
@@ -122,7 +123,7 @@ def main(arguments: Sequence[str]) -> int:
         made.append(TeacherNode())
         return made[0]
 
-    status = run_nodes([make], arguments, help_text(__doc__, (*WORLD_SETTINGS, *TEACHER_SETTINGS)))
+    status = run_nodes([make], arguments)
     if made and made[0].failure is not None:
         raise EpisodeError(f'the terminal failed: {type(made[0].failure).__name__}: {made[0].failure}')
     return status

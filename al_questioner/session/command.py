@@ -2,15 +2,14 @@
 
 from __future__ import annotations
 
+import argparse
 import json
-from collections.abc import Sequence
 from pathlib import Path
 
 from rich.console import Console
 from rich.table import Table
 from rich.text import Text
 
-from al_questioner.arguments import Parser
 from al_questioner.domain import Answer, Outcome
 from al_questioner.domain.names import quoted
 from al_questioner.files import check_writable, write_text
@@ -20,25 +19,8 @@ from al_questioner.session.export import session_document, spoken, write_tables
 from al_questioner.wording import number_of
 
 
-def parser() -> Parser:
-    """The arguments of `session`."""
-    result = Parser(
-        prog='session',
-        description="Show, check and export the log of a learner's session.",
-        epilog='exit status: 0 the log is whole, 1 only what is before some damage can be used, 2 nothing can',
-    )
-    result.add_argument('folder', type=Path, metavar='DIR', help='the parameter `session` of the learner')
-    result.add_argument('--json', type=Path, metavar='FILE', help='write the episode as JSON')
-    result.add_argument('--csv', type=Path, metavar='DIR', help='write answers.csv and turns.csv')
-    result.add_argument('--bag', type=Path, metavar='PATH', help='write the episode into a new bag')
-    repair = 'keep what is before the damage, and the damaged files as broken-*'
-    result.add_argument('--repair', action='store_true', help=repair)
-    return result
-
-
-def main(arguments: Sequence[str]) -> int:
+def main(given: argparse.Namespace) -> int:
     """Show a session, and return 0 if its log is whole, 1 if it is damaged."""
-    given = parser().parse_args(arguments)
     if given.json is not None:
         check_writable(given.json)
     account = account_of(given.folder, read_log(given.folder))

@@ -12,7 +12,7 @@ from typing import Any
 
 from al_questioner.domain import Content, InputError, Query
 from al_questioner.domain.names import joined
-from al_questioner.files import make_folder, write_text
+from al_questioner.files import write_text
 from al_questioner.messages.documents import record_members, settings_members
 from al_questioner.session.account import Account
 from al_questioner.simulation import Evaluation, WorldChoice
@@ -91,7 +91,6 @@ def write_tables(account: Account, folder: Path) -> list[Path]:
     Raises:
         InputError: they cannot be written.
     """
-    make_folder(folder)
     paths = [folder / 'answers.csv', folder / 'turns.csv']
     _write(paths[0], ANSWER_COLUMNS, _answer_rows(account))
     _write(paths[1], TURN_COLUMNS, _turn_rows(account))
@@ -164,5 +163,4 @@ def _write(path: Path, columns: Sequence[str], rows: Sequence[Sequence[object]])
     writer = csv.writer(text, lineterminator='\n')
     writer.writerow(columns)
     writer.writerows(rows)
-    # JSON can say half of a character, UTF-8 cannot.
-    write_text(path, text.getvalue().encode(errors='replace').decode())
+    write_text(path, text.getvalue())

@@ -9,7 +9,7 @@ from types import MappingProxyType
 from typing import Any
 
 from al_questioner.configuration import named_file, read_yaml
-from al_questioner.domain import NO_SYMBOL, Costs, InputError
+from al_questioner.domain import LARGEST_AMOUNT, NO_SYMBOL, Costs, InputError
 from al_questioner.world.reading import (
     Interval,
     choice,
@@ -43,7 +43,7 @@ class EpisodeDefaults:
         costs: of each kind of query, and the shares of them that are charged for what is not answered.
     """
 
-    budget: float = setting(number(0), 25.0)
+    budget: float = setting(number(0, LARGEST_AMOUNT), 25.0)
     turns: int = setting(whole(1, 10_000), 40)
     strategy: str = setting(strategy, 'value_per_cost')
     costs: Costs = setting(costs, Costs())

@@ -124,4 +124,4 @@ def _await_first(publisher: Any, message: Any, returned: queue.SimpleQueue[Any])
 
 
 if __name__ == '__main__':
-    sys.exit(run_nodes([EchoNode], sys.argv[1:], __doc__ or ''))
+    sys.exit(run_nodes([EchoNode], sys.argv[1:]))

@@ -6,7 +6,7 @@ from scipy.optimize import minimize
 from scipy.special import erf, expit
 from sklearn.gaussian_process._gpc import COEFS, LAMBDAS
 
-from al_questioner.concepts import ConceptModels, models
+from al_questioner.concepts import ConceptModels, mode_shift, models
 from al_questioner.concepts.look_ahead import PROBABILITY_TOLERANCE
 from al_questioner.domain import NO_SYMBOL, InputError
 
@@ -269,7 +269,7 @@ def test_one_view_with_any_share_of_contradictions(n, amplitude):
 def test_a_search_that_came_nowhere_does_no_harm(learning_state, monkeypatch):
     """One more label must be learnt also where the steps of the look-ahead end in no number."""
     state = learning_state(3, n=8, amplitude=4.0)
-    original = models.find_shift
+    original = mode_shift.find_shift
 
     def find(*arguments, **options):
         shift = original(*arguments, **options)
@@ -278,7 +278,7 @@ def test_a_search_that_came_nowhere_does_no_harm(learning_state, monkeypatch):
         return shift
 
     fitted = state.fitted()
-    monkeypatch.setattr(models, 'find_shift', find)
+    monkeypatch.setattr(mode_shift, 'find_shift', find)
     fitted.fit(*state.had_been_labelled(0, state.symbols[0]))
     np.testing.assert_allclose(fitted.predict_proba(state.scene), state.after(0, state.symbols[0]), rtol=0, atol=1e-8)
 

@@ -5,6 +5,7 @@ from __future__ import annotations
 import dataclasses
 import re
 import shutil
+from collections.abc import Callable
 from pathlib import Path
 
 import numpy as np
@@ -12,8 +13,9 @@ import pytest
 import yaml
 
 from al_questioner.cli import main
-from al_questioner.domain import DECISION_FEATURES
+from al_questioner.domain import DECISION_FEATURES, InputError
 from al_questioner.imitation.bags import read_demonstrations
+from al_questioner.imitation.feature_matching import Iteration
 from al_questioner.questioning import FEATURE_SETS
 from al_questioner.recording import BagWriter, Topic, read_bag, read_sessions
 from al_questioner.rerun import decisions_anew, first_divergence
@@ -92,6 +94,24 @@ def test_bags_tell_what_was_not_recorded(tmp_path: Path) -> None:
     assert set(yaml.safe_load((tmp_path / 'w.yaml').read_text())['weights']) == set(feature_set.names)
 
 
+def test_the_way_is_told_to_a_pipe_too(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    """Minutes would pass without a sign of life in the log of a batch job."""
+
+    def train(demonstrations: object, settings: object, watch: Callable[[int, Iteration], None]) -> None:
+        for number in range(1, 13):
+            watch(number, Iteration(np.zeros(2), np.array([3.0, 4.0]) / number, np.array([0.0, 1.0])))
+        raise InputError('that is enough')
+
+    monkeypatch.setattr('al_questioner.imitation.command.train', train)
+    assert run(BAGS[0], '--out', tmp_path / 'w.yaml') == 2
+    assert [line for line in capsys.readouterr().out.splitlines() if line.startswith('iteration')] == [
+        'iteration 5, at most 100: gap 1.00, validation 1.00',
+        'iteration 10, at most 100: gap 0.50, validation 1.00',
+    ]
+
+
 @pytest.mark.slow
 def test_rollouts_train_the_same_twice(tmp_path: Path) -> None:
     """A seed that does not determine the result is no seed."""
@@ -150,6 +170,7 @@ def test_unusable_arguments_end_with_status_2_and_one_line(tmp_path: Path, capsy
     old.write_bytes(b'#ROSBAG V2.0\n')
     for arguments, reason in (
         ([empty, '--out', out], 'is no bag'),
+        ([BAGS[0], '--out', out, '--picture', 'w.xyz'], r"must end in \.png, \.pdf, \.svg, not 'w\.xyz'"),
         ([tmp_path / 'missing', '--out', out], 'there is no such bag'),
         ([BAGS[0], '--out', out, '--method', 'magic'], 'invalid choice'),
         ([BAGS[0], '--out', out, '--rollouts', '1'], 'must be at least 2'),

@@ -8,16 +8,9 @@ import yaml
 
 from al_questioner.domain import DECISION_FEATURES, VALUE_FEATURES, InputError
 from al_questioner.imitation.demonstration import demonstrate
-from al_questioner.imitation.feature_matching import MatchingSettings
 from al_questioner.imitation.pictures import draw_training
-from al_questioner.imitation.training import (
-    TrainingSettings,
-    check_alike,
-    expected_gap,
-    train,
-    validation_text,
-    weights_document,
-)
+from al_questioner.imitation.settings import MatchingSettings, TrainingSettings
+from al_questioner.imitation.training import check_alike, expected_gap, train, validation_text, weights_document
 from al_questioner.questioning import FEATURE_SETS, make_strategy, read_weights
 from al_questioner.simulation import WorldChoice, episode_settings
 from al_questioner.teaching import ScriptedTeacher

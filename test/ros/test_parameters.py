@@ -12,9 +12,9 @@ from rclpy.parameter import Parameter
 from al_questioner.configuration import config_dir, read_yaml
 from al_questioner.domain import InputError
 from al_questioner.ros.learner import LearnerNode
-from al_questioner.ros.parameters import Setting, help_text
 from al_questioner.ros.perception import PerceptionNode
 from al_questioner.ros.recorder import RecorderNode
+from al_questioner.ros.setting import Setting, help_text
 from al_questioner.ros.settings import (
     PERCEPTION_SETTINGS,
     RECORDER_SETTINGS,
@@ -123,6 +123,10 @@ def test_misspelt_parameters_are_refused(graph: Any) -> None:
         ({'seed': -3}, 'seed must be 0 or more, not -3'),
         ({'weights_file': '/no/such/file.yaml'}, 'no/such/file'),
         ({'amplitude': 0.0}, 'amplitude must lie in'),
+        ({'length_scale': 1e200}, r'length_scale must lie in \[0, 1000\] standard deviations, not 1e\+200'),
+        ({'length_scale': 1e-200}, r'length_scale must lie in \[0.001, 1000\], not 1e-200'),
+        ({'budget': 1e308}, r'budget must lie in \[0, 1e\+12\], not 1e\+308'),
+        ({'cost_label': 1e308}, r'the cost of a label query must lie in \[0, 1e\+12\]'),
         ({'tune_every': -1}, 'tune_every must lie in'),
         ({'tune_every': 2.5}, 'tune_every must be of type int'),
     ],

@@ -169,4 +169,4 @@ def test_a_time_before_the_beginning_of_time_ends_no_node(graph: Any) -> None:
         assert time.monotonic() < end
         return bool(node.get_clock().now().nanoseconds == 7 * SECOND)
 
-    assert run_nodes([make], ['--ros-args', '-p', 'use_sim_time:=true'], '', has_seen_seven) == 0
+    assert run_nodes([make], ['--ros-args', '-p', 'use_sim_time:=true'], has_seen_seven) == 0

@@ -25,7 +25,9 @@ from al_questioner.domain.names import composed, meant
 
 _SUFFIXES = ('_crop.png', '_depthcrop.png', '_maskcrop.png', '_loc.txt')
 _STEM = re.compile(r'(?P<category>.+)_(?P<instance>\d+)_(?P<video>\d+)_(?P<frame>\d+)')
-_PNG_END = b'IEND\xaeB`\x82'
+_PNG_START = b'\x89PNG\r\n\x1a\n'
+_AROUND_CHUNK = 12
+"""Bytes of a PNG chunk beside its data: the length and kind before, the checksum after."""
 
 
 @dataclass(frozen=True)
@@ -209,14 +211,28 @@ def _read_bytes(path: Path) -> bytes:
 
 
 def _read_png(path: Path, flags: int, dtype: type[np.unsignedinteger], unit: str = 'levels') -> NDArray[Any]:
-    content = _read_bytes(path)
+    content = _whole_png(_read_bytes(path))
     # OpenCV would print its own complaint about a file that was cut short, or return the part that it holds.
-    image = cv2.imdecode(np.frombuffer(content, np.uint8), flags) if content.endswith(_PNG_END) else None
+    try:
+        image = cv2.imdecode(np.frombuffer(content, np.uint8), flags) if content else None
+    except cv2.error as error:
+        raise CropError(path, f'cannot be decoded ({error.err})') from error
     if image is None:
         raise CropError(path, 'not a complete PNG image')
     if image.dtype != dtype:
         raise CropError(path, f'is {image.dtype}, expected {np.dtype(dtype)} {unit}')
     return image
+
+
+def _whole_png(content: bytes) -> bytes:
+    """The image without what cameras and tools append to it; nothing if it does not come to its end."""
+    at = len(_PNG_START) if content.startswith(_PNG_START) else len(content)
+    while at + _AROUND_CHUNK <= len(content):
+        kind = content[at + 4 : at + 8]
+        at += _AROUND_CHUNK + int.from_bytes(content[at : at + 4], 'big')
+        if kind == b'IEND' and at <= len(content):
+            return content[:at]
+    return b''
 
 
 def _read_location(path: Path) -> tuple[int, int]:

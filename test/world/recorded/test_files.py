@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import zlib
 from collections.abc import Callable
 from typing import TYPE_CHECKING
 
@@ -150,8 +151,35 @@ def _cut_short(tree: Tree, crop: CropFiles) -> None:
     path.write_bytes(path.read_bytes()[:-20])
 
 
+def _of_billions_of_pixels(tree: Tree, crop: CropFiles) -> None:
+    path = tree.part(crop, 'crop.png')
+    header = b'IHDR' + b'\0\1\0\0' * 2 + path.read_bytes()[24:29]
+    path.write_bytes(path.read_bytes()[:12] + header + zlib.crc32(header).to_bytes(4, 'big') + path.read_bytes()[33:])
+
+
+@pytest.mark.parametrize('tail', [b'\n', b'\0' * 1000, b'trailing IEND\xaeB`\x82', b'\x89PNG\r\n\x1a\n'])
+def test_bytes_after_the_end_of_an_image_do_not_matter(tree: Tree, tail: bytes) -> None:
+    """Cameras and tools append what they like; the views of such a dataset would all be passed over."""
+    crop = tree.add('apple')
+    before = read_view(crop, CAMERA)
+    for name in ('crop.png', 'depthcrop.png', 'maskcrop.png'):
+        path = tree.part(crop, name)
+        path.write_bytes(path.read_bytes() + tail)
+    view = read_view(crop, CAMERA)
+    assert np.array_equal(view.color, before.color)
+    assert np.array_equal(view.depth, before.depth)
+    assert np.array_equal(view.mask, before.mask)
+
+
 DAMAGES: dict[str, tuple[Callable[[Tree, CropFiles], object], str]] = {
     'cut short': (_cut_short, 'crop.png: not a complete PNG image'),
+    'cut short in its last chunk, with a tail': (
+        lambda tree, crop: tree.part(crop, 'crop.png').write_bytes(
+            tree.part(crop, 'crop.png').read_bytes()[:-6] + b'.'
+        ),
+        'crop.png: not a complete PNG image',
+    ),
+    'billions of pixels': (_of_billions_of_pixels, r'crop.png: cannot be decoded \('),
     'empty file': (
         lambda tree, crop: tree.part(crop, 'crop.png').write_bytes(b''),
         'crop.png: not a complete PNG image',

@@ -1,0 +1,171 @@
+"""YAML of which every version has the same opinion: what looks like one thing and is read as another is refused."""
+
+from __future__ import annotations
+
+import re
+from typing import Any
+
+import yaml
+from yaml.error import Mark, MarkedYAMLError
+from yaml.nodes import MappingNode, Node, ScalarNode, SequenceNode
+from yaml.reader import ReaderError
+
+MOST_BYTES = 1_000_000
+"""Larger files are not read: those that people write are a thousandth of it."""
+DEEPEST = 20
+"""Levels of lists and mappings in each other."""
+MOST_VALUES = 100_000
+"""Where aliases are written out; each of a few lines could stand for ten of the next."""
+LARGEST_WHOLE = 2**63 - 1
+
+_STRING, _MERGE = 'tag:yaml.org,2002:str', 'tag:yaml.org,2002:merge'
+_WORDS = {'true': True, 'false': False, 'null': None, '~': None, '': None, '.nan': float('nan')}
+
+
+class RefusedYAMLError(MarkedYAMLError):
+    """Valid YAML that is not taken all the same."""
+
+
+def parse(content: bytes) -> Any:
+    """What a single YAML document holds; None if it is empty.
+
+    Raises:
+        yaml.MarkedYAMLError: no YAML.
+        RefusedYAMLError: what cannot be relied on: a key that occurs twice, or a plain word that YAML 1.1 and 1.2 read
+            differently, such as 010, 1:30, no, 1_000 or 1e3; a tag; too much.
+    """
+    if len(content) > MOST_BYTES:
+        raise RefusedYAMLError(problem=f'larger than {MOST_BYTES} bytes')
+    try:
+        return _Loader(content).get_single_data()
+    except ReaderError as error:
+        before = content.decode(errors='replace')[: error.position]
+        mark = Mark('', error.position, before.count('\n'), 0, None, 0)
+        raise MarkedYAMLError(problem=error.reason, problem_mark=mark) from error
+
+
+def text_of(document: Any) -> str:
+    """A document as YAML that `parse` takes for the same again."""
+    return yaml.dump(document, Dumper=_Dumper, sort_keys=False, width=100)
+
+
+class _Loader(yaml.SafeLoader):
+    """A safe loader that looks at each node as soon as it is complete, when its line is known."""
+
+    def __init__(self, content: bytes) -> None:
+        super().__init__(content)
+        self._level = 0
+        self._extents: dict[Node, tuple[int, int]] = {}
+
+    def compose_node(self, parent: Node | None, index: Any) -> Node | None:
+        """Compose a node, or take the one that an alias names."""
+        event = self.peek_event()  # type: ignore[no-untyped-call]
+        is_alias, mark = self.check_event(yaml.AliasEvent), event.start_mark
+        if not is_alias and event.tag not in (None, '!', _STRING):
+            raise _fault(f'the tag {event.tag} is not supported', mark)
+        self._level += 1
+        _check_depth(self._level, mark)
+        node = super().compose_node(parent, index)
+        self._level -= 1
+        if node is None:
+            return None
+        if not is_alias:
+            self._extents[node] = self._extent(node)
+        elif node not in self._extents:
+            raise _fault('an alias stands for what it lies in', mark)
+        count, height = self._extents[node]
+        _check_depth(self._level + height, mark)
+        if count > MOST_VALUES:
+            raise _fault(f'more than {MOST_VALUES} values, with what the aliases stand for', mark)
+        return node
+
+    def compose_scalar_node(self, anchor: Any) -> ScalarNode:
+        """Compose a value, unless it is plain and ambiguous."""
+        event = self.peek_event()  # type: ignore[no-untyped-call]
+        node = super().compose_scalar_node(anchor)
+        if re.search('[\0\ud800-\udfff]', node.value):
+            raise _fault('a text holds no NUL, and no half of a character', node.start_mark)
+        if event.implicit[0] and node.tag != _MERGE:
+            self._check_meaning(node)
+        return node
+
+    def compose_mapping_node(self, anchor: Any) -> MappingNode:
+        """Compose a mapping, unless a key is a list or occurs twice."""
+        node = super().compose_mapping_node(anchor)
+        lines: dict[str, int] = {}
+        for key, _ in node.value:
+            if not isinstance(key, ScalarNode):
+                raise _fault('expected a name as key, found a list or a mapping', key.start_mark)
+            if key.value in lines:
+                raise _fault(f'key {key.value!r} occurs twice, first in line {lines[key.value]}', key.start_mark)
+            lines[key.value] = key.start_mark.line + 1
+        return node
+
+    def _extent(self, node: Node) -> tuple[int, int]:
+        """How many values a new node stands for, and in how many levels."""
+        inner: list[Node] = []
+        if isinstance(node, SequenceNode):
+            inner = node.value
+        elif isinstance(node, MappingNode):
+            inner = [part for pair in node.value for part in pair]
+        extents = [self._extents[part] for part in inner]
+        return 1 + sum(count for count, _ in extents), 1 + max((height for _, height in extents), default=-1)
+
+    def _check_meaning(self, node: ScalarNode) -> None:
+        shown = node.value if len(node.value) <= 40 else f'{node.value[:40]}...'
+        try:
+            here, there = self.construct_object(node), meaning(node.value)
+        except (ValueError, yaml.YAMLError) as error:
+            raise _fault(f'{shown} is no value; put a text in quotes', node.start_mark) from error
+        if repr(here) != repr(there):
+            meanings = f'{shown} is {_in_words(here)} in YAML 1.1 and {_in_words(there)} in YAML 1.2'
+            plain = [text_of(value).splitlines()[0] for value in (here, there) if isinstance(value, (int, float))]
+            raise _fault(f"{meanings}; write {', '.join(plain)}{' or ' if plain else ''}'{shown}'", node.start_mark)
+        if isinstance(here, int) and abs(here) > LARGEST_WHOLE:
+            raise _fault(f'{shown} is too large a number', node.start_mark)
+
+
+class _Dumper(yaml.SafeDumper):
+    """Puts texts in quotes where the versions of YAML would differ about them."""
+
+    def resolve(self, kind: Any, value: Any, implicit: Any) -> str:
+        """The tag that a value would get without one of its own."""
+        tag: str = super().resolve(kind, value, implicit)  # type: ignore[no-untyped-call]
+        is_ambiguous = kind is ScalarNode and implicit[0] and tag == _STRING and meaning(value) != value
+        return 'ambiguous' if is_ambiguous else tag
+
+
+def meaning(text: str) -> str | int | float | bool | None:
+    """What a plain word is in YAML 1.2 (its core schema).
+
+    Raises:
+        ValueError: a number with thousands of digits.
+    """
+    if re.fullmatch(r'[-+]?[0-9]+', text):
+        return int(text)
+    if re.fullmatch(r'0o[0-7]+|0x[0-9a-fA-F]+', text):
+        return int(text, 0)
+    if re.fullmatch(r'[-+]?(\.[0-9]+|[0-9]+(\.[0-9]*)?)([eE][-+]?[0-9]+)?', text):
+        return float(text)
+    if re.fullmatch(r'[-+]?\.(inf|Inf|INF)', text):
+        return float(text.replace('.', ''))
+    if re.fullmatch(r'\.(nan|NaN|NAN)|~|(null|true|false)|(Null|True|False)|(NULL|TRUE|FALSE)|', text):
+        return _WORDS[text.lower()]
+    return text
+
+
+def _in_words(value: Any) -> str:
+    if isinstance(value, bool):
+        return 'a truth value'
+    if isinstance(value, (int, float)):
+        return f'the number {value}'
+    return 'a text' if isinstance(value, str) else 'a date'
+
+
+def _check_depth(level: int, mark: Mark) -> None:
+    if level > DEEPEST:
+        raise _fault(f'deeper than {DEEPEST} levels', mark)
+
+
+def _fault(problem: str, mark: Mark) -> RefusedYAMLError:
+    return RefusedYAMLError(problem=problem, problem_mark=mark)
