@@ -58,7 +58,8 @@ class ReplayNode(QuestionerNode):
         topics = {topic.name: topic for topic in bag.topics if not (clock_hz > 0 and topic.name == '/clock')}
         namespace = common_namespace(list(topics))
         classes = {name: message_class(topic.type) for name, topic in topics.items()}
-        super().__init__('replay', **{'namespace': namespace.strip('/'), **node_arguments})
+        names = [published_name(name, namespace) for name in topics]
+        super().__init__('replay', [*names, '/diagnostics'], **{'namespace': namespace.strip('/'), **node_arguments})
         self.playback = playback
         self.begun = False
         self.over = False
@@ -67,7 +68,7 @@ class ReplayNode(QuestionerNode):
         self._out: dict[str, Publisher] = {}
         for name, topic in topics.items():
             profile = qos.LATCHED if topic.latched else qos.EVENTS
-            self._out[name] = self.create_publisher(classes[name], published_name(name, namespace), profile)
+            self._out[name] = self.advertise(classes[name], published_name(name, namespace), profile)
         self._told_time = self.create_publisher(Clock, '/clock', 10) if clock_hz > 0 else None
         steady = NodeClock(clock_type=ClockType.STEADY_TIME)
         self.create_timer(POLL, lambda: self.submit(self._yield_to_learner), clock=steady)

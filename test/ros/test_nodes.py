@@ -9,7 +9,7 @@ from typing import Any
 
 import numpy as np
 import pytest
-from diagnostic_msgs.msg import DiagnosticArray
+from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus
 from sensor_msgs.msg import Image, PointCloud2
 from std_msgs.msg import String
 from visualization_msgs.msg import Marker, MarkerArray
@@ -364,3 +364,15 @@ def test_scene_of_the_graph_is_the_scene_offline(graph: Any) -> None:
     assert seen.object_ids == offline.object_ids
     episode = Episode(episode_settings(load_task(TASK), 'u_sampling'), generator(4, 'learner'))
     assert episode.ask(seen).query is not None
+
+
+def test_nothing_is_amiss_in_an_episode_among_ourselves(graph: Any) -> None:
+    """A warning that means nothing would teach people to overlook those that do."""
+    states = graph.listen('learner_state')
+    heard = graph.listen('/diagnostics', DiagnosticArray, qos.DIAGNOSTICS)
+    graph.start_robot(turns=12, turn_period=0.2)
+    graph.start(TeacherNode, **graph.world)
+    graph.wait_for(lambda: is_over(states), 'the end of the episode')
+    names = {status.name for array in heard for status in array.status}
+    assert {name.rsplit('/', 1)[-1] for name in names} == {'perception', 'learner', 'teacher'}
+    assert [s.message for array in heard for s in array.status if s.level != DiagnosticStatus.OK] == []
