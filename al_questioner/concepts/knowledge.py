@@ -142,6 +142,7 @@ class Knowledge:
             self.feature_names = scene.feature_names
             self.groups = tuple(dict.fromkeys(group_of(name) for name in scene.feature_names))
             self._standardiser = Standardiser(len(scene.feature_names))
+            self._active = np.ones(len(scene.feature_names), dtype=bool)
         elif scene.feature_names != self.feature_names:
             raise SceneError(_layout_difference(self.feature_names, scene.feature_names))
         views = [row.tobytes() for row in scene.features.astype(np.float32)]

@@ -66,7 +66,7 @@ def group_of(feature_name: str) -> str:
 
 @dataclass(frozen=True, eq=False)
 class Scene:
-    """The objects seen this turn, as feature vectors; one observation per object.
+    """The objects seen this turn, as feature vectors; one observation per object. There may be none.
 
     Attributes:
         object_ids: one distinct non-negative id per object.
@@ -75,7 +75,7 @@ class Scene:
         feature_names: m distinct names; the group of a feature is `group_of` its name.
 
     Raises:
-        SceneError: no object, no feature, a shape that does not fit, a repeated id or name, or a value that is not
+        SceneError: no feature, a shape that does not fit, a repeated id or name, or a value that is not
             finite.
     """
 
@@ -86,8 +86,6 @@ class Scene:
 
     def __post_init__(self) -> None:
         n, m = len(self.object_ids), len(self.feature_names)
-        if n == 0:
-            raise SceneError('the scene is empty: it holds no object')
         if m == 0:
             raise SceneError('the scene has no features')
         if self.features.shape != (n, m):
@@ -96,7 +94,7 @@ class Scene:
             raise SceneError(f'positions have shape {self.positions.shape}, expected {(n, 3)}')
         if len(set(self.object_ids)) < n:
             raise SceneError('an object id occurs twice in the scene')
-        if min(self.object_ids) < 0:
+        if min(self.object_ids, default=0) < 0:
             raise SceneError('an object id is negative')
         if len(set(self.feature_names)) < m:
             raise SceneError('a feature name occurs twice in the scene')

@@ -4,17 +4,17 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
-from al_questioner.domain import Action, Costs, QueryKind, Scene
+from al_questioner.domain import Action, Costs, QueryKind, Scene, group_of
 
 BUDGET_ROUNDING = 1e-9
 """Costs that add up to the budget but for rounding (three times 0.1 for 0.3) are affordable."""
 
 
 def candidates(scene: Scene, symbols: Sequence[str], costs: Costs, budget_left: float) -> tuple[Action, ...]:
-    """The |Y| + |X| + 2 actions of section 2.1 of the paper, without those that the budget cannot pay.
+    """The |Y| + |X| + 2 actions of section 2.1 of the paper that the budget can pay and that have several answers.
 
     Returns:
-        DQ(y) in the order of the symbols, LQ(x) in the order of the scene, FSQ, NQ.
+        DQ(y) in the order of the symbols, LQ(x) in the order of the scene, FSQ, NQ; of each kind all of them or none.
     """
     by_kind = {
         QueryKind.DEMONSTRATION: [Action(QueryKind.DEMONSTRATION, symbol=symbol) for symbol in symbols],
@@ -22,8 +22,20 @@ def candidates(scene: Scene, symbols: Sequence[str], costs: Costs, budget_left: 
         QueryKind.FEATURE_SUBSET: [Action(QueryKind.FEATURE_SUBSET)],
         QueryKind.NO_QUERY: [Action(QueryKind.NO_QUERY)],
     }
-    affordable = (kind for kind in by_kind if is_affordable(costs.of(kind), budget_left))
-    return tuple(action for kind in affordable for action in by_kind[kind])
+    kinds = (kind for kind in by_kind if is_affordable(costs.of(kind), budget_left) and is_open(kind, scene))
+    return tuple(action for kind in kinds for action in by_kind[kind])
+
+
+def is_open(kind: QueryKind, scene: Scene) -> bool:
+    """Whether a question of this kind has more than one possible answer in this scene, so that it can tell something.
+
+    Where nothing is in view nothing can be shown, and where all features are of one group that is the one that matters.
+    """
+    if kind is QueryKind.DEMONSTRATION:
+        return len(scene) > 0
+    if kind is QueryKind.FEATURE_SUBSET:
+        return len({group_of(name) for name in scene.feature_names}) > 1
+    return True
 
 
 def is_affordable(cost: float, budget_left: float) -> bool:

@@ -44,8 +44,9 @@ class SubsetFirst(ABC):
 
     def _subset_is_due(self, situation: Situation) -> bool:
         both = situation.costs.feature_subset + situation.costs.of(self.kind)
-        settled = Action(QueryKind.FEATURE_SUBSET) in settled_actions(situation)
-        return not settled and is_affordable(both, situation.budget_left)
+        subset = Action(QueryKind.FEATURE_SUBSET)
+        is_left = subset in situation.candidates and subset not in settled_actions(situation)
+        return is_left and is_affordable(both, situation.budget_left)
 
 
 class UnlabelledFirst(SubsetFirst):

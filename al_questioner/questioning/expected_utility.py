@@ -89,8 +89,11 @@ def task_features(q: Array, positives: Array) -> Array:
         positives: (..., |Y|) numbers of positive examples; leading axes broadcast against those of `q`.
 
     Returns:
-        (..., 4) in the order of `DECISION_FEATURES`.
+        (..., 4) in the order of `DECISION_FEATURES`; of what is believed of the things, 0 where there are none.
     """
+    if q.shape[-2] == 0:
+        nothing = np.zeros(q.shape[:-2])
+        return _side_by_side(nothing, phi.class_uniformity(positives), nothing, nothing)
     return _side_by_side(
         phi.discriminability(q), phi.class_uniformity(positives), phi.instance_variation(q), phi.prediction_margin(q)
     )

@@ -100,8 +100,9 @@ class Hearing:
         return offered.reliability, DurabilityPolicy.TRANSIENT_LOCAL if latched else DurabilityPolicy.VOLATILE
 
     def _subscribe(self, profile: QoSProfile, **options: Any) -> None:
+        take: Callable[..., None] = self._take
         self._node.create_subscription(
-            self._type, self._topic, self._take, profile, raw=self._raw, event_callbacks=NO_WARNINGS, **options
+            self._type, self._topic, take, profile, raw=self._raw, event_callbacks=NO_WARNINGS, **options
         )
         self._profiles.append(profile)
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+import re
 import threading
 import time
 import traceback
@@ -30,7 +31,7 @@ from al_questioner.ros.hearing import Hearing, full_name, unserved
 from al_questioner.ros.overrides import check_overrides, overriding_options
 from al_questioner.ros.types import text
 from al_questioner.ros.worker import Worker
-from al_questioner.throttle import Throttle
+from al_questioner.throttle import RepeatThrottle
 
 DIAGNOSTICS_PERIOD = 1.0
 """Seconds between two messages on /diagnostics."""
@@ -48,7 +49,9 @@ SECONDS_FOR_RECORDER = 10.0
 """After which the lack of a recorder is worth a warning."""
 
 REFUSALS_PER_SECOND = 10
-"""That are logged; of a flood of garbage the rest is counted."""
+"""That are logged if each has another reason; of one reason, one is. The rest is counted."""
+DETAIL = re.compile(r"""'[^']*'|"[^"]*"|\S*[\d_]\S*|\b(nan|inf)\b""")
+"""Names and numbers, by which refusals for one reason differ."""
 REFUSAL_SHOWN = 60.0
 """Seconds for which a refusal makes the node's status a warning; its count stays."""
 
@@ -76,7 +79,7 @@ class QuestionerNode(Node):
         self._refused: Counter[str] = Counter()
         self._last_refusal = ''
         self._refused_at = -math.inf
-        self._said = Throttle(REFUSALS_PER_SECOND, 1.0)
+        self._said = RepeatThrottle(REFUSALS_PER_SECOND, 1.0)
         self._failure = ''
         self._activity = 'starting'
         self._overdue = math.inf
@@ -100,15 +103,20 @@ class QuestionerNode(Node):
 
     def advertise(self, message_type: type, topic: str, profile: QoSProfile) -> Publisher:
         """A publisher whose quality of service parameters may override."""
-        # What rclpy makes of the parameters is written into the profile.
-        options = {'qos_overriding_options': overriding_options(), 'event_callbacks': NO_WARNINGS}
         self._advertised.append(self.resolve_topic_name(topic))
-        return self.create_publisher(message_type, topic, copy(profile), **options)
+        return self.create_publisher(
+            message_type,
+            topic,
+            # What rclpy makes of the parameters is written into the profile.
+            copy(profile),
+            event_callbacks=NO_WARNINGS,
+            qos_overriding_options=overriding_options(),
+        )
 
     def listen(
         self, message_type: type, topic: str, hear: Callable[[Any], None], profile: QoSProfile, raw: bool = False
     ) -> None:
-        """Have the executor's thread call a function with every message of a topic, whoever publishes it: see `Hearing`."""
+        """Have the executor's thread call a function with every message of a topic: see `Hearing`."""
         self._hearings.append(Hearing(self, message_type, topic, hear, profile, raw))
 
     def document_publisher(self, kind: str, profile: QoSProfile = qos.LATCHED) -> Callable[[Document], None]:
@@ -154,9 +162,10 @@ class QuestionerNode(Node):
         self._refused[topic] += 1
         self._last_refusal = f'{topic}: {reason}'
         self._refused_at = time.monotonic()
-        if self._said.passes():
-            more = ' (more within this second are only counted)' if self._said.is_used_up else ''
-            self.get_logger().warning(f'refused on {topic}: {reason}{more}')
+        if self._said.passes(f'{topic}: {DETAIL.sub("", reason)}'):
+            more = self._said.held_back()
+            others = f' ({more} other refusals were only counted)' if more else ''
+            self.get_logger().warning(f'refused on {topic}: {reason}{others}')
 
     def does(self, activity: str, expected_within: float = math.inf) -> None:
         """Say in a few words what the node is doing, for /diagnostics; warn there if that lasts longer (seconds)."""

@@ -56,7 +56,7 @@ def check_overrides(node: Node, topics: Collection[str]) -> None:
     """
     known = [node.resolve_topic_name(topic) for topic in topics]
     for name, value in given_overrides(node).items():
-        topic, end, policy = (['', '', ''] + name.removeprefix(PREFIX).rsplit('.', 2))[-3:]
+        topic, end, policy = ['', '', '', *name.removeprefix(PREFIX).rsplit('.', 2)][-3:]
         if topic not in known:
             raise InputError(f'parameter {name}: no topic {topic!r}; known: {", ".join(known)}')
         if end not in ENDS or policy not in (*WORDS, 'depth'):

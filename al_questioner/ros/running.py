@@ -10,10 +10,11 @@ from typing import Any
 import rclpy
 from rclpy.exceptions import NameValidationException
 from rclpy.executors import ExternalShutdownException, SingleThreadedExecutor
-from rclpy.node import Node
 from rclpy.utilities import remove_ros_args, try_shutdown
 
 from al_questioner.domain import InputError
+from al_questioner.ros.node import QuestionerNode
+from al_questioner.ros.parameter_files import tell_what_has_no_effect
 
 TRANSPORTS = ('FASTDDS_BUILTIN_TRANSPORTS', 'UDPv4')
 """Environment variable and our value: a process that is killed may leave a lock of Fast DDS's shared memory behind, on
@@ -22,7 +23,7 @@ ONCE_A_SECOND = {'throttle_duration_sec': 1.0}
 
 
 def run_nodes(
-    makers: Sequence[Callable[[], Node]],
+    makers: Sequence[Callable[[], QuestionerNode]],
     arguments: Sequence[str],
     description: str,
     while_spinning: Callable[[], Any] | None = None,
@@ -52,12 +53,13 @@ def run_nodes(
         raise
     except (RuntimeError, ValueError) as error:
         raise InputError(f'unusable ROS arguments: {_one_line(error)}') from error
-    nodes: list[Node] = []
+    nodes: list[QuestionerNode] = []
     executor = SingleThreadedExecutor()
     try:
         for make in makers:
             nodes.append(make())
             executor.add_node(nodes[-1])
+            tell_what_has_no_effect(nodes[-1], arguments)
             if while_spinning is None:
                 nodes[-1].get_logger().info('is up')
         while executor.context.ok() and not (while_spinning and while_spinning()):

@@ -205,7 +205,10 @@ def test_the_user_chooses_the_quality_of_service(graph: Any, diagnostics: Any) -
     graph.ears.create_publisher(PointCloud2, 'objects', OFFERS['sensor data'])
     diagnostics('/ears offers less')
     profiles = {one.topic_name.rsplit('/', 1)[-1]: one.qos_profile for one in learner.subscriptions}
-    assert (profiles['objects'], profiles['objects'].depth) == (QoSProfile(depth=7, durability=DurabilityPolicy.TRANSIENT_LOCAL), 7)
+    assert (profiles['objects'], profiles['objects'].depth) == (
+        QoSProfile(depth=7, durability=DurabilityPolicy.TRANSIENT_LOCAL),
+        7,
+    )
     assert [one.depth for one in (qos.LATCHED, profiles['turn'])] == [1, 1]
     decisions = [one.qos_profile for one in learner.publishers if one.topic_name.endswith('/decision')]
     assert decisions == [QoSProfile(depth=10, durability=DurabilityPolicy.TRANSIENT_LOCAL)]

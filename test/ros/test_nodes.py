@@ -9,9 +9,10 @@ from typing import Any
 
 import numpy as np
 import pytest
+from builtin_interfaces.msg import Time
 from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus
 from sensor_msgs.msg import Image, PointCloud2
-from std_msgs.msg import String
+from std_msgs.msg import Header, String
 from visualization_msgs.msg import Marker, MarkerArray
 
 from al_questioner.domain import DECISION_FEATURES, generator
@@ -282,11 +283,12 @@ def test_scenes_older_than_the_turn_are_reported(graph: Any) -> None:
     graph.start(LearnerNode, **graph.episode)
     graph.wait_for(lambda: turns and eyes.get_subscription_count(), 'a learner that looks')
 
-    def reported() -> bool:
-        eyes.publish(PointCloud2())
-        return any('older than the turn' in s.message for array in diagnostics for s in array.status)
+    def reported(stamp: Time, reason: str) -> bool:
+        eyes.publish(PointCloud2(header=Header(stamp=stamp)))
+        return any(reason in s.message for array in diagnostics for s in array.status)
 
-    graph.wait_for(reported, 'a warning')
+    graph.wait_for(lambda: reported(Time(sec=1), 'is the clock of their sender behind?'), 'a warning')
+    graph.wait_for(lambda: reported(Time(), 'the stamp of the cloud is 0'), 'a warning that it has no stamp')
 
 
 def test_nodes_of_other_worlds_do_not_answer(graph: Any) -> None:
