@@ -217,7 +217,7 @@ def test_a_cloud_without_points_shows_that_nothing_is_there(clear: object) -> No
         assert scene_of_cloud(cloud_of_scene(scene, None, TYPES)).equals(scene)
 
 
-@pytest.mark.parametrize(('clear', 'reason'), [(_without_fields, 'neither points nor'), (_of_positions, 'no field obj')])
+@pytest.mark.parametrize(('clear', 'reason'), [(_without_fields, 'neither points'), (_of_positions, 'no field')])
 def test_an_episode_cannot_begin_with_a_cloud_that_tells_no_features(clear: object, reason: str) -> None:
     """Nobody could say what the features of the scenes after it must be."""
     cloud = make_cloud()

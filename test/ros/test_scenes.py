@@ -1,4 +1,4 @@
-"""What a camera shows the learner beside ordinary scenes: nothing at all, nonsense in a stream, more than it can look at."""
+"""What a camera shows beside ordinary scenes: nothing at all, and nonsense in a stream."""
 
 from __future__ import annotations
 
@@ -63,7 +63,7 @@ def test_an_empty_table_is_a_turn_in_which_nothing_is_asked_about_things(
     assert not again._failure
 
 
-def test_a_stream_of_nonsense_is_logged_once_a_second_and_counted(graph: Any, capfd: pytest.CaptureFixture[str]) -> None:
+def test_a_stream_of_nonsense_is_logged_once_a_second(graph: Any, capfd: pytest.CaptureFixture[str]) -> None:
     """Ten warnings a second would hide all others."""
     learner = graph.start(LearnerNode, **graph.episode)
     for number in range(300):

@@ -16,9 +16,7 @@ TURN = 100 * SECOND
 @pytest.fixture
 def now(monkeypatch: pytest.MonkeyPatch) -> SimpleNamespace:
     result = SimpleNamespace(seconds=0.0)
-    monkeypatch.setattr(
-        'al_questioner.ros.stale_scenes.time', SimpleNamespace(monotonic=lambda: float(result.seconds))
-    )
+    monkeypatch.setattr('al_questioner.ros.stale_scenes.time', SimpleNamespace(monotonic=lambda: float(result.seconds)))
     return result
 
 
