@@ -31,3 +31,33 @@ class Throttle:
             return False
         self._passed.append(time.monotonic())
         return True
+
+
+class RepeatThrottle:
+    """Lets each kind of thing through once in any period, and at most so many kinds; counts what it holds back.
+
+    Args:
+        most: kinds that pass within a period.
+        period: seconds.
+    """
+
+    def __init__(self, most: int, period: float) -> None:
+        self._most = most
+        self._period = period
+        self._passed: dict[str, float] = {}
+        self._held_back = 0
+
+    def passes(self, kind: str) -> bool:
+        """Whether one of this kind may pass now; if so, it has."""
+        now = time.monotonic()
+        self._passed = {each: at for each, at in self._passed.items() if now - at < self._period}
+        if kind in self._passed or len(self._passed) >= self._most:
+            self._held_back += 1
+            return False
+        self._passed[kind] = now
+        return True
+
+    def held_back(self) -> int:
+        """How many, of whatever kind, did not pass since the last time that this was asked."""
+        count, self._held_back = self._held_back, 0
+        return count

@@ -5,7 +5,7 @@ The message classes are handed in, so that the same code serves rclpy and bag re
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from typing import Any
 
@@ -60,12 +60,18 @@ def cloud_of_scene(scene: Scene, header: Any, types: CloudTypes) -> Any:
     return _cloud(points, header, types)
 
 
-def scene_of_cloud(cloud: Any) -> Scene:
-    """The scene that an `objects` cloud shows.
+def scene_of_cloud(cloud: Any, known_features: Sequence[str] = ()) -> Scene:
+    """The scene that an `objects` cloud shows; one without points shows that nothing is there.
+
+    Args:
+        cloud: the message.
+        known_features: those of the scenes before: a cloud without points need not have their fields.
 
     Raises:
         SceneError: a field is missing, or the layout contradicts itself, or the scene is unusable.
     """
+    if not cloud.width * cloud.height and (known_features or not cloud.fields):
+        return _empty_scene(tuple(known_features))
     points = _points(cloud, MAXIMAL_OBJECTS)
     names = points.dtype.names or ()
     missing = [name for name, _ in _SCENE_HEAD if name not in names]
@@ -85,6 +91,12 @@ def scene_of_cloud(cloud: Any) -> Scene:
         features=np.stack(columns, axis=1) if columns else np.empty((len(points), 0), np.float32),
         feature_names=features,
     )
+
+
+def _empty_scene(feature_names: tuple[str, ...]) -> Scene:
+    if not feature_names:
+        raise SceneError('the cloud holds neither points nor fields, so that it does not tell which features there are')
+    return Scene((), np.empty((0, 3), np.float32), np.empty((0, len(feature_names)), np.float32), feature_names)
 
 
 def cloud_of_decision(
@@ -179,12 +191,14 @@ def _points(cloud: Any, most: int) -> NDArray[np.void]:
     if any(field.count != 1 for field in cloud.fields):
         raise SceneError('a field of the cloud holds more than one value a point')
     count = cloud.width * cloud.height
-    if count == 0 or cloud.point_step == 0:
-        raise SceneError('the cloud is empty: it holds no point')
     if count > most:
         raise SceneError(f'the cloud has {count} points, at most {most} are read')
     if len(cloud.fields) > MAXIMAL_FIELDS:
         raise SceneError(f'the cloud has {len(cloud.fields)} fields, at most {MAXIMAL_FIELDS} are read')
+    if count == 0:
+        return np.empty(0, _layout(cloud))
+    if cloud.point_step == 0:
+        raise SceneError('the points of the cloud hold no bytes')
     data = np.frombuffer(memoryview(cloud.data).cast('B'), np.uint8)
     row = cloud.point_step * cloud.width
     if cloud.row_step < row or len(data) < cloud.row_step * cloud.height:

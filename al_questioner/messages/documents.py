@@ -48,12 +48,13 @@ def schema_name(kind: str) -> str:
 
 
 def write(kind: str, episode_id: str, members: Mapping[str, Any]) -> str:
-    """The JSON text of a document.
+    """The JSON text of a document; what it says in words stands first, where tools that cut a message still show it.
 
     Raises:
         ValueError: a member is NaN or infinite, which JSON cannot say.
     """
-    document = {'schema': schema_name(kind), 'episode_id': episode_id, **members}
+    words = {name: members[name] for name in ('text',) if name in members}
+    document = {**words, 'schema': schema_name(kind), 'episode_id': episode_id, **members}
     return json.dumps(document, allow_nan=False, separators=(',', ':'))
 
 

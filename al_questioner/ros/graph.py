@@ -14,20 +14,20 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from rclpy.exceptions import NameValidationException
-from rclpy.node import Node
 from rclpy.parameter import Parameter
 from rclpy.validate_namespace import validate_namespace
 
 from al_questioner.domain import EpisodeError, InputError
 from al_questioner.files import make_folder
 from al_questioner.ros.learner import LearnerNode
+from al_questioner.ros.node import QuestionerNode
 from al_questioner.ros.observer import ObserverNode, StateWatcher
 from al_questioner.ros.perception import PerceptionNode
 from al_questioner.ros.running import run_nodes
 from al_questioner.ros.setting import Value
 from al_questioner.ros.teacher import TeacherNode
 
-NODES: Mapping[str, Callable[..., Node]] = {
+NODES: Mapping[str, Callable[..., QuestionerNode]] = {
     'perception': PerceptionNode,
     'teacher': TeacherNode,
     'learner': LearnerNode,
@@ -78,7 +78,7 @@ class Graph:
         observers: list[ObserverNode] = []
         interrupted = threading.Event()
 
-        def make_observer() -> Node:
+        def make_observer() -> QuestionerNode:
             observers.append(ObserverNode(self.episode_id, watch, self.patience, namespace=self.namespace))
             return observers[0]
 
@@ -106,7 +106,7 @@ class Graph:
         if not observers[0].done:
             raise EpisodeError('interrupted before the end of the episode')
 
-    def _maker(self, name: str) -> Callable[[], Node]:
+    def _maker(self, name: str) -> Callable[[], QuestionerNode]:
         overrides = [Parameter(key, value=value) for key, value in self.parameters[name].items()]
         return lambda: NODES[name](namespace=self.namespace, parameter_overrides=overrides)
 

@@ -29,7 +29,6 @@ from al_questioner.domain import (
     LateAnswerError,
     Query,
     Scene,
-    SceneError,
 )
 from al_questioner.messages import documents
 from al_questioner.messages.clouds import cloud_of_decision, scene_of_cloud
@@ -47,13 +46,13 @@ from al_questioner.ros.parameters import declare, refuse_unknown
 from al_questioner.ros.repeating import PATIENT, Repeater
 from al_questioner.ros.running import run_nodes
 from al_questioner.ros.settings import all_names, learner_settings
+from al_questioner.ros.stale_scenes import StaleScenes
 from al_questioner.ros.turn_stamps import TurnStamps
 from al_questioner.ros.types import CLOUD_TYPES, MARKER_TYPES, header
 from al_questioner.ros.worlds import declare_world, new_episode_id, world_members
 from al_questioner.simulation import WorldChoice, episode_settings
 from al_questioner.teaching import read_plain_answer, respelt
 from al_questioner.telling import episode_members, noise_text, state_members
-from al_questioner.throttle import Throttle
 from al_questioner.world import Task
 
 SECONDS_OF_A_RIVAL = 60.0
@@ -64,10 +63,6 @@ SECONDS_FOR_OBJECTS = 10.0
 """After which the lack of a scene is worth a warning."""
 LONGEST_BACK_OFF = 8
 """Times the answer timeout: for so long the learner waits at most before the turn goes on without an answer."""
-STALE_CLOUDS = 3
-"""So many clouds in a row from before a turn are no chance any more."""
-SECONDS_OF_STALE_CLOUDS = 10.0
-"""From one complaint about them to the next."""
 
 
 class LearnerNode(QuestionerNode):
@@ -96,8 +91,7 @@ class LearnerNode(QuestionerNode):
         self.episode_id = self._session.begun.episode_id
         self._stamps = TurnStamps()
         self._patience = Alarm(self, self._go_on_without)
-        self._complaints = Throttle(1, SECONDS_OF_STALE_CLOUDS)
-        self._stale_clouds = 0
+        self._stale = StaleScenes()
         self._awaits_scene = False
         self._last_turn_start = 0.0
         self._view_noise = noise_text({})
@@ -110,8 +104,8 @@ class LearnerNode(QuestionerNode):
         self._question = Repeater(self, self.document_publisher('query'), PATIENT)
         self._state = Repeater(self, self.document_publisher('learner_state'), PATIENT)
         self._publish_ack = self.document_publisher('answer_ack', qos.EVENTS)
-        self._decision = self.create_publisher(PointCloud2, 'decision', qos.EVENTS)
-        self._markers = self.create_publisher(MarkerArray, 'scene_markers', qos.LATCHED)
+        self._decision = self.advertise(PointCloud2, 'decision', qos.EVENTS)
+        self._markers = self.advertise(MarkerArray, 'scene_markers', qos.LATCHED)
         self.on_message(PointCloud2, 'objects', self._perceive, qos.LATCHED)
         self.on_message(String, 'answer', self._hear, qos.EVENTS)
         self.on_document('turn', self._hear_turn)
@@ -147,7 +141,7 @@ class LearnerNode(QuestionerNode):
         stamp = self._stamps.begin(self._now())
         self._last_turn_start = time.monotonic()
         self._awaits_scene = True
-        self._stale_clouds = 0
+        self._stale.begin_turn()
         self._state.stop()
         turn = self._session.episode.turn + 1
         self.does(f'turn {turn}: waiting for objects', expected_within=SECONDS_FOR_OBJECTS)
@@ -157,10 +151,11 @@ class LearnerNode(QuestionerNode):
         """Decide, once the scene of this turn is there: see `TurnStamps`."""
         if not self._awaits_scene or self._has_failed:
             return
-        if not self._stamps.is_of_turn(nanoseconds(cloud.header.stamp), self._now()):
-            self._ignore_stale()
+        now, stamp = self._now(), nanoseconds(cloud.header.stamp)
+        if not self._stamps.is_of_turn(stamp, now):
+            self._stale.pass_over(stamp, self._stamps.last, self._stamps.is_ahead(now))
             return
-        scene = scene_of_cloud(cloud)
+        scene = scene_of_cloud(cloud, self._session.episode.knowledge.feature_names)
         seen = Seen(self._session.episode.turn + 1, self._stamps.last, cloud.header.frame_id, scene)
         decision = self._session.ask(seen)
         self._tell_of_sensors()
@@ -219,14 +214,6 @@ class LearnerNode(QuestionerNode):
             )
             self._session.let_pass()
             self._end_turn()
-
-    def _ignore_stale(self) -> None:
-        """Pass over a scene from before the turn; say so if there are no others, since a clock may be wrong."""
-        self._stale_clouds += 1
-        if self._stale_clouds >= STALE_CLOUDS and self._complaints.passes():
-            back = self._stamps.is_ahead(self._now())
-            why = 'our clock has gone back' if back else 'is the clock of their sender behind?'
-            raise SceneError(f'the last {STALE_CLOUDS} clouds are older than the turn: {why}')
 
     def _now(self) -> int:
         """What the clock shows, real or simulated, in nanoseconds."""

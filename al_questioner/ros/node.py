@@ -3,34 +3,45 @@
 from __future__ import annotations
 
 import math
+import re
 import threading
 import time
 import traceback
 from collections import Counter
-from collections.abc import Callable, Mapping
-from functools import partial
+from collections.abc import Callable, Collection, Mapping
+from copy import copy
 from typing import Any
 
 from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus, KeyValue
 from rcl_interfaces.msg import SetParametersResult
 from rclpy.clock import Clock
 from rclpy.clock_type import ClockType
+from rclpy.event_handler import PublisherEventCallbacks
 from rclpy.node import Node
 from rclpy.parameter import Parameter
-from rclpy.qos import QoSProfile
+from rclpy.publisher import Publisher
+from rclpy.qos import DurabilityPolicy, QoSProfile
 from std_msgs.msg import String
 
 from al_questioner.domain import EpisodeError, InputError
 from al_questioner.messages import documents
 from al_questioner.messages.documents import Document
 from al_questioner.ros import qos
+from al_questioner.ros.hearing import Hearing, full_name, unserved
+from al_questioner.ros.overrides import check_overrides, overriding_options
 from al_questioner.ros.types import text
 from al_questioner.ros.worker import Worker
-from al_questioner.throttle import Throttle
+from al_questioner.throttle import RepeatThrottle
 
 DIAGNOSTICS_PERIOD = 1.0
 """Seconds between two messages on /diagnostics."""
+LOOK_PERIOD = 0.1
+"""Seconds from one look for new publishers to the next."""
+MAXIMAL_WAITING = 1000
+"""Messages of a topic that is not latched."""
 
+NO_WARNINGS = PublisherEventCallbacks(use_default_callbacks=False)
+"""Whom a publisher does not suit is told once a second, with its name: see `unserved`."""
 
 RECORDER = 'recorder'
 """Name of the node that records."""
@@ -38,7 +49,9 @@ SECONDS_FOR_RECORDER = 10.0
 """After which the lack of a recorder is worth a warning."""
 
 REFUSALS_PER_SECOND = 10
-"""That are logged; of a flood of garbage the rest is counted."""
+"""That are logged if each has another reason; of one reason, one is. The rest is counted."""
+DETAIL = re.compile(r"""'[^']*'|"[^"]*"|\S*[\d_]\S*|\b(nan|inf)\b""")
+"""Names and numbers, by which refusals for one reason differ."""
 REFUSAL_SHOWN = 60.0
 """Seconds for which a refusal makes the node's status a warning; its count stays."""
 
@@ -47,23 +60,36 @@ class QuestionerNode(Node):
     """A node whose callbacks only hand messages to its worker.
 
     Input that cannot be used is refused: counted, logged, and shown on /diagnostics; the node goes on.
+
+    Args:
+        name: of the node.
+        topics: whose quality of service parameters may override, be they this node's or those of its neighbours.
+        node_arguments: of rclpy's node.
+
+    Raises:
+        InputError: an unusable parameter `qos_overrides`.
     """
 
-    def __init__(self, name: str, **node_arguments: Any) -> None:
+    def __init__(self, name: str, topics: Collection[str] = qos.TOPICS, **node_arguments: Any) -> None:
         super().__init__(name, **node_arguments)
+        check_overrides(self, topics)
         self.episode_id = ''
+        self._advertised: list[str] = []
+        self._hearings: list[Hearing] = []
         self._refused: Counter[str] = Counter()
         self._last_refusal = ''
         self._refused_at = -math.inf
-        self._said = Throttle(REFUSALS_PER_SECOND, 1.0)
+        self._said = RepeatThrottle(REFUSALS_PER_SECOND, 1.0)
         self._failure = ''
         self._activity = 'starting'
         self._overdue = math.inf
         self._said_overdue = False
-        self._concern = ''
+        self._concerns: list[str] = []
         self._worker = Worker(name, self._failed)
-        self._diagnostics = self.create_publisher(DiagnosticArray, '/diagnostics', qos.DIAGNOSTICS)
-        self.create_timer(DIAGNOSTICS_PERIOD, self._publish_diagnostics, clock=Clock(clock_type=ClockType.STEADY_TIME))
+        self._diagnostics = self.advertise(DiagnosticArray, '/diagnostics', qos.DIAGNOSTICS)
+        steady = Clock(clock_type=ClockType.STEADY_TIME)
+        self.create_timer(DIAGNOSTICS_PERIOD, self._publish_diagnostics, clock=steady)
+        self.create_timer(LOOK_PERIOD, self._look_for_publishers, clock=steady)
 
     def set_parameters_atomically(self, parameter_list: list[Parameter]) -> SetParametersResult:
         """What `ros2 param set` leads to: all of the parameters are set, or none; rclpy's refusals say less."""
@@ -75,9 +101,27 @@ class QuestionerNode(Node):
             return _refused(f'{", ".join(fixed)}: only read when the node starts: -p NAME:=VALUE')
         return super().set_parameters_atomically(parameter_list)
 
+    def advertise(self, message_type: type, topic: str, profile: QoSProfile) -> Publisher:
+        """A publisher whose quality of service parameters may override."""
+        self._advertised.append(self.resolve_topic_name(topic))
+        return self.create_publisher(
+            message_type,
+            topic,
+            # What rclpy makes of the parameters is written into the profile.
+            copy(profile),
+            event_callbacks=NO_WARNINGS,
+            qos_overriding_options=overriding_options(),
+        )
+
+    def listen(
+        self, message_type: type, topic: str, hear: Callable[[Any], None], profile: QoSProfile, raw: bool = False
+    ) -> None:
+        """Have the executor's thread call a function with every message of a topic: see `Hearing`."""
+        self._hearings.append(Hearing(self, message_type, topic, hear, profile, raw))
+
     def document_publisher(self, kind: str, profile: QoSProfile = qos.LATCHED) -> Callable[[Document], None]:
         """A function that writes documents of this kind, of the current episode, to the topic of the same name."""
-        publisher = self.create_publisher(String, kind, profile)
+        publisher = self.advertise(String, kind, profile)
         return lambda members: publisher.publish(text(documents.write(kind, self.episode_id, members)))
 
     def submit(self, job: Callable[[], None]) -> None:
@@ -85,7 +129,11 @@ class QuestionerNode(Node):
         self._worker.submit(job)
 
     def on_message(self, message_type: type, topic: str, job: Callable[[Any], None], profile: QoSProfile) -> None:
-        """Have every message of a topic handled by the worker; an InputError of the job is a refusal."""
+        """Have the messages of a topic handled by the worker; an InputError of the job is a refusal.
+
+        Of a latched topic the newest counts: it takes the place of one that still waits for the worker. Of others the
+        oldest that wait are dropped when there are too many.
+        """
 
         def handle(message: Any) -> None:
             try:
@@ -93,9 +141,8 @@ class QuestionerNode(Node):
             except InputError as error:
                 self.refuse(topic, str(error))
 
-        self.create_subscription(
-            message_type, topic, lambda message: self._worker.submit(partial(handle, message)), profile
-        )
+        is_latched = profile.durability == DurabilityPolicy.TRANSIENT_LOCAL
+        self.listen(message_type, topic, self._worker.inbox(handle, 1 if is_latched else MAXIMAL_WAITING), profile)
 
     def on_document(self, kind: str, job: Callable[[Document], None], profile: QoSProfile = qos.LATCHED) -> None:
         """Have every document of the topic of its kind read, checked and handled by the worker."""
@@ -115,9 +162,10 @@ class QuestionerNode(Node):
         self._refused[topic] += 1
         self._last_refusal = f'{topic}: {reason}'
         self._refused_at = time.monotonic()
-        if self._said.passes():
-            more = ' (more within this second are only counted)' if self._said.is_used_up else ''
-            self.get_logger().warning(f'refused on {topic}: {reason}{more}')
+        if self._said.passes(f'{topic}: {DETAIL.sub("", reason)}'):
+            more = self._said.held_back()
+            others = f' ({more} other refusals were only counted)' if more else ''
+            self.get_logger().warning(f'refused on {topic}: {reason}{others}')
 
     def does(self, activity: str, expected_within: float = math.inf) -> None:
         """Say in a few words what the node is doing, for /diagnostics; warn there if that lasts longer (seconds)."""
@@ -148,13 +196,10 @@ class QuestionerNode(Node):
     def other_publishers(self, topic: str) -> list[str]:
         """Full names of the nodes that publish on a topic besides this one, which publishes there too.
 
-        The name of one that has only just appeared may not be known yet: it is called 'another node'.
+        One that has only just appeared may be called 'another node'.
         """
         found = self.get_publishers_info_by_topic(self.resolve_topic_name(topic))
-        names = [
-            'another node' if 'UNKNOWN' in one.node_name else f'{one.node_namespace.rstrip("/")}/{one.node_name}'
-            for one in found
-        ]
+        names = [full_name(one) for one in found]
         if self.get_fully_qualified_name() in names:
             # Once: another node may have the same name.
             names.remove(self.get_fully_qualified_name())
@@ -190,6 +235,15 @@ class QuestionerNode(Node):
             self._failure = failure
             self.get_logger().error(failure if is_foreseen else ''.join(traceback.format_exception(error)))
 
+    def _look_for_publishers(self) -> None:
+        for hearing in self._hearings:
+            hearing.look()
+
+    def _mismatches(self) -> list[str]:
+        """Who is not heard by this node, or does not hear it, since the two do not fit."""
+        unheard = [line for hearing in self._hearings for line in hearing.unheard()]
+        return unheard + [line for topic in self._advertised for line in unserved(self, topic)]
+
     def _publish_diagnostics(self) -> None:
         level, message = DiagnosticStatus.OK, self._activity
         if time.monotonic() > self._overdue:
@@ -197,12 +251,13 @@ class QuestionerNode(Node):
             if not self._said_overdue:
                 self._said_overdue = True
                 self.get_logger().warning(f'{message}: is everything running that should be?')
-        concern = self.concern()
-        if concern:
-            level, message = DiagnosticStatus.WARN, f'{self._activity}; {concern}'
-            if concern != self._concern:
-                self.get_logger().warning(concern)
-        self._concern = concern
+        concerns = [*filter(None, [self.concern()]), *self._mismatches()]
+        if concerns:
+            level, message = DiagnosticStatus.WARN, '; '.join([self._activity, *concerns])
+            for concern in concerns:
+                if concern not in self._concerns:
+                    self.get_logger().warning(concern)
+        self._concerns = concerns
         if time.monotonic() - self._refused_at < REFUSAL_SHOWN:
             level, message = DiagnosticStatus.WARN, f'{self._activity}; refused {self._last_refusal}'
         if self._failure:

@@ -10,6 +10,7 @@ from rclpy.node import Node
 from rclpy.parameter import Parameter
 
 from al_questioner.domain import InputError
+from al_questioner.ros.overrides import is_override
 from al_questioner.ros.setting import Setting, Value
 
 _TYPES = {
@@ -51,10 +52,10 @@ def refuse_unknown(node: Node, known_elsewhere: Collection[str]) -> None:
     Raises:
         InputError: there is one; the text lists the known ones.
     """
-    known = set(node.get_parameters_by_prefix(''))
+    known = {name for name in node.get_parameters_by_prefix('') if not is_override(name)}
     # rclpy tells of overrides only through this attribute; it drops those that are not declared in silence.
     for name in node._parameter_overrides:
-        if name not in known and name not in known_elsewhere and not name.startswith('qos_overrides.'):
+        if name not in known and name not in known_elsewhere and not is_override(name):
             raise InputError(f'unknown parameter {name}; known: {", ".join(sorted(known))}')
 
 

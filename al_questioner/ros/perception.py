@@ -42,8 +42,8 @@ class PerceptionNode(QuestionerNode):
         self._world = PerceivedWorld(self._choice.open())
         self._pictured: Scene | None = None
         self._painter = Worker('painter', self._failed)
-        self._objects = self.create_publisher(PointCloud2, 'objects', qos.LATCHED)
-        self._picture = self.create_publisher(Image, 'scene_image', qos.LATCHED)
+        self._objects = self.advertise(PointCloud2, 'objects', qos.LATCHED)
+        self._picture = self.advertise(Image, 'scene_image', qos.LATCHED)
         if self._given['wait_for_recorder']:
             self.await_recorder('objects')
         self.on_document('turn', self._look)

@@ -15,3 +15,21 @@ RECORDED_EVENTS = QoSProfile(depth=1000, reliability=ReliabilityPolicy.RELIABLE,
 """The same for a listener that must not miss a message, even if it is busy for a while."""
 
 DIAGNOSTICS = QoSProfile(depth=10)
+
+SENSED = ('objects', 'scene_image')
+"""What drivers publish: an ear for it asks for the least at first, so that no driver warns that it is not heard."""
+
+TOPICS = (
+    'episode',
+    'turn',
+    'objects',
+    'scene_image',
+    'scene_markers',
+    'query',
+    'answer',
+    'answer_ack',
+    'decision',
+    'learner_state',
+    '/diagnostics',
+)
+"""All topics of the nodes."""

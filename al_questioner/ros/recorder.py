@@ -62,13 +62,8 @@ class RecorderNode(QuestionerNode):
         path = Path(str(given['bag'])).expanduser() if given['bag'] else Path(_default_name())
         self._bag = BagWriter(path, topics, str(given['storage']))
         for name, type_ in TYPES.items():
-            self.create_subscription(
-                CLASSES[type_],
-                name,
-                self._taker(name, names[name]),
-                qos.RECORDED_EVENTS if name in EVENTS else qos.RECORDED_LATCHED,
-                raw=True,
-            )
+            profile = qos.RECORDED_EVENTS if name in EVENTS else qos.RECORDED_LATCHED
+            self.listen(CLASSES[type_], name, self._taker(name, names[name]), profile, raw=True)
         steady = Clock(clock_type=ClockType.STEADY_TIME)
         self.create_timer(SYNC_PERIOD, lambda: self.submit(self._sync), clock=steady)
         self.does(f'recording to {path}')

@@ -58,7 +58,8 @@ class ReplayNode(QuestionerNode):
         topics = [topic for topic in bag.topics if not (clock_hz > 0 and topic.name == '/clock')]
         namespace = common_namespace([topic.name for topic in topics])
         classes = {topic: message_class(topic.type) for topic in topics}
-        super().__init__('replay', **{'namespace': namespace.strip('/'), **node_arguments})
+        names = [published_name(topic.name, namespace) for topic in topics]
+        super().__init__('replay', [*names, '/diagnostics'], **{'namespace': namespace.strip('/'), **node_arguments})
         self.playback = playback
         self.begun = False
         self.over = False
@@ -68,7 +69,7 @@ class ReplayNode(QuestionerNode):
         for topic, class_ in classes.items():
             profile = qos.LATCHED if topic.latched else qos.EVENTS
             name = published_name(topic.name, namespace)
-            self._out[topic.name, topic.type] = self.create_publisher(class_, name, profile)
+            self._out[topic.name, topic.type] = self.advertise(class_, name, profile)
         self._turns = {(message.topic, message.type) for message in bag.messages if begins_turn(message)}
         self._told_time = self.create_publisher(Clock, '/clock', 10) if clock_hz > 0 else None
         steady = NodeClock(clock_type=ClockType.STEADY_TIME)

@@ -11,11 +11,12 @@ from typing import Any
 import rclpy
 from rclpy.exceptions import NameValidationException
 from rclpy.executors import ExternalShutdownException, SingleThreadedExecutor
-from rclpy.node import Node
 from rclpy.utilities import remove_ros_args, try_shutdown
 
 from al_questioner.domain import InputError
 from al_questioner.ros.arguments import check_ros_arguments
+from al_questioner.ros.node import QuestionerNode
+from al_questioner.ros.parameter_files import tell_what_has_no_effect
 
 TRANSPORTS = ('FASTDDS_BUILTIN_TRANSPORTS', 'UDPv4')
 """Environment variable and our value: a process that is killed may leave a lock of Fast DDS's shared memory behind, on
@@ -24,7 +25,7 @@ ONCE_A_SECOND = {'throttle_duration_sec': 1.0}
 
 
 def run_nodes(
-    makers: Sequence[Callable[[], Node]],
+    makers: Sequence[Callable[[], QuestionerNode]],
     arguments: Sequence[str],
     while_spinning: Callable[[], Any] | None = None,
     interrupted: threading.Event | None = None,
@@ -53,7 +54,7 @@ def run_nodes(
     except (RuntimeError, ValueError) as error:
         signal.signal(signal.SIGINT, previous)
         raise InputError(f'unusable ROS arguments: {_one_line(error)}') from error
-    nodes: list[Node] = []
+    nodes: list[QuestionerNode] = []
     executor = SingleThreadedExecutor()
     try:
         if interrupted.is_set():
@@ -62,6 +63,7 @@ def run_nodes(
         for make in makers:
             nodes.append(make())
             executor.add_node(nodes[-1])
+            tell_what_has_no_effect(nodes[-1], arguments)
             if while_spinning is None:
                 nodes[-1].get_logger().info('is up')
         while executor.context.ok() and not (while_spinning and while_spinning()):

@@ -40,7 +40,7 @@ class StandInNode(QuestionerNode):
         self.failure: InputError | None = None
         self._scenes = scenes
         self._strange_worlds: set[str] = set()
-        self._objects = self.create_publisher(PointCloud2, 'objects', qos.LATCHED)
+        self._objects = self.advertise(PointCloud2, 'objects', qos.LATCHED)
         self.on_document('turn', self._look)
         self.does('waiting for a turn')
 

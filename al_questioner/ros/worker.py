@@ -4,7 +4,9 @@ from __future__ import annotations
 
 import queue
 import threading
+from collections import deque
 from collections.abc import Callable
+from typing import Any
 
 Job = Callable[[], None]
 
@@ -26,6 +28,30 @@ class Worker:
         """Have a job done; ignored once the worker is stopped."""
         if not self._stopped.is_set():
             self._jobs.put(job)
+
+    def inbox(self, handle: Callable[[Any], None], most: int) -> Callable[[Any], None]:
+        """A function that has a message handled; beyond so many that wait, the oldest of them is dropped.
+
+        A worker that is busy for a while, beside somebody who publishes fast, would fill the memory with messages that
+        are old by the time that it comes to them.
+        """
+        waiting: deque[Any] = deque(maxlen=most)
+        lock = threading.Lock()
+
+        def take() -> None:
+            with lock:
+                message = waiting.popleft()
+            handle(message)
+
+        def put(message: Any) -> None:
+            with lock:
+                # A job that waits for what is dropped takes the next.
+                is_full = len(waiting) == most
+                waiting.append(message)
+            if not is_full:
+                self.submit(take)
+
+        return put
 
     @property
     def stopped(self) -> bool:

@@ -125,6 +125,11 @@ def _empty(cloud: SimpleNamespace) -> None:
     cloud.data = b''
 
 
+def _no_bytes(cloud: SimpleNamespace) -> None:
+    cloud.point_step = cloud.row_step = 0
+    cloud.fields = []
+
+
 def _huge(cloud: SimpleNamespace) -> None:
     cloud.width = cloud.height = 2**31
 
@@ -166,8 +171,8 @@ def _float_id(cloud: SimpleNamespace) -> None:
         (_many_fields, 'at most 10000'),
         (_unknown_type, 'do not make a layout'),
         (_short, 'too few'),
-        (_empty, 'empty'),
         (_huge, 'at most'),
+        (_no_bytes, 'hold no bytes'),
         (_overlapping_rows, 'too few'),
         (_nan, 'colour_hue of object 10 is not finite'),
         (_float_id, 'no uint32'),
@@ -178,6 +183,45 @@ def test_damaged_cloud_is_refused(damage: object, reason: str) -> None:
     """The learner would learn from nonsense, or die of it."""
     cloud = make_cloud()
     damage(cloud)
+    with pytest.raises(SceneError, match=reason):
+        scene_of_cloud(cloud)
+
+
+def _without_fields(cloud: SimpleNamespace) -> None:
+    _empty(cloud)
+    cloud.fields, cloud.point_step = [], 0
+
+
+def _of_positions(cloud: SimpleNamespace) -> None:
+    _empty(cloud)
+    cloud.fields = cloud.fields[:3]
+
+
+def _without_width(cloud: SimpleNamespace) -> None:
+    cloud.width = 0
+
+
+def _without_height(cloud: SimpleNamespace) -> None:
+    cloud.height = 0
+
+
+@pytest.mark.parametrize('clear', [_empty, _without_fields, _of_positions, _without_width, _without_height])
+def test_a_cloud_without_points_shows_that_nothing_is_there(clear: object) -> None:
+    """A table that was cleared would be a fault of the camera, and the last scene stand for it."""
+    cloud = make_cloud()
+    clear(cloud)
+    scene = scene_of_cloud(cloud, NAMES)
+    assert (len(scene), scene.feature_names) == (0, NAMES)
+    if clear in (_empty, _without_width, _without_height):
+        assert scene_of_cloud(cloud).equals(scene)
+        assert scene_of_cloud(cloud_of_scene(scene, None, TYPES)).equals(scene)
+
+
+@pytest.mark.parametrize(('clear', 'reason'), [(_without_fields, 'neither points'), (_of_positions, 'no field')])
+def test_an_episode_cannot_begin_with_a_cloud_that_tells_no_features(clear: object, reason: str) -> None:
+    """Nobody could say what the features of the scenes after it must be."""
+    cloud = make_cloud()
+    clear(cloud)
     with pytest.raises(SceneError, match=reason):
         scene_of_cloud(cloud)
 

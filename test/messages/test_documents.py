@@ -51,6 +51,12 @@ def test_what_is_known_survives(known: tuple[int, ...]) -> None:
         documents.read('query', text.replace(f'"known":{list(known)}'.replace(' ', ''), '"known":[-1]'))
 
 
+def test_query_begins_with_its_question() -> None:
+    """`ros2 topic echo`, which cuts a message after 128 characters, would show ids instead of what is asked."""
+    text = documents.write('query', 'kitchen_table-0-0123abcd', documents.query_members(QUERY))
+    assert text.startswith('{"text":"What is object 7?","schema":"al_questioner/query/1",')
+
+
 @pytest.mark.parametrize('answer', ANSWERS)
 def test_answer_survives(answer: Answer) -> None:
     """The learner would be told something else than the teacher said."""

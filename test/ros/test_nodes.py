@@ -9,9 +9,10 @@ from typing import Any
 
 import numpy as np
 import pytest
-from diagnostic_msgs.msg import DiagnosticArray
+from builtin_interfaces.msg import Time
+from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus
 from sensor_msgs.msg import Image, PointCloud2
-from std_msgs.msg import String
+from std_msgs.msg import Header, String
 from visualization_msgs.msg import Marker, MarkerArray
 
 from al_questioner.domain import DECISION_FEATURES, generator
@@ -300,11 +301,12 @@ def test_scenes_older_than_the_turn_are_reported(graph: Any) -> None:
     graph.start(LearnerNode, **graph.episode)
     graph.wait_for(lambda: turns and eyes.get_subscription_count(), 'a learner that looks')
 
-    def reported() -> bool:
-        eyes.publish(PointCloud2())
-        return any('older than the turn' in s.message for array in diagnostics for s in array.status)
+    def reported(stamp: Time, reason: str) -> bool:
+        eyes.publish(PointCloud2(header=Header(stamp=stamp)))
+        return any(reason in s.message for array in diagnostics for s in array.status)
 
-    graph.wait_for(reported, 'a warning')
+    graph.wait_for(lambda: reported(Time(sec=1), 'is the clock of their sender behind?'), 'a warning')
+    graph.wait_for(lambda: reported(Time(), 'the stamp of the cloud is 0'), 'a warning that it has no stamp')
 
 
 def test_nodes_of_other_worlds_do_not_answer(graph: Any) -> None:
@@ -382,3 +384,15 @@ def test_scene_of_the_graph_is_the_scene_offline(graph: Any) -> None:
     assert seen.object_ids == offline.object_ids
     episode = Episode(episode_settings(load_task(TASK), 'u_sampling'), generator(4, 'learner'))
     assert episode.ask(seen).query is not None
+
+
+def test_nothing_is_amiss_in_an_episode_among_ourselves(graph: Any) -> None:
+    """A warning that means nothing would teach people to overlook those that do."""
+    states = graph.listen('learner_state')
+    heard = graph.listen('/diagnostics', DiagnosticArray, qos.DIAGNOSTICS)
+    graph.start_robot(turns=12, turn_period=0.2)
+    graph.start(TeacherNode, **graph.world)
+    graph.wait_for(lambda: is_over(states), 'the end of the episode')
+    names = {status.name for array in heard for status in array.status}
+    assert {name.rsplit('/', 1)[-1] for name in names} == {'perception', 'learner', 'teacher'}
+    assert [s.message for array in heard for s in array.status if s.level != DiagnosticStatus.OK] == []

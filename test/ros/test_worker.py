@@ -4,6 +4,8 @@ from __future__ import annotations
 
 import threading
 
+import pytest
+
 from al_questioner.ros.worker import Worker
 
 
@@ -25,6 +27,30 @@ def test_a_failing_job_is_told_and_the_next_one_runs() -> None:
     worker.stop()
     assert done == [1, 2]
     assert [str(error) for error in errors] == ["'unexpected'"]
+
+
+@pytest.mark.parametrize(('most', 'kept'), [(1, [0, 9]), (3, [0, 7, 8, 9])])
+def test_of_what_waits_for_a_busy_worker_the_newest_is_kept(most: int, kept: list[int]) -> None:
+    """Beside a fast camera the memory would fill with clouds that are old by the time that they are looked at."""
+    handled: list[int] = []
+    begun, may_go_on, finished = threading.Event(), threading.Event(), threading.Event()
+    worker = Worker('test', lambda error: None)
+
+    def handle(message: int) -> None:
+        begun.set()
+        may_go_on.wait(30)
+        handled.append(message)
+
+    put = worker.inbox(handle, most)
+    put(0)
+    assert begun.wait(30)
+    for message in range(1, 10):
+        put(message)
+    may_go_on.set()
+    worker.submit(finished.set)
+    assert finished.wait(30)
+    worker.stop()
+    assert handled == kept
 
 
 def test_nothing_is_done_after_the_stop() -> None:

@@ -1,0 +1,80 @@
+"""Parameters that were given for another node than the one that got them: ROS passes over these in silence."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Iterator, Mapping, Sequence
+from pathlib import Path
+from typing import Any
+
+from al_questioner.configuration import read_yaml
+from al_questioner.domain import InputError
+from al_questioner.ros.node import QuestionerNode
+from al_questioner.ros.overrides import given_overrides
+
+VALUES = 'ros__parameters'
+"""What stands below the name of a node in a parameter file."""
+NEIGHBOURS = frozenset(('learner', 'perception', 'recorder', 'replay', 'teacher'))
+"""Names of our nodes, which may share a parameter file."""
+
+
+def tell_what_has_no_effect(node: QuestionerNode, arguments: Sequence[str]) -> None:
+    """Log which of the parameters that a node was given have no effect on it; what its neighbours have is no warning.
+
+    Args:
+        node: with all of its topics and parameters.
+        arguments: of its process.
+    """
+    logger, own = node.get_logger(), node.get_fully_qualified_name()
+    for source, names in _addressees(arguments):
+        if names and not any(addresses(name, own) for name in names):
+            are_neighbours = all(name.rsplit('/', 1)[-1] in NEIGHBOURS - {node.get_name()} for name in names)
+            others = ', '.join(f'/{name.lstrip("/")}' for name in names)
+            line = f'{source} sets parameters of {others} alone: this node is {own} and takes none of them'
+            (logger.info if are_neighbours else logger.warning)(line)
+    for override in given_overrides(node):
+        if not node.has_parameter(override):
+            logger.warning(f'parameter {override} has no effect on {own}, which has no such end')
+
+
+def addresses(pattern: str, name: str) -> bool:
+    """Whether a name in a parameter file, which may hold wildcards, is that of a node.
+
+    >>> addresses('/**/learner', '/robot/learner'), addresses('learner', '/robot/learner')
+    (True, False)
+    """
+    parts = {'**': r'(/\w+)*', '*': r'/\w+'}
+    regex = ''.join(parts.get(part, f'/{re.escape(part)}') for part in pattern.strip('/').split('/'))
+    return re.fullmatch(regex, name) is not None
+
+
+def _addressees(arguments: Sequence[str]) -> Iterator[tuple[str, list[str]]]:
+    """Every source of parameters among ROS arguments, and the names of the nodes that it speaks of."""
+    is_ros = False
+    for option, value in zip(arguments, [*arguments[1:], ''], strict=True):
+        is_ros = option == '--ros-args' or (is_ros and option != '--')
+        if is_ros and option == '--params-file':
+            yield value, list(_names_in(value))
+        elif is_ros and option in ('-p', '--param'):
+            node, colon, _ = value.split(':=', 1)[0].rpartition(':')
+            yield f'-p {value}', [node] if colon else []
+
+
+def _names_in(path: str) -> Iterator[str]:
+    try:
+        content = read_yaml(Path(path))
+    except InputError:
+        # ROS has read it, and knows better.
+        return
+    yield from _names_below('', content)
+
+
+def _names_below(prefix: str, content: Mapping[str, Any]) -> Iterator[str]:
+    for key, value in content.items():
+        if not isinstance(value, Mapping):
+            continue
+        name = f'{prefix}/{str(key).strip("/")}'
+        if VALUES in value:
+            yield name
+        else:
+            yield from _names_below(name, value)

@@ -1,0 +1,54 @@
+"""When scenes from before the turn are a concern, on a clock that only the test moves."""
+
+from __future__ import annotations
+
+from types import SimpleNamespace
+
+import pytest
+
+from al_questioner.domain import SceneError
+from al_questioner.messages.stamps import SECOND
+from al_questioner.ros.stale_scenes import FEWEST, PATIENCE, StaleScenes
+
+TURN = 100 * SECOND
+
+
+@pytest.fixture
+def now(monkeypatch: pytest.MonkeyPatch) -> SimpleNamespace:
+    result = SimpleNamespace(seconds=0.0)
+    monkeypatch.setattr('al_questioner.ros.stale_scenes.time', SimpleNamespace(monotonic=lambda: float(result.seconds)))
+    return result
+
+
+@pytest.fixture
+def stale(now: SimpleNamespace) -> StaleScenes:
+    return StaleScenes()
+
+
+def test_what_was_under_way_as_the_turn_began_is_no_concern(now: SimpleNamespace, stale: StaleScenes) -> None:
+    """At nearly every start beside a camera that takes a while, a right clock would be called wrong."""
+    for turn in range(3):
+        stale.begin_turn()
+        for _ in range(50):
+            stale.pass_over(TURN - 1, TURN, is_ahead=False)
+            now.seconds += PATIENCE / 51
+        assert now.seconds == pytest.approx((turn + 1) * PATIENCE * 50 / 51)
+
+
+def test_nothing_but_old_scenes_is_a_concern_after_a_while(now: SimpleNamespace, stale: StaleScenes) -> None:
+    """A camera whose clock is behind would be passed over in silence for ever."""
+    for number in range(1, FEWEST):
+        now.seconds = PATIENCE * number
+        stale.pass_over(TURN - 5 * SECOND, TURN, is_ahead=False)
+    for is_ahead, why in ((False, 'is the clock of their sender behind?'), (True, 'our clock has gone back')):
+        with pytest.raises(SceneError, match=f'all clouds are older than the turn, the last one by 5.0 s: {why}'):
+            stale.pass_over(TURN - 5 * SECOND, TURN, is_ahead)
+    stale.begin_turn()
+    for _ in range(FEWEST):
+        stale.pass_over(TURN - 5 * SECOND, TURN, is_ahead=False)
+
+
+def test_a_scene_without_a_stamp_is_named_as_such_at_once(stale: StaleScenes) -> None:
+    """Who forgot the stamp would look for what is wrong with the clocks."""
+    with pytest.raises(SceneError, match='the stamp of the cloud is 0'):
+        stale.pass_over(0, TURN, is_ahead=False)
