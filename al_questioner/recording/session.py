@@ -113,7 +113,10 @@ def read_sessions(path: Path, left_out: list[LeftOut] | None = None) -> list[Ses
     missing: list[LeftOut] = []
     for recorded in recorded_in(bag, ('episode', 'turn')):
         for found in _sessions(path, recorded):
-            (sessions if isinstance(found, Session) else missing).append(found)  # type: ignore[arg-type]
+            if isinstance(found, Session):
+                sessions.append(found)
+            else:
+                missing.append(found)
     if missing and (left_out is None or not sessions):
         raise BagError(f'{path}: {missing[0].reason}')
     if not sessions:
