@@ -270,6 +270,10 @@ class Knowledge:
         """(n,) whether this view of each object has been labelled already, as a symbol or as none."""
         return self.times_labelled(scene) > 0
 
+    def labelled_ids(self, scene: Scene) -> tuple[int, ...]:
+        """The objects of which this view has been labelled already."""
+        return tuple(scene.object_ids[row] for row in np.flatnonzero(self.is_labelled(scene)))
+
     def times_labelled(self, scene: Scene) -> NDArray[np.intp]:
         """(n,) how often this view of each object has been labelled."""
         rows, _ = self._views_among([(view.object_id, view.features) for view in self.labelled_views], scene)

@@ -390,11 +390,6 @@ class Episode:
                 knowledge.tune()
         self.knowledge = knowledge
 
-    def _known(self, scene: Scene) -> tuple[int, ...]:
-        """The things in a scene that have been named as they look now."""
-        labelled = self.knowledge.is_labelled(scene)
-        return tuple(object_id for object_id, named in zip(scene.object_ids, labelled, strict=True) if named)
-
     def _query(self, action: Action, scene: Scene) -> Query | None:
         """Put the action to the teacher; None if it asks nothing."""
         if action.kind is QueryKind.NO_QUERY:
@@ -410,7 +405,7 @@ class Episode:
             turns_left=self.turns_left,
             model_version=self.knowledge.model_version,
             text=question_text(action, self.settings.symbols),
-            known=self._known(scene) if action.kind is QueryKind.DEMONSTRATION else None,
+            known=self.knowledge.labelled_ids(scene) if action.kind is QueryKind.DEMONSTRATION else None,
         )
         self._queries[query.query_id] = self._pending = query
         return query

@@ -6,7 +6,6 @@ import math
 import time
 from collections.abc import Mapping, Sequence
 from functools import partial
-from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -15,16 +14,13 @@ from sensor_msgs.msg import PointCloud2
 from std_msgs.msg import String
 from visualization_msgs.msg import MarkerArray
 
-from al_questioner import __version__
 from al_questioner.concepts import compile_models
 from al_questioner.domain import (
     Answer,
     AnswerError,
     Content,
-    Costs,
     Decision,
     EpisodeError,
-    EpisodeSettings,
     InputError,
     LateAnswerError,
     Query,
@@ -36,11 +32,10 @@ from al_questioner.messages.documents import Document
 from al_questioner.messages.pictures import markers
 from al_questioner.messages.stamps import nanoseconds, stamp_members
 from al_questioner.questioning import make_strategy
-from al_questioner.recording import SessionLog
-from al_questioner.recording.session_events import Begun, Seen
-from al_questioner.resuming import DurableEpisode
+from al_questioner.recording.session_events import Seen
 from al_questioner.ros import qos
 from al_questioner.ros.alarm import Alarm
+from al_questioner.ros.learner_session import session_of, settings_of
 from al_questioner.ros.node import QuestionerNode
 from al_questioner.ros.parameters import declare, refuse_unknown
 from al_questioner.ros.repeating import PATIENT, Repeater
@@ -49,11 +44,9 @@ from al_questioner.ros.settings import all_names, learner_settings
 from al_questioner.ros.stale_scenes import StaleScenes
 from al_questioner.ros.turn_stamps import TurnStamps
 from al_questioner.ros.types import CLOUD_TYPES, MARKER_TYPES, header
-from al_questioner.ros.worlds import declare_world, new_episode_id, world_members
-from al_questioner.simulation import WorldChoice, episode_settings
+from al_questioner.ros.worlds import declare_world, world_members
 from al_questioner.teaching import read_plain_answer, respelt
 from al_questioner.telling import episode_members, noise_text, state_members
-from al_questioner.world import Task
 
 SECONDS_OF_A_RIVAL = 60.0
 """For which another learner is a concern after it was heard."""
@@ -82,12 +75,12 @@ class LearnerNode(QuestionerNode):
         self._rival_at = -math.inf
         world = declare_world(self)
         self._given = declare(self, learner_settings(world.task))
-        self._settings = _episode_settings(world.task, self._given)
+        self._settings = settings_of(world.task, self._given)
         # What cannot be used is to be said before anything is published, and before a log is begun.
         make_strategy(self._settings.strategy, self._settings.weights)
         refuse_unknown(self, all_names())
         self._world = world_members(world)
-        self._session = _session(self._settings, world, self._given)
+        self._session = session_of(self._settings, world, self._given)
         self.episode_id = self._session.begun.episode_id
         self._stamps = TurnStamps()
         self._patience = Alarm(self, self._go_on_without)
@@ -354,54 +347,6 @@ class LearnerNode(QuestionerNode):
 
 def _spoken(content: Content) -> str:
     return ', '.join(content) if isinstance(content, tuple) else str(content)
-
-
-def _episode_settings(task: Task, given: Mapping[str, Any]) -> EpisodeSettings:
-    """The settings that the parameters state."""
-    return episode_settings(
-        task,
-        strategy=given['strategy'],
-        budget=given['budget'],
-        turns=given['turns'],
-        change_interval=given['change_interval'],
-        weights_file=given['weights_file'] or None,
-        costs=Costs(
-            label=given['cost_label'],
-            demonstration=given['cost_demonstration'],
-            feature_subset=given['cost_feature_subset'],
-            unknown=given['charge_unknown'],
-            skip=given['charge_skip'],
-            unanswered=given['charge_unanswered'],
-        ),
-        amplitude=given['amplitude'],
-        length_scale=given['length_scale'] or None,
-        tune_every=given['tune_every'],
-    )
-
-
-def _session(settings: EpisodeSettings, world: WorldChoice, given: Mapping[str, Any]) -> DurableEpisode:
-    """The episode of these parameters, new or as far as its log goes, not yet started.
-
-    Raises:
-        InputError: the log cannot be used, or is that of an episode with other settings.
-    """
-    folder = Path(str(given['session'])).expanduser() if given['session'] else None
-    log = None if folder is None else SessionLog(folder)
-    is_new = log is None or not log.events
-    wanted = Begun(
-        episode_id=str(given['episode_id']) or (new_episode_id(world) if is_new else ''),
-        settings=settings,
-        seed=world.seed,
-        view_tolerance=given['view_tolerance'],
-        world=world_members(world),
-        version=__version__,
-    )
-    try:
-        return DurableEpisode(wanted, log)
-    except InputError:
-        if log is not None:
-            log.close()
-        raise
 
 
 def main(arguments: Sequence[str]) -> int:

@@ -1,0 +1,68 @@
+"""The episode that a learner's parameters ask for."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from pathlib import Path
+from typing import Any
+
+from al_questioner import __version__
+from al_questioner.domain import Costs, EpisodeSettings, InputError
+from al_questioner.recording import SessionLog
+from al_questioner.recording.session_events import Begun
+from al_questioner.resuming import DurableEpisode
+from al_questioner.ros.worlds import new_episode_id, world_members
+from al_questioner.simulation import WorldChoice, episode_settings
+from al_questioner.world import Task
+
+
+def settings_of(task: Task, given: Mapping[str, Any]) -> EpisodeSettings:
+    """The settings that the parameters state.
+
+    Raises:
+        InputError: they cannot be used.
+    """
+    return episode_settings(
+        task,
+        strategy=given['strategy'],
+        budget=given['budget'],
+        turns=given['turns'],
+        change_interval=given['change_interval'],
+        weights_file=given['weights_file'] or None,
+        costs=Costs(
+            label=given['cost_label'],
+            demonstration=given['cost_demonstration'],
+            feature_subset=given['cost_feature_subset'],
+            unknown=given['charge_unknown'],
+            skip=given['charge_skip'],
+            unanswered=given['charge_unanswered'],
+        ),
+        amplitude=given['amplitude'],
+        length_scale=given['length_scale'] or None,
+        tune_every=given['tune_every'],
+    )
+
+
+def session_of(settings: EpisodeSettings, world: WorldChoice, given: Mapping[str, Any]) -> DurableEpisode:
+    """The episode of these parameters, new or as far as its log goes, not yet started.
+
+    Raises:
+        InputError: the log cannot be used, or is that of an episode with other settings.
+    """
+    folder = Path(str(given['session'])).expanduser() if given['session'] else None
+    log = None if folder is None else SessionLog(folder)
+    is_new = log is None or not log.events
+    wanted = Begun(
+        episode_id=str(given['episode_id']) or (new_episode_id(world) if is_new else ''),
+        settings=settings,
+        seed=world.seed,
+        view_tolerance=given['view_tolerance'],
+        world=world_members(world),
+        version=__version__,
+    )
+    try:
+        return DurableEpisode(wanted, log)
+    except InputError:
+        if log is not None:
+            log.close()
+        raise
