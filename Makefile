@@ -8,6 +8,9 @@ INSTALLED := $(VENV)/installed
 # As the executables do for themselves, see al_questioner/__main__.py.
 export OMP_NUM_THREADS ?= 1
 
+# The environment has a ROS of its own, from PyPI, which must not be mixed with one that a setup.bash has set up.
+unexport AMENT_PREFIX_PATH LD_LIBRARY_PATH PYTHONPATH RMW_IMPLEMENTATION _ROS_WHEELS_BOOTSTRAP_COMPLETE
+
 # What Ubuntu 24.04 has: its Python, and the versions in test/noble.txt.
 NOBLE_PYTHON ?= python3.12
 NOBLE := .venv-noble

@@ -45,9 +45,10 @@ def test_bags_and_examples_are_shared(installation, source):
 
 
 def test_a_bag_that_ships_is_found_by_its_name(installation, tmp_path):
-    executable = installation.prefix / 'lib' / 'al_questioner' / 'replay'
-    checked = installation.run(executable, 'expert_0', '--check', cwd=tmp_path)
-    assert checked.endswith('30 decisions, all as recorded\n')
+    code = "from al_questioner.configuration import named_bag; print(named_bag('expert_0'))"
+    bag = Path(installation.run('python3', '-c', code, cwd=tmp_path).strip())
+    assert (bag / 'metadata.yaml').is_file()
+    assert not bag.resolve().is_relative_to(CHECKOUT)
 
 
 def test_the_installed_configuration_is_found(installation, tmp_path):

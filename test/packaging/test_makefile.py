@@ -1,0 +1,34 @@
+"""What `make` runs has the environment that it needs."""
+
+from __future__ import annotations
+
+import os
+import shutil
+import subprocess
+from pathlib import Path
+
+import pytest
+
+CHECKOUT = Path(__file__).resolve().parents[2]
+OF_ROS = {
+    'AMENT_PREFIX_PATH': '/opt/ros/jazzy',
+    'LD_LIBRARY_PATH': '/opt/ros/jazzy/lib',
+    'PYTHONPATH': '/opt/ros/jazzy/lib/python3.12/site-packages',
+    'RMW_IMPLEMENTATION': 'rmw_cyclonedds_cpp',
+}
+
+
+@pytest.mark.skipif(shutil.which('make') is None, reason='make is not installed')
+def test_a_ros_that_is_set_up_does_not_mix_with_that_of_the_environment() -> None:
+    """`make demo` would load half of its libraries from either."""
+    done = subprocess.run(
+        ['make', '--silent', '--eval', 'show:; @env', 'show'],
+        cwd=CHECKOUT,
+        env=os.environ | OF_ROS,
+        capture_output=True,
+        text=True,
+        check=True,
+    )
+    seen = dict(line.split('=', 1) for line in done.stdout.splitlines() if '=' in line)
+    assert 'PATH' in seen
+    assert not OF_ROS.keys() & seen.keys()
