@@ -1,18 +1,26 @@
-"""One learning episode as a graph of three nodes: perception, learner and the scripted teacher.
+"""One learning episode as a graph: perception, learner, the scripted teacher, and a recorder if there is to be a bag.
 
-A person who wants to teach answers on the topic `answer`, see docs/interfaces.md.
+    ros2 launch al_questioner demo.launch.py strategy:=dt_task_env bag:=my_bag
+    ros2 launch al_questioner demo.launch.py perception:=none teacher:=none    # on a robot, taught by a person
+
+A person who wants to teach answers on the topic `answer`, or runs the teacher in a terminal, which launch does not
+give: see docs/interfaces.md.
 """
 
 from __future__ import annotations
 
+import sys
 from pathlib import Path
 
 from ament_index_python.packages import get_package_share_directory
 from launch import LaunchContext, LaunchDescription
 from launch.actions import DeclareLaunchArgument, OpaqueFunction, Shutdown
+from launch.events.process import ProcessExited
 from launch_ros.actions import Node
 
 PACKAGE = 'al_questioner'
+FILE_NAME = 'demo.launch.py'
+TRUTH = {'true': True, '1': True, 'false': False, '0': False}
 
 WORLD_ARGUMENTS = {
     'dataset': (str, 'root of a directory of RGB-D crops, for tasks that read one'),
@@ -25,9 +33,13 @@ LEARNER_ARGUMENTS = {
     'turn_period': (float, 'least time from turn to turn in seconds; 0: as fast as the nodes can go'),
     'session': (str, 'folder of the log that the episode is written to and goes on from'),
 }
+CHOICES = {
+    'perception': (('simulated', 'none'), 'who shows objects: the simulated table, or none of these nodes'),
+    'teacher': (('scripted', 'none'), 'who answers: the script, or none of these nodes'),
+}
 
 
-def given(context: LaunchContext, arguments: dict[str, tuple[type, str]]) -> dict[str, str | int | float]:
+def given(context: LaunchContext, arguments: dict[str, tuple[type, str]]) -> dict[str, str | int | float | bool]:
     """The parameters that the user set on the command line; all others keep their value in the parameter file.
 
     Raises:
@@ -44,48 +56,97 @@ def given(context: LaunchContext, arguments: dict[str, tuple[type, str]]) -> dic
     return parameters
 
 
-def nodes(context: LaunchContext) -> list[Node]:
-    """The three nodes; they stay up after the episode, until Ctrl-C, or until the learner ends."""
-    task = context.launch_configurations['task']
-    # Name and namespace are both given: only then do these parameters prevail over a file's entries for a single node.
-    namespace = context.launch_configurations['namespace']
-    file = Path(get_package_share_directory(PACKAGE), 'config', 'params', f'{task}.yaml')
-    files = [str(file)] if file.is_file() and '/' not in task else []
-    world = {'task': task, **given(context, WORLD_ARGUMENTS)}
-    learner = {**world, **given(context, LEARNER_ARGUMENTS)}
+def one_of(context: LaunchContext, name: str, values: tuple[str, ...]) -> str:
+    """The value of an argument that has few.
 
-    def node(name: str, parameters: dict[str, str | int | float], **options: object) -> Node:
+    Raises:
+        ValueError: another value.
+    """
+    value = context.launch_configurations[name]
+    if value.lower() not in values:
+        raise ValueError(f'launch argument {name} must be one of {", ".join(values)}, not {value!r}')
+    return value.lower()
+
+
+def parameter_files(context: LaunchContext) -> list[str]:
+    """The file that the user names, or the one that ships for the task, if there is one.
+
+    Raises:
+        ValueError: the user's file does not exist.
+    """
+    chosen, task = (context.launch_configurations[name] for name in ('params_file', 'task'))
+    if chosen:
+        if not Path(chosen).expanduser().is_file():
+            raise ValueError(f'launch argument params_file: {chosen!r} is no file')
+        return [str(Path(chosen).expanduser())]
+    shipped = Path(get_package_share_directory(PACKAGE), 'config', 'params', f'{task}.yaml')
+    return [str(shipped)] if shipped.is_file() and '/' not in task else []
+
+
+def nodes(context: LaunchContext) -> list[Node]:
+    """The nodes; they stay up after the episode, until Ctrl-C, or until the learner ends if it is to end them."""
+    # Name and namespace are both given: only then do these parameters prevail over a file's entries for a single node.
+    namespace, bag = (context.launch_configurations[name] for name in ('namespace', 'bag'))
+    files = parameter_files(context)
+    common = {'task': context.launch_configurations['task'], **given(context, WORLD_ARGUMENTS)}
+    if context.launch_configurations['use_sim_time']:
+        common['use_sim_time'] = TRUTH[one_of(context, 'use_sim_time', tuple(TRUTH))]
+    if bag:
+        common['wait_for_recorder'] = True
+    ends_all = TRUTH[one_of(context, 'end_with_learner', tuple(TRUTH))]
+
+    def end(event: ProcessExited, context: LaunchContext) -> Shutdown | None:
+        """Have `ros2 launch` end with another status than 0 if the learner failed, now or when the user ends it."""
+        reason = f'the learner has ended with status {event.returncode}'
+        if event.returncode and not context.is_shutdown:
+            context.asyncio_loop.call_exception_handler({'message': reason})
+        return Shutdown(reason=reason) if ends_all else None
+
+    def node(executable: str, parameters: dict[str, str | int | float | bool], **options: object) -> Node:
         return Node(
             package=PACKAGE,
-            executable=name,
-            name=name,
+            executable=executable,
             namespace=namespace,
             parameters=[*files, parameters],
             output='screen',
-            **options,
+            **{'name': executable, **options},
         )
 
-    return [node('perception', world), node('teacher', world), node('learner', learner, on_exit=Shutdown())]
+    # The recorder has the world of nobody, but may share their clock.
+    recorder = {'bag': bag, **{name: common[name] for name in ('use_sim_time',) if name in common}}
+    simulated = [name for name in CHOICES if one_of(context, name, CHOICES[name][0]) != 'none']
+    return [
+        *([node('record', recorder, name='recorder')] if bag else []),
+        *(node(name, common) for name in simulated),
+        node('learner', {**common, **given(context, LEARNER_ARGUMENTS)}, on_exit=end),
+    ]
 
 
 def generate_launch_description() -> LaunchDescription:
     """What `ros2 launch al_questioner demo.launch.py` starts."""
-    optional = WORLD_ARGUMENTS | LEARNER_ARGUMENTS
+    # Who includes this file has a robot to run, whose end is not for the learner to say.
+    is_included = not any(Path(word).name == FILE_NAME for word in sys.argv)
+    optional = WORLD_ARGUMENTS | LEARNER_ARGUMENTS | {'use_sim_time': (bool, 'whether time comes from /clock')}
+    texts = {
+        'task': (
+            'kitchen_table',
+            'a name in config/tasks, whose config/params/TASK.yaml is used, or the path of a YAML file',
+        ),
+        'namespace': ('', 'namespace of the graph, within that of who includes this file; for several robots'),
+        'params_file': ('', "parameter file in the place of the task's; empty: config/params/TASK.yaml"),
+        'bag': ('', 'where a recorder beside the nodes writes a new bag; empty: no recorder'),
+        'end_with_learner': (
+            'false' if is_included else 'true',
+            'whether all ends when the learner does; by default not where another launch file includes this one',
+        ),
+        **{name: (values[0], f'{text}: {" or ".join(values)}') for name, (values, text) in CHOICES.items()},
+        **{name: ('', f"{text}; empty: the parameter file's value") for name, (_, text) in optional.items()},
+    }
     return LaunchDescription(
         [
-            DeclareLaunchArgument(
-                'task',
-                default_value='kitchen_table',
-                description='a name in config/tasks, whose config/params/TASK.yaml is used, or the path of a YAML file',
-            ),
-            DeclareLaunchArgument(
-                'namespace', default_value='/', description='namespace of the graph, for several robots side by side'
-            ),
             *(
-                DeclareLaunchArgument(
-                    name, default_value='', description=f"{description}; empty: the parameter file's value"
-                )
-                for name, (_, description) in optional.items()
+                DeclareLaunchArgument(name, default_value=default, description=description)
+                for name, (default, description) in texts.items()
             ),
             OpaqueFunction(function=nodes),
         ]

@@ -27,14 +27,28 @@ def tell_what_has_no_effect(node: QuestionerNode, arguments: Sequence[str]) -> N
     """
     logger, own = node.get_logger(), node.get_fully_qualified_name()
     for source, names in _addressees(arguments):
-        if names and not any(addresses(name, own) for name in names):
-            are_neighbours = all(name.rsplit('/', 1)[-1] in NEIGHBOURS - {node.get_name()} for name in names)
-            others = ', '.join(f'/{name.lstrip("/")}' for name in names)
-            line = f'{source} sets parameters of {others} alone: this node is {own} and takes none of them'
+        missed = _missed(names, own)
+        if missed:
+            are_neighbours = all(_last_part(name) in NEIGHBOURS - {node.get_name()} for name in missed)
+            line = f'{source} sets parameters of {", ".join(missed)}: this node is {own} and takes none of these'
             (logger.info if are_neighbours else logger.warning)(line)
     for override in given_overrides(node):
         if not node.has_parameter(override):
             logger.warning(f'parameter {override} has no effect on {own}, which has no such end')
+
+
+def _missed(names: Sequence[str], own: str) -> list[str]:
+    """Those of the names in a parameter file that were most likely meant for this node, and are not its own."""
+    taken = [name for name in names if addresses(name, own)]
+    if not taken:
+        return list(names)
+    namesakes = [name for name in names if _last_part(name) == _last_part(own)]
+    # A file for several robots names each of them.
+    return [] if set(taken) & set(namesakes) else namesakes
+
+
+def _last_part(name: str) -> str:
+    return name.rsplit('/', 1)[-1]
 
 
 def addresses(pattern: str, name: str) -> bool:
@@ -57,7 +71,7 @@ def _addressees(arguments: Sequence[str]) -> Iterator[tuple[str, list[str]]]:
             yield value, list(_names_in(value))
         elif is_ros and option in ('-p', '--param'):
             node, colon, _ = value.split(':=', 1)[0].rpartition(':')
-            yield f'-p {value}', [node] if colon else []
+            yield f'-p {value}', [f'/{node.lstrip("/")}'] if colon else []
 
 
 def _names_in(path: str) -> Iterator[str]:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import runpy
 import sys
+from collections.abc import Callable
 from pathlib import Path
 from types import ModuleType, SimpleNamespace
 from typing import Any
@@ -11,7 +12,15 @@ from typing import Any
 import pytest
 
 CHECKOUT = Path(__file__).resolve().parents[2]
-OPTIONAL = ('dataset', 'seed', 'strategy', 'budget', 'turns', 'turn_period', 'session')
+DEFAULTS = {
+    'namespace': '',
+    'params_file': '',
+    'bag': '',
+    'end_with_learner': 'false',
+    'perception': 'simulated',
+    'teacher': 'scripted',
+}
+OPTIONAL = ('use_sim_time', 'dataset', 'seed', 'strategy', 'budget', 'turns', 'turn_period', 'session')
 
 
 class Recorded(SimpleNamespace):
@@ -22,10 +31,12 @@ class Recorded(SimpleNamespace):
 
 
 @pytest.fixture
-def description(monkeypatch: pytest.MonkeyPatch) -> list[Recorded]:
-    """The entities that the launch file describes."""
+def load(monkeypatch: pytest.MonkeyPatch) -> Callable[[], list[Recorded]]:
+    """A function that gives the entities that the launch file describes."""
     names = {
         'launch': ('LaunchContext', 'LaunchDescription'),
+        'launch.events': (),
+        'launch.events.process': ('ProcessExited',),
         'launch.actions': ('DeclareLaunchArgument', 'OpaqueFunction', 'Shutdown'),
         'launch_ros': (),
         'launch_ros.actions': ('Node',),
@@ -43,7 +54,14 @@ def description(monkeypatch: pytest.MonkeyPatch) -> list[Recorded]:
         lambda _: str(CHECKOUT),
         raising=False,
     )
-    return runpy.run_path(str(CHECKOUT / 'launch' / 'demo.launch.py'))['generate_launch_description']().positional[0]
+    path = str(CHECKOUT / 'launch' / 'demo.launch.py')
+    return lambda: runpy.run_path(path)['generate_launch_description']().positional[0]
+
+
+@pytest.fixture
+def description(load: Callable[[], list[Recorded]]) -> list[Recorded]:
+    """The entities that the launch file describes where another one includes it."""
+    return load()
 
 
 def started(description: list[Recorded], **arguments: str) -> dict[str, Recorded]:
@@ -55,7 +73,8 @@ def started(description: list[Recorded], **arguments: str) -> dict[str, Recorded
 
 
 def test_every_argument_is_declared_with_a_description(description):
-    assert {entity.positional[0] for entity in description[:-1]} == {'task', 'namespace', *OPTIONAL}
+    defaults = {entity.positional[0]: entity.default_value for entity in description[:-1]}
+    assert defaults == {'task': 'kitchen_table', **DEFAULTS, **dict.fromkeys(OPTIONAL, '')}
     assert all(entity.description for entity in description[:-1])
 
 
@@ -83,6 +102,86 @@ def test_nodes_bear_name_and_namespace(description):
     """Without both, launch writes arguments under a wildcard, and the file's entries for one node prevail over them."""
     for name, node in started(description, namespace='/robot_1').items():
         assert (node.name, node.namespace) == (name, '/robot_1')
+
+
+@pytest.mark.parametrize(
+    ('arguments', 'executables'),
+    [
+        ({}, {'perception', 'teacher', 'learner'}),
+        ({'teacher': 'none'}, {'perception', 'learner'}),
+        ({'teacher': 'none', 'perception': 'none'}, {'learner'}),
+        ({'bag': '/tmp/bag'}, {'record', 'perception', 'teacher', 'learner'}),
+    ],
+)
+def test_a_robot_brings_eyes_teacher_and_recorder_of_its_own(description, arguments, executables):
+    """Two nodes would show objects, or answer, on the same topics."""
+    assert started(description, **arguments).keys() == executables
+
+
+def test_all_wait_for_the_recorder(description):
+    """The bag would lack the first turns, and be of no use as a demonstration."""
+    nodes = started(description, bag='/tmp/bag', seed='3')
+    recorder = nodes.pop('record')
+    assert (recorder.name, recorder.parameters[-1]) == ('recorder', {'bag': '/tmp/bag'})
+    assert all(node.parameters[-1]['wait_for_recorder'] is True for node in nodes.values())
+
+
+def test_the_users_file_takes_the_place_of_the_tasks(description, tmp_path):
+    (tmp_path / 'mine.yaml').write_text('/**: {ros__parameters: {budget: 3.0}}')
+    for node in started(description, params_file=str(tmp_path / 'mine.yaml'), bag='/tmp/bag').values():
+        assert node.parameters[:-1] == [str(tmp_path / 'mine.yaml')]
+
+
+@pytest.mark.parametrize(('text', 'value'), [('true', True), ('False', False), ('1', True)])
+def test_simulated_time_is_for_all(description, text, value):
+    for node in started(description, use_sim_time=text, bag='/tmp/bag').values():
+        assert node.parameters[-1]['use_sim_time'] is value
+    for node in started(description, bag='/tmp/bag').values():
+        assert 'use_sim_time' not in node.parameters[-1], 'it would override what an outer launch file sets'
+
+
+@pytest.mark.parametrize(
+    ('arguments', 'ends', 'status', 'failures', 'has_ended'),
+    [
+        (['demo.launch.py'], 'default', 0, 0, True),
+        (['demo.launch.py'], 'default', 2, 1, True),
+        (['robot.launch.py'], 'default', 0, 0, False),
+        (['robot.launch.py'], 'default', 2, 1, False),
+        (['robot.launch.py'], 'true', 2, 1, True),
+        (['demo.launch.py'], 'false', 2, 1, False),
+    ],
+)
+def test_the_learners_end_is_that_of_all_only_where_this_file_is_what_was_launched(
+    load, monkeypatch, arguments, ends, status, failures, has_ended
+):
+    """A robot would be switched off with the learner, or a script not see that it failed."""
+    monkeypatch.setattr(sys, 'argv', ['ros2', 'launch', 'al_questioner', *arguments])
+    nodes = started(load(), **({} if ends == 'default' else {'end_with_learner': ends}))
+    assert [name for name, node in nodes.items() if hasattr(node, 'on_exit')] == ['learner']
+    told: list[dict[str, str]] = []
+    loop = SimpleNamespace(call_exception_handler=told.append)
+    running, ending = (SimpleNamespace(asyncio_loop=loop, is_shutdown=each) for each in (False, True))
+    result = nodes['learner'].on_exit(SimpleNamespace(returncode=status), running)
+    assert type(result).__name__ == ('Shutdown' if has_ended else 'NoneType')
+    # That is how launch is told of a failure that is to show in its status: see `LaunchService.run_async`.
+    assert [each['message'] for each in told] == [f'the learner has ended with status {status}'] * failures
+    nodes['learner'].on_exit(SimpleNamespace(returncode=-9), ending)
+    assert len(told) == failures, 'what launch itself has ended has not failed'
+
+
+@pytest.mark.parametrize(
+    ('arguments', 'reason'),
+    [
+        ({'teacher': 'terminal'}, "launch argument teacher must be one of scripted, none, not 'terminal'"),
+        ({'use_sim_time': 'maybe'}, "launch argument use_sim_time must be one of .*, not 'maybe'"),
+        ({'end_with_learner': ''}, "launch argument end_with_learner must be one of .*, not ''"),
+        ({'params_file': '/no/such.yaml'}, "launch argument params_file: '/no/such.yaml' is no file"),
+    ],
+)
+def test_unusable_arguments_are_named(description, arguments, reason):
+    """Launch would warn of a file that is missing, and start all without it."""
+    with pytest.raises(ValueError, match=reason):
+        started(description, **arguments)
 
 
 def test_a_task_without_parameter_file_is_started_with_the_arguments_alone(description):

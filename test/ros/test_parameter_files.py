@@ -1,0 +1,118 @@
+"""What is said of parameters that reach nobody."""
+
+from __future__ import annotations
+
+import sys
+from pathlib import Path
+from types import SimpleNamespace
+from typing import Any
+
+import pytest
+import yaml
+
+from al_questioner.ros.parameter_files import addresses, tell_what_has_no_effect
+
+
+@pytest.mark.parametrize(
+    ('pattern', 'taken'),
+    [
+        ('learner', ['/learner']),
+        ('/learner', ['/learner']),
+        ('robot/learner', ['/robot/learner']),
+        ('/*/learner', ['/robot/learner']),
+        ('/**/learner', ['/learner', '/robot/learner', '/a/b/learner']),
+        ('*', ['/learner']),
+        ('/**', ['/learner', '/robot/learner', '/a/b/learner']),
+    ],
+)
+def test_names_in_files_stand_for_the_nodes_that_ros_takes_them_for(pattern: str, taken: list[str]) -> None:
+    """Parameters would be said to have no effect that have one: these are the names that rclpy took, tried out."""
+    assert [name for name in ('/learner', '/robot/learner', '/a/b/learner') if addresses(pattern, name)] == taken
+
+
+class Logger:
+    """Keeps what is said."""
+
+    def __init__(self) -> None:
+        self.said: list[tuple[str, str]] = []
+
+    def info(self, line: str) -> None:
+        self.said.append(('info', line))
+
+    def warning(self, line: str) -> None:
+        self.said.append(('warning', line))
+
+
+def said_to(name: str, arguments: list[str], **overrides: Any) -> list[tuple[str, str]]:
+    """What is logged by a node of this name, which declares no parameter."""
+    logger = Logger()
+    node = SimpleNamespace(
+        get_logger=lambda: logger,
+        get_name=lambda: name.rsplit('/', 1)[-1],
+        get_fully_qualified_name=lambda: name,
+        has_parameter=lambda _: False,
+        _parameter_overrides={key: SimpleNamespace(value=value) for key, value in overrides.items()},
+    )
+    tell_what_has_no_effect(node, arguments)
+    return logger.said
+
+
+@pytest.mark.parametrize(
+    ('content', 'level', 'names'),
+    [
+        ({'lerner': {}}, 'warning', '/lerner'),
+        ({'learner': {}}, 'warning', '/learner'),
+        ({'/left/learner': {}}, 'warning', '/left/learner'),
+        ({'left': {'learner': {}, 'teacher': {}}}, 'warning', '/left/learner, /left/teacher'),
+        ({'/**': {}, 'learner': {}, 'teacher': {}}, 'warning', '/learner'),
+        ({'teacher': {}, '/robot/perception': {}}, 'info', '/teacher, /robot/perception'),
+        ({'/robot/learner': {}, '/left/learner': {}}, None, ''),
+        ({'/**/learner': {}, 'teacher': {}}, None, ''),
+        ({'robot': {'learner': {}}}, None, ''),
+        ({}, None, ''),
+    ],
+)
+def test_a_file_for_others_is_named(tmp_path: Path, content: dict[str, Any], level: str | None, names: str) -> None:
+    """A misspelt node, or one in another namespace, would run at its defaults, and nobody know why."""
+
+    def with_values(below: dict[str, Any]) -> dict[str, Any]:
+        return {
+            key: with_values(value) if value else {'ros__parameters': {'budget': 3.0}} for key, value in below.items()
+        }
+
+    file = tmp_path / 'params.yaml'
+    file.write_text(yaml.safe_dump(with_values(content), sort_keys=False))
+    expected = f'{file} sets parameters of {names}: this node is /robot/learner and takes none of these'
+    assert said_to('/robot/learner', ['--ros-args', '--params-file', str(file)]) == (
+        [(level, expected)] if level else []
+    )
+
+
+def test_parameters_and_overrides_for_others_are_named() -> None:
+    """`-p lerner:budget:=3` would be ignored in silence, and so an override of what this node does not have."""
+    arguments = [
+        '--ros-args',
+        '-p',
+        'lerner:budget:=3',
+        '-p',
+        'budget:=3',
+        '-p',
+        'learner:text:=a:b',
+        '--',
+        '-p',
+        'x:y:=1',
+    ]
+    override = 'qos_overrides./objects.publisher.depth'
+    assert said_to('/learner', arguments, **{override: 3}) == [
+        ('warning', '-p lerner:budget:=3 sets parameters of /lerner: this node is /learner and takes none of these'),
+        ('warning', f'parameter {override} has no effect on /learner, which has no such end'),
+    ]
+
+
+def test_a_process_tells_it(processes: Any, tmp_path: Path) -> None:
+    """Nobody would see it."""
+    file = tmp_path / 'params.yaml'
+    file.write_text('percepton:\n  ros__parameters:\n    seed: 3\n')
+    command = [sys.executable, '-m', 'al_questioner', 'perception', '--ros-args', '--params-file', str(file)]
+    processes.start('perception', command)
+    processes.wait_for_log('perception', f'{file} sets parameters of /percepton: this node is /perception')
