@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import re
 from collections.abc import Iterator, Mapping, Sequence
+from itertools import pairwise
 from pathlib import Path
 from typing import Any
 
@@ -65,7 +66,7 @@ def addresses(pattern: str, name: str) -> bool:
 def _addressees(arguments: Sequence[str]) -> Iterator[tuple[str, list[str]]]:
     """Every source of parameters among ROS arguments, and the names of the nodes that it speaks of."""
     is_ros = False
-    for option, value in zip(arguments, [*arguments[1:], ''], strict=True):
+    for option, value in pairwise([*arguments, '']):
         is_ros = option == '--ros-args' or (is_ros and option != '--')
         if is_ros and option == '--params-file':
             yield value, list(_names_in(value))

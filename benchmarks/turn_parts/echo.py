@@ -27,8 +27,8 @@ from al_questioner.ros.graph import stop
 from al_questioner.ros.node import QuestionerNode
 from al_questioner.ros.running import run_nodes
 
-SECONDS_TO_APPEAR = 20.0
-SECONDS_TO_ANSWER = 5.0
+SECONDS_TO_APPEAR = 60.0
+SECONDS_TO_ANSWER = 60.0
 WARM_UP = 10
 
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 import contextlib
 import threading
 import time
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -17,12 +17,20 @@ from rclpy.executors import ExternalShutdownException, SingleThreadedExecutor
 from rclpy.node import Node
 from rclpy.qos import DurabilityPolicy, QoSProfile, ReliabilityPolicy
 from rclpy.serialization import deserialize_message
-from turn_parts.topics import TYPES, VOLATILE
+from std_msgs.msg import String
+from turn_parts.topics import IF_ASKED, SPOKEN, TYPES, VOLATILE
 
-from al_questioner.domain import QueryRecord
+from al_questioner.domain import EpisodeError, QueryRecord
 from al_questioner.messages import documents
 from al_questioner.messages.stamps import SECOND, stamp_of
+from al_questioner.ros import qos
 from al_questioner.ros.graph import Graph
+from al_questioner.ros.node import RECORDER
+
+MESSAGES_A_TURN, REPEATS = 2, 100
+"""Of a topic, at most."""
+SECONDS_TO_HEAR = 60.0
+"""After the end of an episode, far more than it takes."""
 
 
 @contextlib.contextmanager
@@ -53,13 +61,18 @@ def spinning(name: str, namespace: str) -> Iterator[tuple[Node, SingleThreadedEx
 
 @contextlib.contextmanager
 def recorder(namespace: str) -> Iterator[dict[str, list[bytes]]]:
-    """The serialised messages of each topic, unopened, so that listening takes the graph little time."""
+    """The serialised messages of each topic, unopened, so that listening takes the graph little time.
+
+    The node has the name of the one that others wait for with `wait_for_recorder`.
+    """
     heard: dict[str, list[bytes]] = {topic: [] for topic in TYPES}
-    with spinning('recorder', namespace) as (node, executor):
+    with spinning(RECORDER, namespace) as (node, executor):
         for topic, message_type in TYPES.items():
             durability = DurabilityPolicy.VOLATILE if topic in VOLATILE else DurabilityPolicy.TRANSIENT_LOCAL
             profile = QoSProfile(depth=1000, reliability=ReliabilityPolicy.RELIABLE, durability=durability)
             node.create_subscription(message_type, topic, heard[topic].append, profile, raw=True)
+        # It is waited for, but no part of a turn.
+        node.create_subscription(String, 'episode', lambda _: None, qos.LATCHED)
         executor.wake()
         yield heard
 
@@ -109,30 +122,55 @@ def play_graph(
     last: tuple[float, tuple[QueryRecord, ...]] = (0.0, ())
     waited: dict[int, float] = {}
     turns = parameters['learner']['turns']
+    whole = {name: {**own, **nothing_lost(name, namespace, turns)} for name, own in parameters.items()}
 
     def watch(turn: int, records: tuple[QueryRecord, ...]) -> None:
         nonlocal last
         last = time.perf_counter(), records
         if turn == turns or not waited:
             waited[turn] = children_waited()
+        if turn == turns:
+            # While the processes live: what they have latched goes with them.
+            await_all(heard, [topic for topic in TYPES if records or topic not in IF_ASKED])
 
     with recorder(namespace) as heard:
         begun, start = time.time(), time.perf_counter()
         Graph(
             namespace=namespace,
             episode_id=str(parameters['learner']['episode_id']),
-            parameters=parameters,
+            parameters=whole,
             one_process=False,
             log_dir=log_dir,
             patience=patience,
         ).play(watch)
     begins = turn_begins(documents.read('turn', text.data) for text in opened(heard, 'turn'))
     walls = {turn: begins[turn + 1] - begin for turn, begin in begins.items() if turn + 1 in begins}
-    # The recorder may be discovered too late to hear the first turns, so count from the end.
-    first = min((turn for turn in begins if turn > 1), default=2)
-    starting = begins.get(first, begun) - begun - (first - 2) * float(np.median(list(walls.values()) or [0.0]))
+    starting = begins[2] - begun
     waiting = (max(waited.values()) - min(waited.values())) / max(1, turns - min(waited))
     return GraphEpisode(starting, walls, waiting, last[0] - start, last[1], heard)
+
+
+def nothing_lost(name: str, namespace: str, turns: int) -> dict[str, Any]:
+    """Parameters of a node with which each of its messages is heard, however short the episode and busy the machine.
+
+    It waits for the recorder, and no message takes the place of one that has not arrived.
+    """
+    depth = MESSAGES_A_TURN * turns + REPEATS
+    topics = (f'/{namespace}/{topic}' for topic in SPOKEN[name])
+    return {'wait_for_recorder': True, **{f'qos_overrides.{topic}.publisher.depth': depth for topic in topics}}
+
+
+def await_all(heard: Mapping[str, Sequence[bytes]], topics: Sequence[str]) -> None:
+    """Wait until a message of each of these topics has been heard.
+
+    Raises:
+        EpisodeError: one was not.
+    """
+    end = time.monotonic() + SECONDS_TO_HEAR
+    while missing := [topic for topic in topics if not heard[topic]]:
+        if time.monotonic() > end:
+            raise EpisodeError(f'nothing was heard on {", ".join(missing)}')
+        time.sleep(0.01)
 
 
 def children_waited() -> float:

@@ -20,4 +20,12 @@ TYPES: Mapping[str, type] = {
     'learner_state': String,
 }
 """In the order of their first message; `episode` comes once in an episode."""
+SPOKEN: Mapping[str, tuple[str, ...]] = {
+    'perception': ('objects', 'scene_image'),
+    'teacher': ('answer',),
+    'learner': ('turn', 'query', 'decision', 'scene_markers', 'answer_ack', 'learner_state'),
+}
+"""Who publishes which."""
+IF_ASKED = ('query', 'answer', 'answer_ack')
+"""Topics on which nothing comes in an episode without a question."""
 VOLATILE = ('answer', 'answer_ack', 'decision')

@@ -13,7 +13,7 @@ import numpy as np
 import pytest
 
 ROOT = Path(__file__).resolve().parents[2]
-DEADLINE = 120
+DEADLINE = 280
 TOPICS = ('turn', 'objects', 'query', 'decision', 'scene_markers', 'answer', 'answer_ack', 'learner_state')
 
 

@@ -109,6 +109,12 @@ def test_parameters_and_overrides_for_others_are_named() -> None:
     ]
 
 
+@pytest.mark.parametrize('arguments', [[], ['--ros-args'], ['--ros-args', '-p'], ['--ros-args', '--params-file']])
+def test_a_node_without_parameters_is_told_nothing(arguments: list[str]) -> None:
+    """The nodes of a demo in one process have no arguments at all."""
+    assert said_to('/learner', arguments) == []
+
+
 def test_a_process_tells_it(processes: Any, tmp_path: Path) -> None:
     """Nobody would see it."""
     file = tmp_path / 'params.yaml'
