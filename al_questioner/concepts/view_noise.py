@@ -3,9 +3,11 @@
 from __future__ import annotations
 
 import numpy as np
-from scipy.special import chdtri, ndtri
 
 from al_questioner.concepts.arrays import Array
+from al_questioner.late import late
+
+chdtri, ndtri = late('scipy.special', 'chdtri'), late('scipy.special', 'ndtri')
 
 LOOKS_KEPT = 256
 """Number of pairs of looks that the estimate rests on: the latest ones, so that it follows a noise that changes."""
