@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import asyncio
 import itertools
 from collections.abc import Callable, Iterator, Sequence
 from concurrent.futures import BrokenExecutor
@@ -117,7 +118,7 @@ def _on_cluster(work: Sequence[Work], scheduler: str) -> Results:
     with client:
         try:
             client.wait_for_workers(1, timeout=WAIT_SECONDS)
-        except TimeoutError as error:
+        except asyncio.TimeoutError as error:
             raise EpisodeError(f'{scheduler}: no worker came within {WAIT_SECONDS} s') from error
         try:
             futures = [client.submit(_play, *piece, pure=False) for piece in work]

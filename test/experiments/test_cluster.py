@@ -7,6 +7,7 @@ from pathlib import Path
 import pytest
 
 from al_questioner.cli import main
+from al_questioner.experiments import running
 
 SMALL = ['--task', 'prepare_lunch', '--condition', '3/4', '--strategy', 'random_fsq', 'dt_task_env', '--samples', '2']
 
@@ -49,3 +50,17 @@ def test_a_cluster_that_is_not_there_is_named(tmp_path: Path, capsys: pytest.Cap
     error = capsys.readouterr().err
     assert 'no dask scheduler answers at tcp://127.0.0.1:1' in error
     assert error.count('\n') == 1
+
+
+@pytest.mark.slow
+def test_a_cluster_without_workers_is_named(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """People would wait for ever."""
+    distributed = pytest.importorskip('dask.distributed', reason='dask is not installed: pip install .[cluster]')
+    monkeypatch.setattr(running, 'WAIT_SECONDS', 1)
+    with distributed.LocalCluster(n_workers=0, host='127.0.0.1', dashboard_address=None) as cluster:
+        address = cluster.scheduler_address
+        options = ['--backend', 'dask', '--scheduler', address, '--out', str(tmp_path / 'dask')]
+        assert main(['experiment', *SMALL, *options]) == 1
+    assert f'experiment: {address}: no worker came within 1 s' in capsys.readouterr().err
