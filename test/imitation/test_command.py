@@ -168,7 +168,7 @@ def test_unusable_arguments_end_with_status_2_and_one_line(tmp_path: Path, capsy
     out = tmp_path / 'w.yaml'
     for arguments, reason in (
         ([empty, '--out', out], 'is no bag'),
-        ([BAGS[0], '--out', out, '--picture', 'w.xyz'], r"must end in \.png, \.pdf, \.svg, not 'w\.xyz'"),
+        ([BAGS[0], '--out', out, '--picture', 'w.xyz'], "must end in .png, .pdf, .svg, not 'w.xyz'"),
         ([tmp_path / 'missing', '--out', out], 'there is no such bag'),
         ([BAGS[0], '--out', out, '--method', 'magic'], 'invalid choice'),
         ([BAGS[0], '--out', out, '--rollouts', '1'], 'must be at least 2'),
