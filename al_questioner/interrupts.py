@@ -7,18 +7,32 @@ from __future__ import annotations
 
 import os
 import signal
+import threading
+from types import FrameType
 
 STATUS = 130
 """Exit status of a process that was interrupted: 128 and the number of the signal, as shells have it."""
 
+DEAF = ('importlib', 'numba', 'llvmlite')
+"""Packages through which a KeyboardInterrupt does not come: it is lost, or arrives as an error of another kind."""
+
+SHOW_CURSOR = b'\x1b[?25h'
+
 
 def end_at_once(*_: object) -> None:
-    """End the process on an interrupt, without a word.
-
-    While modules are imported nothing needs to be tidied up, and a KeyboardInterrupt would be a traceback, or come out
-    of a compiled module as an error of another kind.
-    """
+    """End the process on an interrupt, without a word: while it starts there is nothing to be tidied up."""
+    if os.isatty(1):
+        os.write(1, SHOW_CURSOR)
     os._exit(STATUS)
+
+
+def raise_or_end(_: int, frame: FrameType | None) -> None:
+    """Raise KeyboardInterrupt, or end the process while modules are imported or functions compiled."""
+    while frame is not None:
+        if frame.f_globals.get('__name__', '').partition('.')[0] in DEAF:
+            end_at_once()
+        frame = frame.f_back
+    raise KeyboardInterrupt
 
 
 def install() -> None:
@@ -42,14 +56,9 @@ class _Within:
 
 def raised() -> _Within:
     """Have an interrupt raise KeyboardInterrupt within, where it would end the process without."""
-    return _Within(end_at_once, signal.default_int_handler)
-
-
-def ending() -> _Within:
-    """Have an interrupt end the process within, for modules that are imported late."""
-    return _Within(signal.default_int_handler, end_at_once)
+    return _Within(end_at_once, raise_or_end)
 
 
 def _exchange(present: object, wanted: object) -> None:
-    if signal.getsignal(signal.SIGINT) is present:
+    if signal.getsignal(signal.SIGINT) is present and threading.current_thread() is threading.main_thread():
         signal.signal(signal.SIGINT, wanted)  # type: ignore[arg-type]

@@ -116,6 +116,7 @@ def test_output_that_there_is_no_room_for_is_one_line() -> None:
         ('rclpy', ['learner']),
         ('sensor_msgs', ['perception']),
         ('rclpy', ['demo']),
+        ('numba', ['demo', '--offline']),
         ('rosbags', ['replay', 'bags/expert_0', '--check']),
     ],
 )

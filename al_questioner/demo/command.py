@@ -8,7 +8,6 @@ import os
 
 from rich.console import Console
 
-from al_questioner import interrupts
 from al_questioner.concepts import compile_models
 from al_questioner.demo.progress import Progress
 from al_questioner.demo.report import episode_document, summary
@@ -97,8 +96,7 @@ def _import_ros() -> None:
         InputError: it is not installed.
     """
     try:
-        with interrupts.ending():
-            import al_questioner.ros.graph  # noqa: F401
+        import al_questioner.ros.graph  # noqa: F401
     except ImportError as error:
         raise InputError(
             f'ROS 2 cannot be imported ({error}): install it (pip install ".[ros]"), or use --offline'

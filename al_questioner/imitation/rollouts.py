@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import signal
 from collections.abc import Sequence
 from concurrent.futures import ProcessPoolExecutor
 from dataclasses import dataclass
@@ -89,8 +90,12 @@ class Simulator:
     def __enter__(self) -> Simulator:
         return self
 
-    def __exit__(self, *_: object) -> None:
+    def __exit__(self, kind: type[BaseException] | None, *_: object) -> None:
         if self._pool is not None:
+            if kind is not None:
+                # Nobody waits for what they are at. Only Python 3.14 has a public way to say so.
+                for process in (self._pool._processes or {}).values():
+                    process.terminate()
             self._pool.shutdown(cancel_futures=True)
 
     def roll_out(self, weights: Array, count: int, stream: str) -> list[list[Rollout]]:
@@ -146,6 +151,8 @@ _STAGES: list[_Stage] = []
 
 
 def _inherit(stages: Sequence[_Stage]) -> None:
+    # It is for the simulator to end its processes, which would print how they were interrupted.
+    signal.signal(signal.SIGINT, signal.SIG_IGN)
     _STAGES[:] = stages
 
 
