@@ -1,7 +1,7 @@
 """Every `ros2` line of README and docs: who must be able to run it, and that they are.
 
-The genuine tools are not on PyPI. Their options are those of ros2cli 0.32 and launch 3.4, which Jazzy has; whoever has a
-ROS installation runs the lines that are marked as theirs. A line that is documented anew is to be added here.
+The genuine tools are not on PyPI. Their options are those of ros2cli 0.32 and launch 3.4, which Jazzy has; whoever has
+a ROS installation runs the lines that are marked as theirs. A line that is documented anew is to be added here.
 """
 
 from __future__ import annotations
