@@ -57,6 +57,7 @@ class TerminalTeacher:
         self._node = node
         self._attend = attend
         self._stopped = threading.Event()
+        self._feature_names: tuple[str, ...] = ()
         self.delivery = Delivery(node, self._acknowledged)
         node.on_document('episode', self._begin)
         node.on_document('learner_state', self._follow)
@@ -118,7 +119,9 @@ class TerminalTeacher:
         self._node.does(f'{query.query_id}: {query.text}')
 
     def _look(self, cloud: PointCloud2) -> None:
-        self.session.look(scene_of_cloud(cloud), nanoseconds(cloud.header.stamp))
+        scene = scene_of_cloud(cloud, self._feature_names)
+        self._feature_names = scene.feature_names
+        self.session.look(scene, nanoseconds(cloud.header.stamp))
 
     def _see(self, image: Image) -> None:
         self.session.see(picture_of_image(image), nanoseconds(image.header.stamp))

@@ -156,6 +156,22 @@ def test_who_comes_late_or_back_sees_the_question_the_table_and_what_was_answere
     assert [one.symbol for one in board.progress.records] == ['snack']
 
 
+@pytest.mark.parametrize('tells_fields', [True, False])
+def test_a_table_that_was_cleared_is_shown_as_such(robot: Robot, tells_fields: bool) -> None:
+    """The person would go on to see what is there no more."""
+    robot.start()
+    robot.asks(1)
+    scene = Scene((7, 9), np.eye(2, 3, dtype=np.float32), np.ones((2, 1), np.float32), ('colour_hue',))
+    robot.topics['objects'].publish(cloud_of_scene(scene, header(5, 'table'), CLOUD_TYPES))
+    robot.until(lambda board: board.moment.scene is not None, 'the table')
+    nothing = Scene((), scene.positions[:0], scene.features[:0], scene.feature_names)
+    empty = cloud_of_scene(nothing, header(6, 'table'), CLOUD_TYPES)
+    if not tells_fields:
+        empty.fields, empty.point_step = [], 0
+    robot.topics['objects'].publish(empty)
+    robot.until(lambda board: len(board.moment.scene) == 0, 'the empty table')
+
+
 def test_an_answer_is_not_carried_into_another_episode(robot: Robot) -> None:
     """What was said of one thing would be learnt of another."""
     robot.start()

@@ -60,6 +60,8 @@ def _label(object_id: int, focus: int | None) -> str:
 def _shares(scene: Scene) -> NDArray[np.float64]:
     """(n, 2) where each object lies between the outermost ones, in [0, 1]; one half where all lie on a line."""
     plane = scene.positions[:, :2].astype(np.float64)
+    if not len(scene):
+        return plane
     low, extent = plane.min(axis=0), np.ptp(plane, axis=0)
     return np.where(extent > 0, (plane - low) / np.where(extent > 0, extent, 1.0), 0.5)
 

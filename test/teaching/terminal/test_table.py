@@ -46,6 +46,15 @@ def test_a_single_object_lies_in_the_middle(made: Any) -> None:
     assert position_in_words(made.scene_of({5: (0.3, 0.2)}), 5) == 'in the middle, at x 0.30 m, y 0.20 m'
 
 
+def test_an_empty_table_is_an_empty_map(made: Any) -> None:
+    """Who teaches would lose the terminal when the table is cleared."""
+    assert [line.plain for line in table_map(made.scene_of({}), 12, 3, None)] == [
+        '┌──────────┐',
+        '│          │',
+        '└──────────┘',
+    ]
+
+
 def test_places_are_told_in_words(made: Any) -> None:
     """Metres alone tell a person little."""
     scene = made.scene_of({1: (0.0, 0.0), 2: (1.0, 1.0), 3: (0.5, 1.0), 4: (0.0, 0.5)})
