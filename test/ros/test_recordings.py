@@ -94,7 +94,8 @@ def test_a_recording_that_is_ended_is_whole(
         os.killpg(recorder.pid, number)
     assert recorder.wait(DEADLINE) == 0, processes.log('record')
     assert 'Traceback' not in processes.log('record')
-    assert [message.topic for message in read_bag(bag).messages] == [f'/{processes.namespace}/turn']
+    # A turn that nobody serves is said again now and then.
+    assert {message.topic for message in read_bag(bag).messages} == {f'/{processes.namespace}/turn'}
 
 
 def test_a_recording_that_is_ended_before_its_episode_says_so(processes: Any, tmp_path: Path) -> None:
@@ -123,10 +124,12 @@ def test_a_recording_that_is_killed_is_repaired_without_ros(
     environment = {**os.environ, 'PYTHONPATH': str(ROOT)}
     done = subprocess.run(command, env=environment, capture_output=True, text=True, timeout=DEADLINE, check=False)
     assert done.returncode == 0, done.stderr
-    assert '1 messages kept' in done.stdout
+    topics = [message.topic for message in read_bag(bag).messages]
+    # A turn that nobody serves is said again now and then.
+    assert set(topics) == {f'/{processes.namespace}/turn'}
+    assert f'{len(topics)} messages kept' in done.stdout
     assert main(['record', '--repair', str(bag)]) == 0
-    assert 'is whole: 1 messages' in capsys.readouterr().out
-    assert [message.topic for message in read_bag(bag).messages] == [f'/{processes.namespace}/turn']
+    assert f'is whole: {len(topics)} messages' in capsys.readouterr().out
 
 
 def wait_for_content(bag: Path, content: bytes) -> None:
