@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import re
+import unicodedata
 from typing import Any
 
 import yaml
@@ -10,6 +11,8 @@ from yaml.error import Mark, MarkedYAMLError
 from yaml.nodes import MappingNode, Node, ScalarNode, SequenceNode
 from yaml.reader import ReaderError
 
+MERGE = 'tag:yaml.org,2002:merge'
+"""Of the key <<, which stands for the members of another mapping."""
 MOST_BYTES = 1_000_000
 """Larger files are not read: those that people write are a thousandth of it."""
 DEEPEST = 20
@@ -92,13 +95,16 @@ class _Loader(yaml.SafeLoader):
     def compose_mapping_node(self, anchor: Any) -> MappingNode:
         """Compose a mapping, unless a key is a list or occurs twice."""
         node = super().compose_mapping_node(anchor)
-        lines: dict[str, int] = {}
+        lines: dict[object, int] = {}
         for key, _ in node.value:
             if not isinstance(key, ScalarNode):
                 raise _fault('expected a name as key, found a list or a mapping', key.start_mark)
-            if key.value in lines:
-                raise _fault(f'key {key.value!r} occurs twice, first in line {lines[key.value]}', key.start_mark)
-            lines[key.value] = key.start_mark.line + 1
+            # As what it means: 1 and 0x1 are the same key, and so are both Unicode forms of an accent.
+            meant = key.value if key.tag == MERGE else self.construct_object(key)
+            meant = unicodedata.normalize('NFC', meant) if isinstance(meant, str) else meant
+            if meant in lines:
+                raise _fault(f'key {key.value!r} occurs twice, first in line {lines[meant]}', key.start_mark)
+            lines[meant] = key.start_mark.line + 1
         return node
 
     def _extent(self, node: Node) -> tuple[int, int]:

@@ -28,7 +28,15 @@ def refusal(tmp_path: Path, content: bytes) -> str:
 
 @pytest.mark.parametrize(
     ('content', 'line'),
-    [('a: 1\nb: 2\na: 3', 3), ('w:\n  a: 1\n  "a": 1', 3), ('{a: 1, a: 1}', 1), ('l:\n- {b: 1,\n   b: 2}', 3)],
+    [
+        ('a: 1\nb: 2\na: 3', 3),
+        ('w:\n  a: 1\n  "a": 1', 3),
+        ('{a: 1, a: 1}', 1),
+        ('l:\n- {b: 1,\n   b: 2}', 3),
+        ('{1: a,\n 0x1: b}', 2),
+        ('{true: 1,\n True: 2}', 2),
+        ('Caf\u00e9: 1\nCafe\u0301: 2', 2),
+    ],
 )
 def test_a_key_that_occurs_twice_is_refused(tmp_path: Path, content: str, line: int) -> None:
     """The last would win in silence, however deep it lies and however it is written."""

@@ -16,6 +16,8 @@ FAR, FAR_AMONG_FEW = 20.0, 20_000.0
 Few readings say little of the range: of the simulated tables' features, some are 0 for nearly everything. In 48 worlds
 of four tasks none comes nearer to the limit than four fifths of it.
 """
+OFTEN = 3
+"""Times that each of a few different readings was seen from which on they are known to be the levels of a feature."""
 LARGEST_SHARE = 0.25
 """Share of the readings that can be implausible; what is more frequent is what the feature looks like."""
 ALWAYS_EXAMINED = 200
@@ -99,20 +101,39 @@ def _plausible_ends(ordered: Array) -> tuple[float, float]:
 def _implausible_at_the_ends(ordered: Array, most: int) -> tuple[int, int]:
     """Number of readings at the lower and the upper end, at most so many in all, that are too far from the others.
 
-    Beyond the widest gap at each end: both at once first, since each hides how far the other one is.
+    Beyond the widest gap at each end, both at once first, since each hides how far the other one is; else all of one
+    end that is beyond a wide gap, since of several wrong readings each hides the others.
     """
     rises = np.diff(ordered)
     if len(rises) <= LEAST_OTHERS or not rises.any():
         return 0, 0
-    below = 1 + int(np.argmax(rises[:most]))
-    above = 1 + int(np.argmax(rises[::-1][:most]))
-    for low, high in ((below, above), (below, 0), (0, above)):
-        others = ordered[low : len(ordered) - high]
-        if low + high > most or len(others) < LEAST_OTHERS:
-            continue
-        known = 1 + np.count_nonzero(rises[low : len(rises) - high])
-        limit = (FAR + FAR_AMONG_FEW / known**2) * (others[-1] - others[0])
-        gaps = [rises[low - 1]] * (low > 0) + [rises[-high]] * (high > 0)
-        if known >= LEAST_OTHERS and min(gaps) > limit:
-            return low, high
+    below, above = 1 + int(np.argmax(rises[:most])), 1 + int(np.argmax(rises[::-1][:most]))
+    if below + above <= most and _are_far(ordered, below, above):
+        return below, above
+    # A gap that is too wide is at least FAR times the range of what is inside of it.
+    inside = ordered[most : len(ordered) - most]
+    least = FAR * (inside[-1] - inside[0])
+    for count in range(most, 0, -1):
+        if rises[count - 1] > least and _are_far(ordered, count, 0):
+            return count, 0
+        if rises[-count] > least and _are_far(ordered, 0, count):
+            return 0, count
     return 0, 0
+
+
+def _are_far(ordered: Array, below: int, above: int) -> bool:
+    """Whether so many readings at the lower and the upper end are too far from the others."""
+    others = ordered[below : len(ordered) - above]
+    values, counts = np.unique(others, return_counts=True)
+    # Of a feature of a few levels, each of them seen often, more is known than how many levels there are.
+    known = len(others) if counts.min() >= OFTEN else len(values)
+    if known < LEAST_OTHERS:
+        return False
+    extent = values[-1] - values[0] or max(1.0, abs(values[0]))
+    last = len(ordered) - above
+    gaps = []
+    if below:
+        gaps.append(ordered[below] - ordered[below - 1])
+    if above:
+        gaps.append(ordered[last] - ordered[last - 1])
+    return bool(min(gaps) > (FAR + FAR_AMONG_FEW / known**2) * extent)

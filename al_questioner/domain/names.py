@@ -21,17 +21,35 @@ OTHER_LANGUAGES = MappingProxyType(
     {
         NO_SYMBOL: (
             *('keine', 'keins', 'keines', 'keiner', 'nichts', 'aucun', 'aucune', 'rien', 'ninguno', 'ninguna', 'nada'),
-            *('nessuno', 'nessuna', 'niente', 'nenhum', 'nenhuma', 'geen', 'niets', 'ingen', 'inget', 'intet', 'żaden'),
-            *('nic', 'žádný', 'ничего', 'なし', '没有', '없음', 'لا شيء'),
+            *(
+                'nessuno',
+                'nessuna',
+                'niente',
+                'kein',
+                'nein',
+                'nadie',
+                'ninguém',
+                'nenhum',
+                'nenhuma',
+                'geen',
+                'niets',
+                'ingen',
+                'inget',
+                'intet',
+                'żaden',
+            ),
+            *('nic', 'žádný', 'ничего', 'なし', '没有', '沒有', '없음', 'لا شيء'),
         ),
         'unknown': (
             *('unbekannt', 'inconnu', 'inconnue', 'desconocido', 'desconocida', 'sconosciuto', 'sconosciuta'),
             *('desconhecido', 'desconhecida', 'onbekend', 'okänd', 'ukendt', 'nieznany', 'neznámý', 'неизвестно'),
-            *('不明', '未知', '모름', 'مجهول'),
+            *('不明', '未知', '모름', 'مجهول', 'weiß nicht', 'keine ahnung', 'no sé', 'je ne sais pas'),
+            *('non so', 'não sei', 'weet ik niet', 'не знаю', '不知道', 'わからない', '모르겠어요'),
         ),
         'skip': (
             *('überspringen', 'passer', 'omitir', 'saltar', 'salta', 'pular', 'overslaan', 'hoppa', 'pomiń'),
-            *('přeskočit', 'пропустить', 'スキップ', '跳过', '건너뛰기', 'تخطي'),
+            *('přeskočit', 'пропустить', 'スキップ', '跳过', '跳過', '건너뛰기', 'تخطي', 'sauter', 'ignorer'),
+            *('auslassen', 'weiter'),
         ),
     }
 )
@@ -49,6 +67,9 @@ RESERVED: Mapping[str, str] = MappingProxyType(
         's': 'is the key of "skip"',
         'undo': 'takes an answer back',
         'z': 'takes an answer back',
+        **dict.fromkeys(('idk', "don't know", 'i do not know', "i don't know"), 'says that the teacher does not know'),
+        **dict.fromkeys(('none of these', 'none of them', 'no symbol'), 'says that a thing belongs to no symbol'),
+        **dict.fromkeys(('pass', 'cancel', 'stop', 'back', 'exit'), 'is what people say to a program'),
         'quit': 'ends the conversation',
         'q': 'ends the conversation',
         **{word: f'means {ours!r}' for ours, words in OTHER_LANGUAGES.items() for word in words},
@@ -58,6 +79,8 @@ RESERVED: Mapping[str, str] = MappingProxyType(
 KEYS = frozenset(word for word in RESERVED if len(word) == 1 and word.isalpha())
 """Those that are a single letter: they mean nothing where names are said in other ways."""
 
+COMMAS = ',،、'
+"""Of ASCII and of other scripts."""
 QUESTION_MARKS = '？؟՞⸮'
 """Of other scripts and keyboards."""
 OTHER_FORMS = ('wide', 'narrow', 'font', 'noBreak', 'circle', 'square', 'initial', 'medial', 'final', 'isolated')
@@ -115,11 +138,14 @@ def unsayable(name: str, has_key: bool = True) -> str:
     if name != name.strip():
         return 'it begins or ends with a blank'
     loose = loosely(name)
-    if loose in RESERVED and (has_key or loose not in KEYS):
-        return f'to the robot {loose!r} {RESERVED[loose]}'
+    bare = loose.strip('.!,;: ') or loose
+    if bare in RESERVED and (has_key or bare not in KEYS):
+        return f'to the robot {bare!r} {RESERVED[bare]}'
     if is_number(loose):
         return 'a number means an object'
-    if ',' in loose:
+    if '"' in loose:
+        return 'quotes mark where a name begins and ends'
+    if any(comma in loose for comma in COMMAS):
         return 'a comma parts names'
     if loose.startswith('{'):
         return 'what begins with a brace is read as a JSON document'

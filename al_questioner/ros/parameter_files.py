@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from itertools import pairwise
 from pathlib import Path
 from typing import Any
@@ -27,7 +27,7 @@ def tell_what_has_no_effect(node: QuestionerNode, arguments: Sequence[str]) -> N
         arguments: of its process.
     """
     logger, own = node.get_logger(), node.get_fully_qualified_name()
-    for source, names in _addressees(arguments):
+    for source, names in _addressees(arguments, logger.warning):
         missed = _missed(names, own)
         if missed:
             are_neighbours = all(_last_part(name) in NEIGHBOURS - {node.get_name()} for name in missed)
@@ -63,23 +63,25 @@ def addresses(pattern: str, name: str) -> bool:
     return re.fullmatch(regex, name) is not None
 
 
-def _addressees(arguments: Sequence[str]) -> Iterator[tuple[str, list[str]]]:
+def _addressees(arguments: Sequence[str], warn: Callable[[str], None]) -> Iterator[tuple[str, list[str]]]:
     """Every source of parameters among ROS arguments, and the names of the nodes that it speaks of."""
     is_ros = False
     for option, value in pairwise([*arguments, '']):
         is_ros = option == '--ros-args' or (is_ros and option != '--')
         if is_ros and option == '--params-file':
-            yield value, list(_names_in(value))
+            yield value, list(_names_in(value, warn))
         elif is_ros and option in ('-p', '--param'):
             node, colon, _ = value.split(':=', 1)[0].rpartition(':')
             yield f'-p {value}', [f'/{node.lstrip("/")}'] if colon else []
 
 
-def _names_in(path: str) -> Iterator[str]:
+def _names_in(path: str, warn: Callable[[str], None]) -> Iterator[str]:
     try:
         content = read_yaml(Path(path))
-    except InputError:
-        # ROS has read it, and knows better.
+    except InputError as error:
+        # ROS has read it, and may take the last of two equal keys, or 010 for 8: whoever wrote it should know.
+        if Path(path).is_file():
+            warn(f'{error}; ROS took the file all the same')
         return
     yield from _names_below('', content)
 

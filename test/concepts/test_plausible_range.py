@@ -56,6 +56,29 @@ def test_a_sentinel_that_comes_again_and_again_and_one_at_either_end() -> None:
     assert limits.are_implausible(spoiled)[:, 0].sum() == 9
 
 
+@pytest.mark.parametrize('wrong', [(1000.0, 2000.0), (255.0, 1000.0), (32767.0, 65535.0), (-999.0, -9999.0)])
+def test_several_wrong_readings_do_not_hide_each_other(wrong: tuple[float, float]) -> None:
+    spoiled = readings_of(60)
+    spoiled[7, 1], spoiled[30, 1] = wrong
+    standardiser = Standardiser(3)
+    for batch in np.split(spoiled, 10):
+        standardiser.update(batch)
+    assert standardiser.scale[1] == pytest.approx(np.delete(spoiled[:, 1], [7, 30]).std())
+
+
+@pytest.mark.parametrize('levels', [1, 2, 5])
+@pytest.mark.parametrize('wrong', [1000.0, 65535.0, 3e38])
+def test_a_feature_of_few_levels_is_not_ruined_either(levels: int, wrong: float) -> None:
+    clean = np.random.default_rng(2).integers(levels, size=(60, 1)) / max(levels - 1, 1)
+    spoiled = clean.copy()
+    spoiled[20] = wrong
+    standardiser = Standardiser(1)
+    for batch in np.split(spoiled, 10):
+        standardiser.update(batch)
+    others = np.delete(clean, 20)
+    assert standardiser.scale[0] == pytest.approx(others.std() or 1.0)
+
+
 def test_what_is_rare_or_heavy_tailed_is_plausible() -> None:
     rng = np.random.default_rng(1)
     sparse = np.where(rng.random(100) < 0.05, rng.random(100), 0.0)

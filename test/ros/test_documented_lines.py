@@ -19,14 +19,14 @@ from typing import Any
 import pytest
 from rclpy.context import Context
 
-from al_questioner.imitation.command import parser as training_parser
+from al_questioner.imitation.arguments import parser as training_parser
 from al_questioner.recording import read_bag
 from al_questioner.recording.playback import Playback
+from al_questioner.ros.arguments import replay_parser
 from al_questioner.ros.learner import LearnerNode
 from al_questioner.ros.node import QuestionerNode
 from al_questioner.ros.perception import PerceptionNode
 from al_questioner.ros.recorder import RecorderNode
-from al_questioner.ros.replay import parser as replay_parser
 from al_questioner.ros.replayer import ReplayNode
 from al_questioner.ros.teacher import TeacherNode
 
@@ -63,9 +63,9 @@ LINES = {
     'ros2 run al_questioner record --ros-args -p bag:=demonstration_1': NODE,
     'ros2 run al_questioner record --ros-args -p bag:=my_demonstration': NODE,
     'ros2 run al_questioner record --ros-args -p bag:=my_way_1 -p until_done:=true': NODE,
-    'ros2 run al_questioner replay bags/expert_0': NODE,
-    'ros2 run al_questioner replay bags/expert_0 --as-perception --ros-args -r __ns:=/second': NODE,
-    'ros2 run al_questioner replay bags/expert_0 --start-paused --ros-args -r __ns:=/past': NODE,
+    'ros2 run al_questioner replay expert_0': NODE,
+    'ros2 run al_questioner replay expert_0 --as-perception --ros-args -r __ns:=/second': NODE,
+    'ros2 run al_questioner replay expert_0 --start-paused --ros-args -r __ns:=/past': NODE,
     'ros2 run al_questioner replay demonstration_1': NODE,
     'ros2 run al_questioner teacher --ros-args -p mode:=terminal': NODE,
     'ros2 run al_questioner teacher --ros-args -p task:=kitchen_table': NODE,

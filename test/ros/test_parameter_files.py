@@ -122,3 +122,13 @@ def test_a_process_tells_it(processes: Any, tmp_path: Path) -> None:
     command = [sys.executable, '-m', 'al_questioner', 'perception', '--ros-args', '--params-file', str(file)]
     processes.start('perception', command)
     processes.wait_for_log('perception', f'{file} sets parameters of /percepton: this node is /perception')
+
+
+@pytest.mark.parametrize('content', ['budget: 5.0\n    budget: 9.0', 'seed: 010'])
+def test_a_file_that_can_be_read_in_two_ways_is_told_of(tmp_path: Path, content: str) -> None:
+    """The last of two equal keys would win in silence."""
+    path = tmp_path / 'params.yaml'
+    path.write_text(f'/learner:\n  ros__parameters:\n    {content}\n')
+    (said,) = said_to('/learner', ['--ros-args', '--params-file', str(path)])
+    assert said[0] == 'warning'
+    assert f'{path}, line ' in said[1]
