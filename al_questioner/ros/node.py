@@ -35,7 +35,7 @@ from al_questioner.throttle import RepeatThrottle
 
 DIAGNOSTICS_PERIOD = 1.0
 """Seconds between two messages on /diagnostics."""
-LOOK_PERIOD = 0.1
+LOOK_PERIOD = 0.2
 """Seconds from one look for new publishers to the next."""
 MAXIMAL_WAITING = 1000
 """Messages of a topic that is not latched."""
