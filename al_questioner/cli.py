@@ -169,5 +169,5 @@ def _function(path: str) -> Callable[[Any], Any]:
 
 def _leave_output() -> None:
     """Let nobody complain about what could not be printed."""
-    with contextlib.suppress(OSError, ValueError):
+    with contextlib.suppress(AttributeError, OSError, ValueError):
         os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
