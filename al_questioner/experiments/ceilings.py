@@ -1,4 +1,4 @@
-"""What a questioner could reach at most: ceilings that know the truth, and hence are no strategies."""
+"""What a questioner could reach at most: ceilings that know the truth, so that they are no strategies."""
 
 from __future__ import annotations
 

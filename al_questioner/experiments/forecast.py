@@ -13,7 +13,7 @@ from al_questioner.experiments.plan import Cell
 class Forecast:
     """From how long episodes like those that are left took, and how many at once were played so far.
 
-    Like means: of the same task, limits and strategy; for want of these of the same strategy, or any.
+    Like means: of the same task, limits and strategy; if there are none, of the same strategy, or any.
 
     Args:
         cells: that are to be played.

@@ -124,7 +124,7 @@ def _without_other_files(paths: Sequence[Path]) -> list[Path]:
 
 
 def _learner(training: Training, demonstrations: Sequence[Demonstration]) -> list[tuple[QueryRecord, ...]]:
-    """What the learner asks in the expert's place: by itself, or, for want of a simulator, in the expert's states."""
+    """What the learner asks in the expert's place: by itself, or, without a simulator, in the expert's states."""
     if training.matching is None:
         return [predict_queries(training.weights, demonstration) for demonstration in demonstrations]
     found = []

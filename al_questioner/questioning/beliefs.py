@@ -19,8 +19,8 @@ def class_beliefs(situation: Situation, reach: float, doubt: float) -> Array:
     """(|X|, |Y| + 1) probability that an object is of each symbol, or, last, of none.
 
     The nearest labelled view of each of them votes with exp(-d^2 / (2 reach^2)), and `doubt` votes are shared among all
-    as they were among the answers so far (docs/method.md). A symbol that was asked for in this scene in vain is of no
-    object of it.
+    as they were among the answers so far (docs/method.md). A symbol that was asked for in this scene, and of
+    which nothing was shown, is of no object of it.
 
     Args:
         situation: what is seen and known.

@@ -42,7 +42,7 @@ class Strategy(Protocol):
 
     @property
     def selector(self) -> Selector | None:
-        """How the learner selects features computationally, for want of a teacher who does; None if it does not."""
+        """How the learner selects features computationally where no teacher does; None if it does not."""
         ...
 
     def choose(self, situation: Situation, rng: np.random.Generator) -> Choice:

@@ -109,7 +109,7 @@ class Episode:
 
     @property
     def pending(self) -> Query | None:
-        """The query that waits for its answer, be it from a turn that has passed."""
+        """The query that waits for its answer; it may be of a turn that has passed."""
         return self._pending
 
     @property

@@ -35,7 +35,7 @@ class RecordedTurn:
         scene: what was seen.
         decision: what was weighed and chosen; its query is None.
         record: what was asked, and answered in the end; None if nothing was.
-        told: what was answered in it, be it to the question of an earlier turn; a record of a query that was answered
+        told: what was answered in it, also to the question of an earlier turn; a record of a query that was answered
             before corrects that answer.
     """
 

@@ -27,6 +27,6 @@ def last_name(topic: str) -> str:
 
 
 def is_document(message: BagMessage, kind: str) -> bool:
-    """Whether a message on the topic of a kind of document is one, be it whole or damaged, and not another node's."""
+    """Whether a message on the topic of a kind of document is one, whole or damaged, and not another node's."""
     is_there = last_name(message.topic) == kind and message.type == STRING
     return is_there and f'al_questioner/{kind}/'.encode() in message.data

@@ -26,7 +26,7 @@ class ScriptedTeacher:
         wrong_rate: share of answers that are wrong, in [0, 1].
         unknown_rate: share of queries answered by "I do not know", in [0, 1].
         teacher_id: who answers.
-        repeat_shown: whether any thing of the symbol is shown, be it known or not.
+        repeat_shown: whether any thing of the symbol is shown, known or not.
 
     Raises:
         SettingsError: a rate outside [0, 1], rates that add up to more than 1, or an empty id.

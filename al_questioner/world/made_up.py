@@ -37,7 +37,7 @@ class MadeUpWorld(SimulatedWorld):
     """A simulated table whose things are numbers: the groups of the task tell its symbols apart, another one does not.
 
     Args:
-        task: what lies on the table and how it changes, be it simulated or a directory of crops.
+        task: what lies on the table and how it changes, simulated or a directory of crops.
         seed: draws the scenes.
         sample: draws the things.
 

@@ -17,7 +17,7 @@ from al_questioner.world.things.kinds import Kind
 from al_questioner.world.things.vessels import Look
 
 _PLACES_PER_OBJECT = 3
-"""Among so many places an object that stays in the scene is moved about, lest its location give away what it is."""
+"""Among so many places an object that stays is moved about: its location is not to give away what it is."""
 
 
 @dataclass(frozen=True)
