@@ -16,8 +16,8 @@ FAR, FAR_AMONG_FEW = 20.0, 20_000.0
 Few readings say little of the range: of the simulated tables' features, some are 0 for nearly everything. In 48 worlds
 of four tasks none comes nearer to the limit than four fifths of it.
 """
-OFTEN = 3
-"""Times that each of a few different readings was seen from which on they are known to be the levels of a feature."""
+OFTEN, MANY = 3, 20
+"""Readings of each of a few different values, and of all of them, from which on these are the levels of a feature."""
 LARGEST_SHARE = 0.25
 """Share of the readings that can be implausible; what is more frequent is what the feature looks like."""
 ALWAYS_EXAMINED = 200
@@ -126,7 +126,8 @@ def _are_far(ordered: Array, below: int, above: int) -> bool:
     others = ordered[below : len(ordered) - above]
     values, counts = np.unique(others, return_counts=True)
     # Of a feature of a few levels, each of them seen often, more is known than how many levels there are.
-    known = len(others) if counts.min() >= OFTEN else len(values)
+    are_levels = len(others) >= MANY and counts.min() >= OFTEN
+    known = len(others) if are_levels else len(values)
     if known < LEAST_OTHERS:
         return False
     extent = values[-1] - values[0] or max(1.0, abs(values[0]))

@@ -79,6 +79,12 @@ def test_a_feature_of_few_levels_is_not_ruined_either(levels: int, wrong: float)
     assert standardiser.scale[0] == pytest.approx(others.std() or 1.0)
 
 
+def test_of_a_handful_of_equal_readings_nothing_is_known() -> None:
+    limits = PlausibleRange(1)
+    limits.add(np.array([[0.0]] * 5 + [[1000.0]]))
+    assert not limits.is_limited.any()
+
+
 def test_what_is_rare_or_heavy_tailed_is_plausible() -> None:
     rng = np.random.default_rng(1)
     sparse = np.where(rng.random(100) < 0.05, rng.random(100), 0.0)
