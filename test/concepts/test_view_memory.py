@@ -123,6 +123,11 @@ def test_a_change_of_some_features_only_is_seen_once_it_is_confirmed(size: float
     assert others == [[1]] * 3
 
 
+def test_a_second_look_confirms_a_change_only_if_it_agrees_with_the_first() -> None:
+    for seed in range(3):
+        assert views_seen(long_burst(0.05), 10, 74, seed) == [[1]] * 10
+
+
 def test_readings_that_repeat_exactly_pass_unchanged_and_changes_count_at_once() -> None:
     change = np.random.default_rng(5).normal(size=26)
     memory = ViewMemory()
