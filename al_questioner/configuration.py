@@ -52,9 +52,17 @@ def named_file(folder: str, name_or_path: str, what: str) -> Path:
 
 
 def named_bag(name_or_path: str) -> Path:
-    """The bag at a path, or else the one of that name that ships, in the folder `bags` beside `config`."""
+    """The bag at a path, or else the one of that name that ships, in the folder `bags` beside `config`.
+
+    Raises:
+        InputError: there is none.
+    """
     path, shipped = Path(name_or_path), config_dir().parent / 'bags' / name_or_path
-    return shipped if not path.exists() and (shipped / 'metadata.yaml').is_file() else path
+    if path.exists():
+        return path
+    if not (shipped / 'metadata.yaml').is_file():
+        raise InputError(f'{path}: there is no such bag')
+    return shipped
 
 
 def shipped_names(folder: str) -> list[str]:

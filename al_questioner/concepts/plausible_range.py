@@ -8,6 +8,8 @@ from numpy.typing import NDArray
 from al_questioner.concepts.arrays import Array
 from al_questioner.domain import FloatArray
 
+LARGEST_MEANT = 1e30
+"""Size beyond which no sensor means a reading: 3e38, the largest number of 32 bits, is what stands for none."""
 LEAST_OTHERS = 3
 """Number of different other readings below which nothing can be said of one that is far away."""
 FAR, FAR_AMONG_FEW = 20.0, 20_000.0
@@ -88,8 +90,10 @@ class PlausibleRange:
 
 def _plausible_ends(ordered: Array) -> tuple[float, float]:
     """Ends of the range of a feature's plausible readings, given all of them in order."""
-    first, last = 0, len(ordered)
-    most = int(LARGEST_SHARE * len(ordered))
+    first, last = np.searchsorted(ordered, -LARGEST_MEANT, 'right'), np.searchsorted(ordered, LARGEST_MEANT)
+    if first == last:
+        first, last = 0, len(ordered)
+    most = int(LARGEST_SHARE * (last - first))
     while most:
         below, above = _implausible_at_the_ends(ordered[first:last], most)
         if below == above == 0:
@@ -105,7 +109,7 @@ def _implausible_at_the_ends(ordered: Array, most: int) -> tuple[int, int]:
     end that is beyond a wide gap, since of several wrong readings each hides the others.
     """
     rises = np.diff(ordered)
-    if len(rises) <= LEAST_OTHERS or not rises.any():
+    if len(rises) < LEAST_OTHERS or not rises.any():
         return 0, 0
     below, above = 1 + int(np.argmax(rises[:most])), 1 + int(np.argmax(rises[::-1][:most]))
     if below + above <= most and _are_far(ordered, below, above):

@@ -27,7 +27,7 @@ def parser() -> Parser:
         description="Learn a strategy's weights from an expert's recorded episodes.",
     )
     bags_help = 'a bag of the `record` executable, or the name of one that ships, such as expert_0'
-    result.add_argument('bags', nargs='+', type=named_bag, metavar='BAG', help=bags_help)
+    result.add_argument('bags', nargs='+', metavar='BAG', help=bags_help)
     result.add_argument('--out', type=Path, required=True, metavar='FILE', help='the YAML file to write')
     strategy_help = 'whose weights are learnt (%(default)s)'
     result.add_argument('--strategy', choices=tuple(FEATURE_SETS), default='dt_task_env', help=strategy_help)
@@ -61,9 +61,10 @@ def parse(arguments: Sequence[str]) -> argparse.Namespace:
     """What the arguments ask for.
 
     Raises:
-        InputError: the picture has no name that it can have.
+        InputError: the picture has no name that it can have, or there is no such bag.
     """
     given = parser().parse_args(arguments)
+    given.bags = [named_bag(bag) for bag in given.bags]
     given.picture = given.picture or given.out.with_suffix('.png')
     if given.picture.resolve() == given.out.resolve():
         raise InputError(f'{given.picture} cannot be the weights and the picture: name one of them otherwise')

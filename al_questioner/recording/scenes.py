@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+import contextlib
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from types import MappingProxyType
 
@@ -10,7 +11,7 @@ from al_questioner.domain import SceneError
 from al_questioner.messages.clouds import scene_of_cloud
 from al_questioner.messages.documents import Document
 from al_questioner.recording.bags import Bag, BagError, BagMessage, deserialize
-from al_questioner.recording.runs import Placed, recorded_in
+from al_questioner.recording.runs import Recorded, Run, recorded_in
 
 
 @dataclass(frozen=True)
@@ -41,20 +42,20 @@ def scenes_of(bag: Bag) -> RecordedScenes:
         raise BagError(f'{bag.path}: holds the scenes of several episodes: {", ".join(episodes)}')
     if len(runs) > len({recorded.namespace for recorded, _ in runs}):
         raise BagError(f'{bag.path}: episode {episodes[0]} begins several times in it')
-    found: dict[int, BagMessage] = {}
-    for recorded, run in runs[:1]:
-        taken = {turn: next(filter(_is_scene, recorded.clouds(run, turn)), None) for turn in run.begins}
-        found = {turn: cloud.message for turn, cloud in sorted(taken.items()) if cloud is not None}
+    found = {turn: cloud for recorded, run in runs[:1] for turn, cloud in _clouds_taken(recorded, run)}
     if not found:
         hint = spaces[0].hint() if spaces else ''
         raise BagError(f'{bag.path}: no turn with its objects was recorded in it{hint}')
     return RecordedScenes(MappingProxyType(found), runs[0][1].world)
 
 
-def _is_scene(cloud: Placed) -> bool:
-    """Whether a learner can take it: other nodes may have shown something on the same topic."""
-    try:
-        scene_of_cloud(deserialize(cloud.message))
-    except (BagError, SceneError):
-        return False
-    return True
+def _clouds_taken(recorded: Recorded, run: Run) -> Iterator[tuple[int, BagMessage]]:
+    """By turn, the first cloud that a learner can take: other nodes may have shown something on the same topic."""
+    names: tuple[str, ...] = ()
+    for turn in sorted(run.begins):
+        for cloud in recorded.clouds(run, turn):
+            with contextlib.suppress(BagError, SceneError):
+                scene = scene_of_cloud(deserialize(cloud.message), names)
+                names = names or scene.feature_names
+                yield turn, cloud.message
+                break

@@ -279,7 +279,7 @@ def _seen(clouds: Iterator[Placed], turn: int, names: tuple[str, ...]) -> Scene 
     reasons: list[str] = []
     for cloud in clouds:
         try:
-            scene = scene_of_cloud(deserialize(cloud.message))
+            scene = scene_of_cloud(deserialize(cloud.message), names)
         except (SceneError, BagError) as error:
             reasons.append(f'turn {turn}: {error}')
             continue

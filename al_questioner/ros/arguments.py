@@ -65,7 +65,7 @@ def replay_parser() -> Parser:
         epilog=f'In a terminal: {KEYS}. ROS arguments may follow: --ros-args -r __ns:=/elsewhere',
     )
     bag_help = 'directory of the bag, or the name of one that ships, such as expert_0'
-    result.add_argument('bag', type=named_bag, metavar='BAG', help=bag_help)
+    result.add_argument('bag', metavar='BAG', help=bag_help)
     result.add_argument('--rate', type=float, default=1.0, help='recorded seconds in a second (%(default)s)')
     result.add_argument('--loop', action='store_true', help='begin anew at the end')
     clock_help = 'publish the recorded time on /clock so often (0: not at all)'
@@ -86,7 +86,7 @@ def replay(arguments: Sequence[str]) -> argparse.Namespace:
     """What the arguments ask for, and as `ros` the ROS arguments.
 
     Raises:
-        InputError: an option that means nothing beside another one.
+        InputError: an option that means nothing beside another one, or there is no such bag.
     """
     at = arguments.index('--ros-args') if '--ros-args' in arguments else len(arguments)
     own = replay_parser()
@@ -97,6 +97,7 @@ def replay(arguments: Sequence[str]) -> argparse.Namespace:
         for name in (*_TIMING, 'as_perception') if given.check else _TIMING:
             if getattr(given, name) != own.get_default(name):
                 raise InputError(f'--{name.replace("_", "-")} has no meaning together with {mode}')
+    given.bag = named_bag(given.bag)
     return given
 
 

@@ -47,6 +47,21 @@ def test_a_wrong_reading_among_the_first_ones_shows_once_more_is_known() -> None
     assert standardiser.scale[0] < 1
 
 
+@pytest.mark.parametrize('row', range(4))
+def test_65535_among_the_first_four_readings_shows_at_once(row: int) -> None:
+    readings = np.array([[0.1], [0.4], [0.7], [0.9]])
+    readings[row] = 65535
+    limits = PlausibleRange(1)
+    limits.add(readings)
+    assert limits.are_implausible(readings)[:, 0].tolist() == [other == row for other in range(4)]
+
+
+def test_what_no_sensor_means_is_wrong_however_often_it_comes() -> None:
+    limits = PlausibleRange(2)
+    limits.add(np.array([[3.4e38, 3e38], [3.4e38, 3e38], [0.5, 3e38]]))
+    assert limits.highest.tolist() == [0.5, np.inf]
+
+
 def test_a_sentinel_that_comes_again_and_again_and_one_at_either_end() -> None:
     spoiled = readings_of(40)
     spoiled[:6, 0], spoiled[6:9, 0] = 65535, -32768

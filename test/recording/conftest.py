@@ -137,5 +137,11 @@ def state_members(episode):
 def bags():
     """The helpers above; test modules cannot import from each other in pytest's importlib mode."""
     return SimpleNamespace(
-        write_episode=write_episode, Writing=Writing, TYPES=TYPES, STRING=STRING, START=START, LATCHED=LATCHED
+        write_episode=write_episode,
+        Writing=Writing,
+        TYPES=TYPES,
+        STRING=STRING,
+        START=START,
+        PERIOD=PERIOD,
+        LATCHED=LATCHED,
     )

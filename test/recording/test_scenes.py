@@ -2,9 +2,12 @@
 
 from __future__ import annotations
 
+import dataclasses
+
 import numpy as np
 import pytest
 
+from al_questioner.domain import Scene
 from al_questioner.messages.clouds import cloud_of_scene, scene_of_cloud
 from al_questioner.recording import BagError, BagWriter, Topic, deserialize, read_bag, read_sessions
 from al_questioner.recording.scenes import scenes_of
@@ -83,3 +86,19 @@ def test_what_holds_no_scenes_of_one_episode_is_refused(bags, tmp_path):
         BagError, match=r'broken: no turn with its objects was recorded in it \(/robot/turn: turn: turn'
     ):
         scenes_of(read_bag(tmp_path / 'broken'))
+
+
+def test_an_empty_cloud_without_fields_is_a_scene_as_it_is_for_the_learner(bags, tmp_path):
+    """A camera that saw an empty table would make its recording useless."""
+
+    def add_empty(writing, members):
+        stamp = bags.START + 3 * bags.PERIOD
+        cloud = cloud_of_scene(
+            Scene((), np.empty((0, 3)), np.empty((0, 1)), ('a',)), writing.header(stamp), writing.cloud_types
+        )
+        writing.send('objects', dataclasses.replace(cloud, fields=[], point_step=0), stamp + 1)
+
+    bags.write_episode(tmp_path / 'b', missing=[('objects', 3)], then=add_empty)
+    assert list(scenes_of(read_bag(tmp_path / 'b')).clouds) == [1, 2, 3, 4, 5, 6, 7, 8]
+    (session,) = read_sessions(tmp_path / 'b')
+    assert [len(turn.scene.object_ids) for turn in session.turns if turn.turn in (2, 3)] == [10, 0]
