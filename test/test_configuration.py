@@ -26,7 +26,7 @@ def test_a_bag_at_a_path_comes_before_one_that_ships(tmp_path: Path, monkeypatch
     """People would train on our expert instead of theirs, or have to know where ours lies."""
     monkeypatch.chdir(tmp_path)
     assert (named_bag('expert_0') / 'metadata.yaml').is_file()
-    with pytest.raises(InputError, match='^expert_7: there is no such bag$'):
+    with pytest.raises(InputError, match=r'^expert_7: there is no such bag$'):
         named_bag('expert_7')
     Path('expert_0').mkdir()
     assert named_bag('expert_0') == Path('expert_0')

@@ -60,9 +60,9 @@ def parse(arguments: Sequence[str]) -> argparse.Namespace:
     given.offline = given.offline or given.dry_run
     for option in ('record', 'namespace', 'one_process'):
         if given.offline and getattr(given, option):
-            raise InputError(f'--{option.replace("_", "-")} is of no use {without_ros}: there is no ROS graph')
+            raise InputError(f'--{option.replace("_", "-")} is of no use with {without_ros}: there is no ROS graph')
     if given.dry_run and given.dataset:
-        raise InputError('--dataset is of no use --dry-run: its features are made up')
+        raise InputError('--dataset is of no use with --dry-run: its features are made up')
     if given.record and given.one_process:
         raise InputError('--record needs a process for each node: leave --one-process out')
     if given.record and given.record.exists():

@@ -43,6 +43,7 @@ def main(given: argparse.Namespace) -> int:
         tune_every=given.tune_every,
     )
     made_up = MadeUpWorld(choice.task, choice.seed, choice.sample) if given.dry_run else None
+    views = 'images' if made_up is None else 'made-up views'
     teacher = ScriptedTeacher(
         choice.task.symbols,
         choice.task.relevant_groups if made_up is None else made_up.relevant_groups,
@@ -69,7 +70,7 @@ def main(given: argparse.Namespace) -> int:
             _play_graph(given, evaluation, progress.after_turn)
     result = evaluation.result()
     # The numbers first: a disk may be full by now.
-    console.print(summary(result))
+    console.print(summary(result, views))
     _tell(console, evaluation.world.report())
     if given.json is not None:
         document = {**episode_document(result, teacher, evaluation.world), 'dry_run': given.dry_run}
@@ -77,7 +78,7 @@ def main(given: argparse.Namespace) -> int:
     # Only now, as matplotlib takes long to import.
     from al_questioner.demo.pictures import draw_pictures
 
-    pictures = draw_pictures(result, evaluation.world, given.out, has_views=made_up is None)
+    pictures = draw_pictures(result, evaluation.world, given.out, views)
     for path in (*pictures, *(path for path in (given.json, given.record) if path)):
         console.print(f'  {path}', highlight=False, soft_wrap=True)
     return 0

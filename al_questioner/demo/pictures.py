@@ -17,8 +17,8 @@ from al_questioner.wording import number_of
 from al_questioner.world.table_image import Mark, draw_scene
 
 
-def draw_pictures(result: EpisodeResult, world: PerceivedWorld, folder: Path, has_views: bool = True) -> list[Path]:
-    """Write `learning_curve.png`, `timeline.png` and, if the world has views of its things, `scene.png`.
+def draw_pictures(result: EpisodeResult, world: PerceivedWorld, folder: Path, views: str = 'images') -> list[Path]:
+    """Write `learning_curve.png`, `timeline.png` and, if the views of the world's things are images, `scene.png`.
 
     Returns:
         Their paths.
@@ -27,13 +27,13 @@ def draw_pictures(result: EpisodeResult, world: PerceivedWorld, folder: Path, ha
         InputError: one cannot be written.
     """
     with plt.rc_context(STYLE):
-        figures = {'learning_curve': _learning_curve(result), 'timeline': _timeline(result, world)}
-        if has_views:
+        figures = {'learning_curve': _learning_curve(result, views), 'timeline': _timeline(result, world)}
+        if views == 'images':
             figures['scene'] = _scene(result, world)
         return [save(figure, folder / f'{name}.png') for name, figure in figures.items()]
 
 
-def _learning_curve(result: EpisodeResult) -> Figure:
+def _learning_curve(result: EpisodeResult, views: str) -> Figure:
     figure, axes = plt.subplots(figsize=(7, 4.2))
     turns = range(1, len(result.accuracy) + 1)
     # From turn to turn it stays as it is, and a single turn is seen too.
@@ -47,7 +47,7 @@ def _learning_curve(result: EpisodeResult) -> Figure:
         if asked:
             heights = [result.accuracy[turn - 1] for turn in asked]
             axes.scatter(asked, heights, color=colour, s=26, zorder=3, label=f'{kind_name(kind)} query')
-    axes.set(xlabel='turn', ylabel='accuracy on held-out images', ylim=(0, 1.02), xlim=(0.5, turns[-1] + 0.5))
+    axes.set(xlabel='turn', ylabel=f'accuracy on held-out {views}', ylim=(0, 1.02), xlim=(0.5, turns[-1] + 0.5))
     axes.xaxis.set_major_locator(MaxNLocator(integer=True, min_n_ticks=1))
     axes.set_title(_title(result), loc='left', fontsize=11)
     if result.queries:

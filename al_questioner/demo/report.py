@@ -57,8 +57,8 @@ def labels_told(result: EpisodeResult) -> dict[str, int]:
     return {symbol: told.pop(symbol, 0) for symbol in result.settings.symbols} | dict(told)
 
 
-def summary(result: EpisodeResult) -> Table:
-    """What a person wants to know at the end."""
+def summary(result: EpisodeResult, views: str = 'images') -> Table:
+    """What a person wants to know at the end; `views` says what the test observations are."""
     settings = result.settings
     kinds = Counter(record.kind for record in result.queries)
     asked = ', '.join(f'{kinds[kind]} {kind.value.replace("_", " ")}' for kind in QueryKind if kinds[kind])
@@ -69,8 +69,8 @@ def summary(result: EpisodeResult) -> Table:
     )
     chance = 1 / len(settings.symbols)
     table.add_row(
-        'accuracy on held-out images',
-        f'[bold]{result.final_accuracy:.2f}[/bold] on {result.test_size} images (chance {chance:.2f})',
+        f'accuracy on held-out {views}',
+        f'[bold]{result.final_accuracy:.2f}[/bold] on {result.test_size} {views} (chance {chance:.2f})',
     )
     table.add_row('mean accuracy over the turns', f'{sum(result.accuracy) / len(result.accuracy):.2f}')
     turns = number_of(settings.turns, 'turn')

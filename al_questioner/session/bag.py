@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import shutil
 from pathlib import Path
 from typing import Any
 
@@ -25,18 +26,25 @@ _VOLATILE = ('answer', 'answer_ack', 'decision')
 def write_bag(account: Account, path: Path) -> None:
     """Write the session into a new bag, its topics without a namespace, each message at the time of its event.
 
+    Nothing is left of a bag that could not be written as a whole.
+
     Raises:
         BagError: something is at the path already, or it cannot be written to.
     """
     topics = [Topic(f'/{name}', type_, name not in _VOLATILE) for name, type_ in TYPES.items()]
+    is_new = not path.exists()
     try:
         with BagWriter(path, topics) as bag:
             writing = _Writing(account, bag)
             for stamp, event in account.events[1:]:
                 writing.write(stamp, event)
             writing.end_turn()
-    except OSError as error:
-        raise BagError(f'{path}: cannot be written ({error.strerror})') from error
+    except BaseException as error:
+        if is_new:
+            shutil.rmtree(path, ignore_errors=True)
+        if isinstance(error, OSError):
+            raise BagError(f'{path}: cannot be written ({error.strerror})') from error
+        raise
 
 
 class _Writing:

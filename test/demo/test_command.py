@@ -135,6 +135,7 @@ def test_a_dry_run_plays_a_task_whose_things_nobody_can_simulate(
     assert main([*arguments, '--dry-run']) == 0
     printed = capsys.readouterr().out
     assert printed.count('dry run on made-up features: colour, size matter, noise does not') == 2
+    assert 'accuracy on held-out made-up views' in printed
     assert 'telling screwdriver and bold[/green] apart' in printed
     assert sorted(path.name for path in (tmp_path / 'out').iterdir()) == ['learning_curve.png', 'timeline.png']
     episode = json.loads((tmp_path / 'json').read_text())
@@ -159,11 +160,11 @@ def test_help_lists_the_executables(capsys: pytest.CaptureFixture[str]) -> None:
 @pytest.mark.parametrize(
     ('options', 'reason'),
     [
-        (['--offline', '--record', 'bag'], '--record is of no use --offline'),
-        (['--offline', '--namespace', 'robot'], '--namespace is of no use --offline'),
-        (['--dry-run', '--record', 'bag'], '--record is of no use --dry-run'),
-        (['--dry-run', '--one-process'], '--one-process is of no use --dry-run'),
-        (['--dry-run', '--dataset', 'crops'], '--dataset is of no use --dry-run'),
+        (['--offline', '--record', 'bag'], '--record is of no use with --offline'),
+        (['--offline', '--namespace', 'robot'], '--namespace is of no use with --offline'),
+        (['--dry-run', '--record', 'bag'], '--record is of no use with --dry-run'),
+        (['--dry-run', '--one-process'], '--one-process is of no use with --dry-run'),
+        (['--dry-run', '--dataset', 'crops'], '--dataset is of no use with --dry-run'),
         (['--one-process', '--record', 'bag'], '--record needs a process for each node'),
         (['--record', '/'], '--record: / exists already; a bag is never overwritten'),
     ],

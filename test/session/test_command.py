@@ -6,6 +6,7 @@ import csv
 import dataclasses
 import itertools
 import json
+import resource
 import sqlite3
 from pathlib import Path
 
@@ -135,6 +136,21 @@ def test_a_session_as_a_bag_leads_to_the_same_decisions(tmp_path: Path, world: P
     (demonstration,) = read_demonstrations([tmp_path / 'bag'])
     assert len(demonstration.steps) == 7
     assert main(['session', str(tmp_path / 'log'), '--bag', str(tmp_path / 'bag')]) == 2, 'a bag is never overwritten'
+
+
+def test_nothing_is_left_of_a_bag_that_does_not_fit_on_the_disk(
+    tmp_path: Path, world: PerceivedWorld, capsys: pytest.CaptureFixture[str]
+) -> None:
+    """Half a bag would be taken for the session, and be in the way of the next try."""
+    write_session(tmp_path / 'log', world)
+    before = resource.getrlimit(resource.RLIMIT_FSIZE)
+    resource.setrlimit(resource.RLIMIT_FSIZE, (40_000, before[1]))
+    try:
+        assert main(['session', str(tmp_path / 'log'), '--bag', str(tmp_path / 'bag')]) == 2
+    finally:
+        resource.setrlimit(resource.RLIMIT_FSIZE, before)
+    assert 'bag: cannot be written (File too large)' in capsys.readouterr().err
+    assert [path.name for path in tmp_path.iterdir()] == ['log']
 
 
 def test_names_that_tasks_may_not_have_any_more_stay_readable(
