@@ -239,7 +239,7 @@ def _object(situation: Situation, row: int, settled: set[Action]) -> str:
 
 
 def _remark(action: Action, settled: set[Action]) -> str:
-    return ' (in vain)' if action in settled else ''
+    return ' (tells nothing new)' if action in settled else ''
 
 
 def _columns(entries: Sequence[str], width: int = 80) -> list[str]:

@@ -126,7 +126,7 @@ class Graph:
             with self._changed:
                 self._changed.wait(0.02)
             if time.monotonic() > end:
-                raise AssertionError(f'waited {DEADLINE:g} s in vain for {what}')
+                raise AssertionError(f'waited {DEADLINE:g} s without success for {what}')
         return value
 
     def close(self) -> None:

@@ -158,9 +158,9 @@ class ByKey:
             return
         self._pad, command = press(key, self._pad, self._session.board())
         if command is not None:
-            self._heed(command)
+            self._follow(command)
 
-    def _heed(self, command: Command) -> None:
+    def _follow(self, command: Command) -> None:
         if command is Wish.QUIT:
             self._application.exit()
         elif command is Wish.HELP:

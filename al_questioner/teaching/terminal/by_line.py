@@ -106,7 +106,7 @@ class ByLine:
             command = None if line is None else read_line(line, choices_of(board))
             if command is not None and self._is_due(command, here, board.phase):
                 self._lines.take()
-                if not self._heed(command):
+                if not self._follow(command):
                     return
             elif self._lines.ended:
                 if here or board.phase is Phase.ALONE:
@@ -129,7 +129,7 @@ class ByLine:
         line = self._lines.peek(LOOK_PERIOD)
         return line is not None and read_line(line) is Wish.UNDO
 
-    def _heed(self, command: Command) -> bool:
+    def _follow(self, command: Command) -> bool:
         """Do what a line asks for; whether to go on."""
         if command is Wish.QUIT:
             return False

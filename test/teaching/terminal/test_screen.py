@@ -128,7 +128,7 @@ def test_ticked_groups_are_marked(person: Any, made: Any) -> None:
 
 
 def test_an_object_that_has_gone_is_said_to_have_gone(person: Any, made: Any) -> None:
-    """The person would look for it in vain."""
+    """The person would look for it and not find it."""
     assert 'Object 9 is not in view any more.' in shown(person.asked(made.label(1, object_id=9)), Look())
 
 
