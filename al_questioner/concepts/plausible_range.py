@@ -90,7 +90,8 @@ class PlausibleRange:
 
 def _plausible_ends(ordered: Array) -> tuple[float, float]:
     """Ends of the range of a feature's plausible readings, given all of them in order."""
-    first, last = np.searchsorted(ordered, -LARGEST_MEANT, 'right'), np.searchsorted(ordered, LARGEST_MEANT)
+    first = int(np.searchsorted(ordered, -LARGEST_MEANT, 'right'))
+    last = int(np.searchsorted(ordered, LARGEST_MEANT))
     if first == last:
         first, last = 0, len(ordered)
     most = int(LARGEST_SHARE * (last - first))
