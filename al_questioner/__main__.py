@@ -1,6 +1,6 @@
 """`python -m al_questioner EXECUTABLE ...`: what `ros2 run al_questioner EXECUTABLE ...` is on a ROS install."""
 
-from al_questioner import interrupts
+from al_questioner.support import interrupts
 
 # Before anything that takes a while to import.
 if __name__ == '__main__':

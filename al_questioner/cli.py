@@ -12,9 +12,10 @@ import sys
 from collections.abc import Callable, Sequence
 from typing import Any, NamedTuple
 
-from al_questioner import __version__, interrupts
+from al_questioner import __version__
 from al_questioner.domain import EpisodeError, InputError
-from al_questioner.missing import remedy
+from al_questioner.support import interrupts
+from al_questioner.support.missing_modules import remedy
 
 NO_ROOM = (errno.ENOSPC, errno.EDQUOT, errno.EFBIG)
 """On the disk, or for a file of that size: no fault of the program, wherever it comes from."""
@@ -33,48 +34,48 @@ class Executable(NamedTuple):
 
 EXECUTABLES = {
     'perception': Executable(
-        'al_questioner.ros.arguments:perception',
-        'al_questioner.ros.perception:main',
+        'al_questioner.ros.node_arguments:perception',
+        'al_questioner.ros.nodes.perception:main',
         'node: looks at the (simulated) table and publishes what it sees',
     ),
     'learner': Executable(
-        'al_questioner.ros.arguments:learner',
-        'al_questioner.ros.learner:main',
+        'al_questioner.ros.node_arguments:learner',
+        'al_questioner.ros.nodes.learner:main',
         'node: decides what to ask, asks, and learns from the answers',
     ),
     'teacher': Executable(
-        'al_questioner.ros.arguments:teacher',
-        'al_questioner.ros.teacher:main',
+        'al_questioner.ros.node_arguments:teacher',
+        'al_questioner.ros.nodes.teacher:main',
         'node: answers the questions from a script; mode:=terminal lets you answer',
     ),
     'record': Executable(
-        'al_questioner.ros.arguments:record',
-        'al_questioner.ros.record:main',
+        'al_questioner.commands.record.arguments:parse',
+        'al_questioner.commands.record.command:main',
         'node: records an episode into a bag; --repair makes a killed one whole',
     ),
     'replay': Executable(
-        'al_questioner.ros.arguments:replay',
-        'al_questioner.ros.replay:main',
+        'al_questioner.commands.replay.arguments:parse',
+        'al_questioner.commands.replay.command:main',
         'plays a bag on its topics; --check tells whether it leads to the same again',
     ),
     'session': Executable(
-        'al_questioner.session.arguments:parse',
-        'al_questioner.session.command:main',
+        'al_questioner.commands.session.arguments:parse',
+        'al_questioner.commands.session.command:main',
         "shows, checks, repairs and exports the log of a learner's session",
     ),
     'train_weights': Executable(
-        'al_questioner.imitation.arguments:parse',
-        'al_questioner.imitation.command:main',
+        'al_questioner.commands.train_weights.arguments:parse',
+        'al_questioner.commands.train_weights.command:main',
         "learns the decision weights from an expert's bags",
     ),
     'experiment': Executable(
-        'al_questioner.experiments.arguments:parse',
-        'al_questioner.experiments.command:main',
+        'al_questioner.commands.experiment.arguments:parse',
+        'al_questioner.commands.experiment.command:main',
         "plays, tests and draws the paper's comparison",
     ),
     'demo': Executable(
-        'al_questioner.demo.arguments:parse',
-        'al_questioner.demo.command:main',
+        'al_questioner.commands.demo.arguments:parse',
+        'al_questioner.commands.demo.command:main',
         'plays one learning episode and shows how it went',
     ),
 }

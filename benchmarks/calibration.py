@@ -18,8 +18,7 @@ import numpy as np
 from al_questioner.concepts import Knowledge
 from al_questioner.domain import NO_SYMBOL, Scene, generator
 from al_questioner.perception import perceive
-from al_questioner.simulation import WorldChoice, accuracy
-from al_questioner.world import Task, World, load_task
+from al_questioner.simulation import Task, World, WorldChoice, accuracy, load_task
 
 LABELS = 25
 POOL = 400

@@ -14,11 +14,11 @@ import numpy as np
 from matplotlib import pyplot as plt
 
 from al_questioner.domain import generator
-from al_questioner.world import load_task
-from al_questioner.world.pool import Sight, Thing, observe
-from al_questioner.world.things.catalogue import CATALOGUES
-from al_questioner.world.things.vessels import Look
-from al_questioner.world.world import describe
+from al_questioner.simulation import load_task
+from al_questioner.simulation.kitchen.pool import Sight, Thing, observe
+from al_questioner.simulation.kitchen.things.catalogue import CATALOGUES
+from al_questioner.simulation.kitchen.things.vessels import Look
+from al_questioner.simulation.world import describe
 
 COLUMNS = 9
 

@@ -26,11 +26,16 @@ import numpy as np
 from measuring import median_and_spread, print_table
 from scipy.stats import wilcoxon
 
-from al_questioner.concepts import hyperparameters
+from al_questioner.concepts.laplace import hyperparameters
 from al_questioner.questioning import known_strategies
-from al_questioner.simulation import PerceivedWorld, WorldChoice, episode_settings, run_episode
-from al_questioner.teaching import ScriptedTeacher
-from al_questioner.world import load_task
+from al_questioner.simulation import (
+    PerceivedWorld,
+    ScriptedTeacher,
+    WorldChoice,
+    episode_settings,
+    load_task,
+    run_episode,
+)
 
 TASKS = ('prepare_lunch', 'kitchen_table', 'pack_lunchbox')
 FAST_STRATEGIES = ('u_sampling_fsq', 'farthest_fsq', 'rarest_demo')

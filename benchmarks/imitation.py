@@ -22,7 +22,6 @@ os.environ.setdefault('OMP_NUM_THREADS', '1')
 import numpy as np
 from measuring import print_table
 
-from al_questioner.configuration import config_dir
 from al_questioner.domain import DECISION_FEATURES, EpisodeSettings, QueryKind
 from al_questioner.imitation.assessment import agreement, count_gap, imitate
 from al_questioner.imitation.bags import read_demonstrations
@@ -31,9 +30,15 @@ from al_questioner.imitation.demonstration import Array, Demonstration, all_step
 from al_questioner.imitation.settings import MatchingSettings, TrainingSettings
 from al_questioner.imitation.training import train
 from al_questioner.questioning import read_weights
-from al_questioner.simulation import PerceivedWorld, WorldChoice, episode_settings, run_episode
-from al_questioner.teaching import ScriptedTeacher
-from al_questioner.world import load_task
+from al_questioner.simulation import (
+    PerceivedWorld,
+    ScriptedTeacher,
+    WorldChoice,
+    episode_settings,
+    load_task,
+    run_episode,
+)
+from al_questioner.support.configuration import config_dir
 
 AMPLITUDE = 4.0
 """Of the demonstrations' learners."""

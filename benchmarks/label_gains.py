@@ -25,15 +25,21 @@ from measuring import print_table
 from numpy.typing import NDArray
 from scipy.stats import mannwhitneyu
 
-from al_questioner.arguments import number
 from al_questioner.concepts import Selector
 from al_questioner.domain import NO_SYMBOL, InputError, generator
 from al_questioner.questioning import Choice, Episode, Situation, Strategy, known_strategies, make_strategy
 from al_questioner.questioning.beliefs import class_beliefs
-from al_questioner.questioning.value import DEFAULTS, called_shares
-from al_questioner.simulation import PerceivedWorld, WorldChoice, accuracy, episode_settings, turns
-from al_questioner.teaching import ScriptedTeacher
-from al_questioner.world import load_task
+from al_questioner.questioning.strategies.value_per_cost import DEFAULTS, called_shares
+from al_questioner.simulation import (
+    PerceivedWorld,
+    ScriptedTeacher,
+    WorldChoice,
+    accuracy,
+    episode_settings,
+    load_task,
+    turns,
+)
+from al_questioner.support.arguments import number
 
 EXAMPLES = (range(1), range(1, 2), range(2, 4), range(4, 8), range(8, 1000))
 """Groups of numbers of examples."""

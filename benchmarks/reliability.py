@@ -18,9 +18,7 @@ from measuring import print_table
 
 from al_questioner.domain import Outcome, QueryKind, generator
 from al_questioner.questioning import Episode
-from al_questioner.simulation import PerceivedWorld, WorldChoice, episode_settings
-from al_questioner.teaching import ScriptedTeacher
-from al_questioner.world import load_task
+from al_questioner.simulation import PerceivedWorld, ScriptedTeacher, WorldChoice, episode_settings, load_task
 
 WRONG_RATES = (0.0, 0.1, 0.3, 0.5)
 

@@ -23,15 +23,13 @@ from pathlib import Path
 from unittest import mock
 
 from al_questioner.cli import main as run
-from al_questioner.configuration import named_bag
 from al_questioner.domain import Answer, LateAnswerError, Outcome
+from al_questioner.event_log.durable_episode import DurableEpisode
+from al_questioner.event_log.events import Begun, Seen
+from al_questioner.event_log.log import SessionLog
 from al_questioner.questioning import STRATEGIES
-from al_questioner.recording import SessionLog
-from al_questioner.recording.session_events import Begun, Seen
-from al_questioner.resuming import DurableEpisode
-from al_questioner.simulation import PerceivedWorld, WorldChoice, episode_settings
-from al_questioner.teaching import ScriptedTeacher
-from al_questioner.world import load_task
+from al_questioner.simulation import PerceivedWorld, ScriptedTeacher, WorldChoice, episode_settings, load_task
+from al_questioner.support.configuration import named_bag
 
 TASKS = ('prepare_lunch', 'pack_lunchbox', 'kitchen_table')
 BAGS = ('expert_0', 'expert_1', 'expert_2')

@@ -34,12 +34,12 @@ from rclpy.parameter import Parameter
 from std_msgs.msg import String
 
 from al_questioner.domain import Answer, Outcome
+from al_questioner.event_log.events import Decided, Encoder, Seen, Told, decoded
+from al_questioner.event_log.log import SessionLog, read_log
 from al_questioner.messages import documents
-from al_questioner.recording import SessionLog
-from al_questioner.recording.session_events import Decided, Encoder, Seen, Told, decoded
-from al_questioner.recording.session_log import read_log
-from al_questioner.ros import learner, qos
-from al_questioner.ros.perception import PerceptionNode
+from al_questioner.ros import qos
+from al_questioner.ros.nodes import learner
+from al_questioner.ros.nodes.perception import PerceptionNode
 
 KINDS: dict[str, Callable[[Path], SessionLog] | None] = {
     'no log': None,

@@ -23,9 +23,7 @@ from turn_parts.accounts import remainders, sent_away, transport_seconds, waited
 from turn_parts.offline import GRAPH_STAGES, OFFLINE_STAGES, PlayedEpisode, play_timed
 
 from al_questioner.domain import EpisodeError, EpisodeSettings, InputError
-from al_questioner.simulation import WorldChoice, episode_settings, run_episode
-from al_questioner.teaching import ScriptedTeacher
-from al_questioner.world import load_task
+from al_questioner.simulation import ScriptedTeacher, WorldChoice, episode_settings, load_task, run_episode
 
 PATIENCE = 60.0
 """Seconds without progress after which the graph is given up."""

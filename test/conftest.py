@@ -16,7 +16,7 @@ from pathlib import Path
 import hypothesis
 import pytest
 
-from al_questioner.missing import FOR_BAGS, remedy
+from al_questioner.support.missing_modules import FOR_BAGS, remedy
 
 if os.environ.get('RMW_IMPLEMENTATION', 'rmw_fastrtps_cpp') == 'rmw_fastrtps_cpp':
     os.environ['FASTRTPS_DEFAULT_PROFILES_FILE'] = str(Path(__file__).with_name('loopback.xml'))

@@ -18,12 +18,10 @@ from functools import cache, lru_cache
 from pathlib import Path
 
 from al_questioner.domain import Answer, LateAnswerError, Outcome, Query, Scene
-from al_questioner.recording.session_events import Begun, Seen
-from al_questioner.recording.session_log import SessionLog, read_log
-from al_questioner.resuming import DurableEpisode
-from al_questioner.simulation import PerceivedWorld, WorldChoice, episode_settings
-from al_questioner.teaching import ScriptedTeacher
-from al_questioner.world import load_task
+from al_questioner.event_log.durable_episode import DurableEpisode
+from al_questioner.event_log.events import Begun, Seen
+from al_questioner.event_log.log import SessionLog, read_log
+from al_questioner.simulation import PerceivedWorld, ScriptedTeacher, WorldChoice, episode_settings, load_task
 
 TASK = load_task('prepare_lunch')
 SETTINGS = episode_settings(TASK, 'u_sampling_fsq', 6.0, 5, change_interval=2, tune_every=2)

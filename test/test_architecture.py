@@ -104,12 +104,12 @@ def test_every_room_has_its_place_in_the_order() -> None:
         ('al_questioner.concepts.models', 'from .. import questioning'),
         ('al_questioner.concepts.models', 'def late():\n    import al_questioner.questioning.episode'),
         ('al_questioner.concepts.models', "importlib.import_module('al_questioner.questioning')"),
-        ('al_questioner.world.scenes', 'from al_questioner.perception import extract'),
-        ('al_questioner.world.scenes', 'from ..concepts.models import ConceptModels'),
+        ('al_questioner.simulation.scenes', 'from al_questioner.perception import extract'),
+        ('al_questioner.simulation.scenes', 'from ..concepts.models import ConceptModels'),
         ('al_questioner.domain', 'from al_questioner import configuration'),
         ('al_questioner.messages.clouds', 'from sensor_msgs.msg import PointCloud2'),
-        ('al_questioner.demo.progress', 'if True:\n    import rclpy.node'),
-        ('al_questioner.recording.bags', "__import__('rcl_interfaces.msg')"),
+        ('al_questioner.commands.demo.progress', 'if True:\n    import rclpy.node'),
+        ('al_questioner.bags.reading', "__import__('rcl_interfaces.msg')"),
     ],
 )
 def test_the_check_sees_a_forbidden_import(module: str, source: str) -> None:
@@ -123,7 +123,7 @@ def test_the_check_sees_a_forbidden_import(module: str, source: str) -> None:
         ('al_questioner.questioning', 'from .episode import Episode', True),
         ('al_questioner.questioning', 'from ..domain import Scene', True),
         ('al_questioner.questioning.episode', 'from . import candidates', False),
-        ('al_questioner.ros.learner', 'from std_msgs.msg import String', False),
+        ('al_questioner.ros.nodes.learner', 'from std_msgs.msg import String', False),
         ('al_questioner.cli', 'from al_questioner import __version__', False),
     ],
 )

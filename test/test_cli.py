@@ -61,7 +61,7 @@ def test_a_learner_in_python_is_there_at_once() -> None:
 
 
 def test_all_of_a_session_is_shown_without_pictures_tests_and_ros() -> None:
-    assert {'matplotlib', 'rclpy', 'joblib'}.isdisjoint(loaded('import al_questioner.session.command'))
+    assert {'matplotlib', 'rclpy', 'joblib'}.isdisjoint(loaded('import al_questioner.commands.session.command'))
 
 
 def ended(*command: str, status: int, encoding: str = 'utf-8', stdout: int = subprocess.PIPE) -> tuple[str, str]:

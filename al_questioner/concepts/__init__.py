@@ -1,9 +1,9 @@
 """What the learner believes: one Gaussian process classifier per symbol, and everything it has been told."""
 
-from al_questioner.concepts.hyperparameters import Kernel
-from al_questioner.concepts.knowledge import VIEW_TOLERANCE, Knowledge
+from al_questioner.concepts.concept_learner import VIEW_TOLERANCE, Knowledge
+from al_questioner.concepts.feature_selection import Selector, rank_p_values, select_features
+from al_questioner.concepts.laplace.hyperparameters import Kernel
 from al_questioner.concepts.models import ConceptModels, compile_models
-from al_questioner.concepts.selection import Selector, rank_p_values, select_features
 from al_questioner.concepts.standardiser import Standardiser
 from al_questioner.concepts.view_memory import ViewMemory
 

@@ -9,8 +9,8 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from al_questioner.concepts.arrays import Array
-from al_questioner.concepts.gaussian_process import expected_logistic, rbf_kernel
-from al_questioner.concepts.posterior import Marginals, Posterior, laplace_posterior
+from al_questioner.concepts.laplace.gaussian_process import expected_logistic, rbf_kernel
+from al_questioner.concepts.laplace.posterior import Marginals, Posterior, laplace_posterior
 from al_questioner.domain import NO_SYMBOL, InputError
 
 EXACT_OPERATIONS = 2e10
@@ -202,7 +202,7 @@ class ConceptModels:
             yield slice(0, n_things), self._last_table[1].copy()
             return
         # Not before it is used: it brings numba, which takes as long as all else that a process imports.
-        from al_questioner.concepts.look_ahead import predict_each
+        from al_questioner.concepts.laplace.look_ahead import predict_each
 
         # The five terms of the expected logistic function, and a part's copies for every label, count as well.
         per_thing = 2 * n_symbols * n_things * max(n_symbols, 5, n if exact else 0)
@@ -242,7 +242,7 @@ class ConceptModels:
         points = np.concatenate([new, things])
         known = self._points if self._labels else np.empty((0, points.shape[1]))
         marginals = self._posterior.at(self._covariance(known, points))
-        from al_questioner.concepts.look_ahead import predict_each
+        from al_questioner.concepts.laplace.look_ahead import predict_each
 
         n_symbols, own = len(self.symbols), np.array([[label == symbol for symbol in self.symbols] for label in labels])
         found = np.empty((len(new), len(things), n_symbols))
@@ -282,7 +282,7 @@ class ConceptModels:
             point: (1, m) features.
             targets: (|Y|, 1) 1 for a positive, 0 for a negative example.
         """
-        from al_questioner.concepts.mode_shift import find_shift
+        from al_questioner.concepts.laplace.mode_shift import find_shift
 
         n = len(self._labels)
         kernel = np.empty((n + 1, n + 1))

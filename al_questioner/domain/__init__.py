@@ -5,7 +5,15 @@ Plain frozen dataclasses and the errors they raise. Nothing here knows how a thi
 
 from __future__ import annotations
 
-from al_questioner.domain.asking import (
+from al_questioner.domain.errors import (
+    AnswerError,
+    EpisodeError,
+    InputError,
+    LateAnswerError,
+    SceneError,
+    SettingsError,
+)
+from al_questioner.domain.query import (
     NO_SYMBOL,
     SAYABLE_OUTCOMES,
     Action,
@@ -17,16 +25,8 @@ from al_questioner.domain.asking import (
     QueryKind,
     QueryRecord,
 )
-from al_questioner.domain.chance import generator
-from al_questioner.domain.errors import (
-    AnswerError,
-    EpisodeError,
-    InputError,
-    LateAnswerError,
-    SceneError,
-    SettingsError,
-)
-from al_questioner.domain.seeing import Camera, FloatArray, Observation, Scene, View, group_of
+from al_questioner.domain.random_streams import generator
+from al_questioner.domain.scene import Camera, FloatArray, Observation, Scene, View, group_of
 from al_questioner.domain.settings import (
     AMPLITUDE,
     AMPLITUDE_RANGE,

@@ -8,8 +8,8 @@ import unicodedata
 from collections.abc import Collection, Iterable, Mapping, Sequence
 from types import MappingProxyType
 
-from al_questioner.domain.asking import NO_SYMBOL
 from al_questioner.domain.errors import InputError
+from al_questioner.domain.query import NO_SYMBOL
 
 UNKNOWN_WORDS = ('?', 'unknown')
 SKIP_WORDS = ('skip',)

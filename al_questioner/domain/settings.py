@@ -8,9 +8,9 @@ from typing import Final, Literal
 
 import numpy as np
 
-from al_questioner.domain.asking import NO_SYMBOL, Outcome, QueryKind
 from al_questioner.domain.errors import SettingsError
 from al_questioner.domain.names import listed
+from al_questioner.domain.query import NO_SYMBOL, Outcome, QueryKind
 
 DECISION_FEATURES = (
     'discriminability',

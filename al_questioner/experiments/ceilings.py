@@ -8,10 +8,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from al_questioner.concepts import Knowledge
-from al_questioner.questioning import Situation, UnlabelledFirst, symbol_given_object
-from al_questioner.simulation import EpisodeResult, Evaluation, PerceivedWorld, accuracy, play
-from al_questioner.teaching import Teacher
-from al_questioner.world import Task
+from al_questioner.questioning import Situation, Teacher, UnlabelledFirst, symbol_given_object
+from al_questioner.simulation import EpisodeResult, Evaluation, PerceivedWorld, Task, accuracy, play
 
 CEILING_SETTINGS = 'random_fsq'
 """The strategy whose settings the ceilings share: a learner that selects no features computationally."""

@@ -25,9 +25,9 @@ from al_questioner.experiments.plan import (
 )
 from al_questioner.experiments.results import Results
 from al_questioner.experiments.statistics import mean_and_error
-from al_questioner.plotting import KIND_COLOURS, STYLE, kind_name, mark_changes, put_legend_below, save
 from al_questioner.questioning.candidates import BUDGET_ROUNDING
-from al_questioner.wording import number_of
+from al_questioner.support.plotting import KIND_COLOURS, STYLE, kind_name, mark_changes, put_legend_below, save
+from al_questioner.support.text import number_of
 
 COLOURS = {
     'dt_task_env': '#c1272d',

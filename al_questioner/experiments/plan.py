@@ -23,7 +23,7 @@ from al_questioner.questioning import (
     read_weights,
     shipped_file,
 )
-from al_questioner.world import Interval, Task, load_task
+from al_questioner.simulation import Interval, Task, load_task
 
 
 @dataclass(frozen=True)

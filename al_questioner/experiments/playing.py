@@ -17,11 +17,11 @@ from al_questioner.simulation import (
     EpisodeResult,
     Evaluation,
     PerceivedWorld,
+    ScriptedTeacher,
     WorldChoice,
     episode_settings,
     run_episode,
 )
-from al_questioner.teaching import ScriptedTeacher
 
 Row = dict[str, Any]
 

@@ -25,7 +25,7 @@ from al_questioner.experiments.statistics import (
 )
 from al_questioner.experiments.studies import Study
 from al_questioner.questioning import Weights
-from al_questioner.wording import number_of
+from al_questioner.support.text import number_of
 
 PAPER_SAMPLES = 5
 

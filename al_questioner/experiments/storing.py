@@ -18,11 +18,11 @@ import scipy
 
 import al_questioner
 from al_questioner import __version__
-from al_questioner.differences import differences
 from al_questioner.domain import InputError, SettingsError
 from al_questioner.experiments.plan import Cell, Plan, task_label
 from al_questioner.experiments.playing import EPISODE_COLUMNS, TURN_COLUMNS, Played, Row
-from al_questioner.files import make_folder, write_text
+from al_questioner.support.differences import differences
+from al_questioner.support.files import make_folder, write_text
 
 DECIDING = (
     'domain',

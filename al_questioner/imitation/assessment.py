@@ -13,7 +13,7 @@ from scipy.special import log_softmax
 from al_questioner.domain import Outcome, QueryKind, QueryRecord, generator
 from al_questioner.imitation.demonstration import Array, Demonstration, Step, all_steps, teacher_of
 from al_questioner.questioning import Episode, Observed, make_strategy
-from al_questioner.questioning.choice import TIE
+from al_questioner.questioning.strategies.choice import TIE
 from al_questioner.simulation import PerceivedWorld, turns
 
 

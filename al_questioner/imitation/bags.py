@@ -6,14 +6,13 @@ from collections.abc import Sequence
 from itertools import combinations
 from pathlib import Path
 
+from al_questioner.bags import BagError, LeftOut, RecordedTurn, Session, read_sessions
+from al_questioner.bags.rerun import decisions_anew
 from al_questioner.domain import DECISION_FEATURES, InputError
 from al_questioner.imitation.demonstration import Demonstration, steps_of
 from al_questioner.messages.documents import Document
 from al_questioner.questioning import FEATURE_SETS, FeatureSet
-from al_questioner.recording import BagError, LeftOut, RecordedTurn, Session, read_sessions
-from al_questioner.rerun import decisions_anew
-from al_questioner.simulation import WorldChoice
-from al_questioner.world import load_task
+from al_questioner.simulation import WorldChoice, load_task
 
 
 def read_demonstrations(

@@ -21,8 +21,7 @@ from al_questioner.domain import (
     generator,
 )
 from al_questioner.questioning import FEATURE_SETS, Episode, FeatureSet, Observed, make_strategy
-from al_questioner.simulation import PerceivedWorld, WorldChoice, turns
-from al_questioner.teaching import ScriptedTeacher
+from al_questioner.simulation import PerceivedWorld, ScriptedTeacher, WorldChoice, turns
 
 Array = NDArray[np.float64]
 

@@ -1,14 +1,21 @@
 """What to ask next: candidate queries, their expected utility, strategies, and the ask/tell episode."""
 
-from al_questioner.questioning.choice import Choice, Strategy, choose_best, has_asked, nothing_considered, rows_of
-from al_questioner.questioning.controls import UnlabelledFirst
-from al_questioner.questioning.decision_features import symbol_given_object
 from al_questioner.questioning.episode import Episode
-from al_questioner.questioning.expected_utility import expected_features
-from al_questioner.questioning.feature_sets import FEATURE_SETS, FeatureSet, Observed
-from al_questioner.questioning.human import Human, Remembered
-from al_questioner.questioning.situation import Situation
-from al_questioner.questioning.strategies import (
+from al_questioner.questioning.plain_words import read_plain_answer, respelt
+from al_questioner.questioning.strategies.choice import (
+    Choice,
+    Strategy,
+    choose_best,
+    has_asked,
+    nothing_considered,
+    rows_of,
+)
+from al_questioner.questioning.strategies.controls import UnlabelledFirst
+from al_questioner.questioning.strategies.decision_features import symbol_given_object
+from al_questioner.questioning.strategies.expected_utility import expected_features
+from al_questioner.questioning.strategies.feature_sets import FEATURE_SETS, FeatureSet, Observed
+from al_questioner.questioning.strategies.human import Human, Remembered
+from al_questioner.questioning.strategies.registry import (
     IROS_FEATURES,
     STRATEGIES,
     TASK_FEATURES,
@@ -18,7 +25,9 @@ from al_questioner.questioning.strategies import (
     new_knowledge,
     strategy_factory,
 )
-from al_questioner.questioning.weights import Weights, load_weights, read_weights, shipped_file
+from al_questioner.questioning.strategies.weights import Weights, load_weights, read_weights, shipped_file
+from al_questioner.questioning.teacher import Teacher
+from al_questioner.questioning.turn_context import Situation
 
 __all__ = [
     'FEATURE_SETS',
@@ -33,6 +42,7 @@ __all__ = [
     'Remembered',
     'Situation',
     'Strategy',
+    'Teacher',
     'UncertaintySampling',
     'UnlabelledFirst',
     'Weights',
@@ -44,7 +54,9 @@ __all__ = [
     'make_strategy',
     'new_knowledge',
     'nothing_considered',
+    'read_plain_answer',
     'read_weights',
+    'respelt',
     'rows_of',
     'shipped_file',
     'strategy_factory',

@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from al_questioner.domain import NO_SYMBOL, Outcome, QueryKind
-from al_questioner.questioning.situation import Situation
+from al_questioner.questioning.turn_context import Situation
 
 Array = NDArray[np.float64]
 

@@ -8,12 +8,11 @@ from typing import Any
 
 from al_questioner import __version__
 from al_questioner.domain import Costs, EpisodeSettings, InputError
-from al_questioner.recording import SessionLog
-from al_questioner.recording.session_events import Begun
-from al_questioner.resuming import DurableEpisode
+from al_questioner.event_log.durable_episode import DurableEpisode
+from al_questioner.event_log.events import Begun
+from al_questioner.event_log.log import SessionLog
 from al_questioner.ros.worlds import new_episode_id, world_members
-from al_questioner.simulation import WorldChoice, episode_settings
-from al_questioner.world import Task
+from al_questioner.simulation import Task, WorldChoice, episode_settings
 
 
 def settings_of(task: Task, given: Mapping[str, Any]) -> EpisodeSettings:

@@ -8,8 +8,8 @@ from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from typing import Any
 
+from al_questioner.bags import Bag
 from al_questioner.domain import InputError
-from al_questioner.recording import Bag
 
 
 def message_class(type_: str) -> Any:

@@ -2,12 +2,12 @@
 
 from __future__ import annotations
 
-from al_questioner.arguments import REPEAT_SHOWN_HELP
 from al_questioner.domain import AMPLITUDE, AMPLITUDE_RANGE, AUTO, LENGTH_SCALE_RANGE
 from al_questioner.messages.schemas import LARGEST_TURN
 from al_questioner.questioning import STRATEGIES
 from al_questioner.ros.setting import Setting
-from al_questioner.world import Task, load_task
+from al_questioner.simulation import Task, load_task
+from al_questioner.support.arguments import REPEAT_SHOWN_HELP
 
 DEFAULT_TASK = 'kitchen_table'
 WORLD_SETTINGS = (

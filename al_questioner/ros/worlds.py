@@ -12,8 +12,7 @@ from al_questioner.domain import InputError
 from al_questioner.messages.documents import Document
 from al_questioner.ros.parameters import declare
 from al_questioner.ros.settings import WORLD_SETTINGS
-from al_questioner.simulation import WorldChoice
-from al_questioner.world import load_task
+from al_questioner.simulation import WorldChoice, load_task
 
 
 def declare_world(node: Node) -> WorldChoice:

@@ -18,7 +18,7 @@ from measuring import median_and_spread, print_table
 
 from al_questioner.concepts import ConceptModels
 from al_questioner.concepts.models import EXACT_OPERATIONS, exact_operations
-from al_questioner.questioning.decision_features import symbol_given_object
+from al_questioner.questioning.strategies.decision_features import symbol_given_object
 
 LONGEST = 12.0
 """Seconds above which an exact look-ahead is left out."""

@@ -23,7 +23,7 @@ from turn_parts.topics import TYPES
 
 from al_questioner.domain import EpisodeError
 from al_questioner.ros import qos
-from al_questioner.ros.graph import stop
+from al_questioner.ros.episode_launcher import stop
 from al_questioner.ros.node import QuestionerNode
 from al_questioner.ros.running import run_nodes
 

@@ -12,8 +12,7 @@ from measuring import Seconds
 
 from al_questioner.domain import Answer, Decision, EpisodeSettings, QueryRecord, Scene, generator
 from al_questioner.questioning import Episode
-from al_questioner.simulation import Evaluation, WorldChoice
-from al_questioner.teaching import ScriptedTeacher
+from al_questioner.simulation import Evaluation, ScriptedTeacher, WorldChoice
 
 RENDERING = 'drawing the simulated table'
 PERCEIVING = 'perceiving it'

@@ -24,7 +24,7 @@ from al_questioner.domain import EpisodeError, QueryRecord
 from al_questioner.messages import documents
 from al_questioner.messages.stamps import SECOND, stamp_of
 from al_questioner.ros import qos
-from al_questioner.ros.graph import Graph
+from al_questioner.ros.episode_launcher import Graph
 from al_questioner.ros.node import RECORDER
 
 MESSAGES_A_TURN, REPEATS = 2, 100

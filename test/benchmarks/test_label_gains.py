@@ -8,9 +8,16 @@ import pytest
 
 from al_questioner.domain import NO_SYMBOL
 from al_questioner.questioning import Episode, make_strategy
-from al_questioner.simulation import PerceivedWorld, WorldChoice, accuracy, episode_settings, generator, turns
-from al_questioner.teaching import ScriptedTeacher
-from al_questioner.world import load_task
+from al_questioner.simulation import (
+    PerceivedWorld,
+    ScriptedTeacher,
+    WorldChoice,
+    accuracy,
+    episode_settings,
+    load_task,
+    turns,
+)
+from al_questioner.simulation.episodes import generator
 
 
 def test_a_gain_is_what_the_label_would_have_changed() -> None:

@@ -6,8 +6,9 @@ from scipy.optimize import minimize
 from scipy.special import erf, expit
 from sklearn.gaussian_process._gpc import COEFS, LAMBDAS
 
-from al_questioner.concepts import ConceptModels, mode_shift, models
-from al_questioner.concepts.look_ahead import PROBABILITY_TOLERANCE
+from al_questioner.concepts import ConceptModels, models
+from al_questioner.concepts.laplace import mode_shift
+from al_questioner.concepts.laplace.look_ahead import PROBABILITY_TOLERANCE
 from al_questioner.domain import NO_SYMBOL, InputError
 
 SYMBOLS = ('main_dish', 'snack', 'fruit', 'beverage')

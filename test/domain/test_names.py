@@ -10,20 +10,10 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from al_questioner.domain import InputError
-from al_questioner.domain.names import (
-    RESERVED,
-    check_names,
-    joined,
-    loosely,
-    meant,
-    near,
-    parted,
-    quoted,
-    unsayable,
-)
-from al_questioner.teaching.plain_words import OUTCOMES
-from al_questioner.teaching.terminal.commands import WISHES
-from al_questioner.teaching.terminal.keypad import COMMANDS
+from al_questioner.domain.names import RESERVED, check_names, joined, loosely, meant, near, parted, quoted, unsayable
+from al_questioner.questioning.plain_words import OUTCOMES
+from al_questioner.terminal.commands import WISHES
+from al_questioner.terminal.keypad import COMMANDS
 
 NUMBER, COMMA, BLANK = 'a number means an object', 'a comma parts names', 'begins or ends with a blank'
 

@@ -15,9 +15,15 @@ from al_questioner.experiments.ceilings import GreedyOracle, follow_all_labels
 from al_questioner.experiments.plan import Cell, Variation
 from al_questioner.experiments.playing import play_episode
 from al_questioner.questioning import Situation
-from al_questioner.simulation import Evaluation, PerceivedWorld, WorldChoice, accuracy, episode_settings
-from al_questioner.teaching import ScriptedTeacher
-from al_questioner.world import load_task
+from al_questioner.simulation import (
+    Evaluation,
+    PerceivedWorld,
+    ScriptedTeacher,
+    WorldChoice,
+    accuracy,
+    episode_settings,
+    load_task,
+)
 
 TASK = load_task('prepare_lunch')
 SYMBOLS = ('snack', 'fruit')

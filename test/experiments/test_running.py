@@ -10,7 +10,6 @@ from pathlib import Path
 
 import pytest
 
-from al_questioner.configuration import config_dir
 from al_questioner.domain import EpisodeError, InputError, SettingsError
 from al_questioner.experiments import forecast, playing, running, storing
 from al_questioner.experiments.plan import Cell, Condition, Plan, Variation
@@ -18,9 +17,8 @@ from al_questioner.experiments.playing import Played, play_cells, play_episode
 from al_questioner.experiments.results import read_results
 from al_questioner.experiments.running import run
 from al_questioner.experiments.storing import Store
-from al_questioner.simulation import WorldChoice, episode_settings, run_episode
-from al_questioner.teaching import ScriptedTeacher
-from al_questioner.world import load_task
+from al_questioner.simulation import ScriptedTeacher, WorldChoice, episode_settings, load_task, run_episode
+from al_questioner.support.configuration import config_dir
 
 PLAN = Plan(('prepare_lunch',), (Condition(3, 4), Condition(2, 6)), ('random_fsq', 'dt_task_env'), (0, 1))
 

@@ -6,9 +6,7 @@ from scipy.special import softmax
 
 from al_questioner.domain import Action, EpisodeSettings, QueryKind
 from al_questioner.imitation.demonstration import Demonstration, Step, demonstrate
-from al_questioner.simulation import WorldChoice, episode_settings
-from al_questioner.teaching import ScriptedTeacher
-from al_questioner.world import load_task
+from al_questioner.simulation import ScriptedTeacher, WorldChoice, episode_settings, load_task
 
 ACTIONS = (
     Action(QueryKind.DEMONSTRATION, symbol='snack'),

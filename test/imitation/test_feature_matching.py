@@ -171,9 +171,14 @@ def test_settled_questions_are_not_drawn():
     from al_questioner.domain import QueryKind
     from al_questioner.imitation.rollouts import SoftmaxQuestioner
     from al_questioner.questioning import FEATURE_SETS, Episode
-    from al_questioner.simulation import PerceivedWorld, WorldChoice, episode_settings, turns
-    from al_questioner.teaching import ScriptedTeacher
-    from al_questioner.world import load_task
+    from al_questioner.simulation import (
+        PerceivedWorld,
+        ScriptedTeacher,
+        WorldChoice,
+        episode_settings,
+        load_task,
+        turns,
+    )
 
     task = load_task('prepare_lunch')
     choice = WorldChoice(task, 0, 0)
@@ -190,9 +195,14 @@ def test_what_is_worthless_to_the_strategy_is_not_drawn():
     from al_questioner.domain import QueryKind
     from al_questioner.imitation.rollouts import SoftmaxQuestioner
     from al_questioner.questioning import FEATURE_SETS, Episode
-    from al_questioner.simulation import PerceivedWorld, WorldChoice, episode_settings, turns
-    from al_questioner.teaching import ScriptedTeacher
-    from al_questioner.world import load_task
+    from al_questioner.simulation import (
+        PerceivedWorld,
+        ScriptedTeacher,
+        WorldChoice,
+        episode_settings,
+        load_task,
+        turns,
+    )
 
     task = load_task('prepare_lunch')
     settings = episode_settings(task, 'value_per_cost', 500, 30)

@@ -6,15 +6,13 @@ import numpy as np
 import pytest
 import yaml
 
+from al_questioner.commands.train_weights.pictures import draw_training
 from al_questioner.domain import DECISION_FEATURES, VALUE_FEATURES, InputError
 from al_questioner.imitation.demonstration import demonstrate
-from al_questioner.imitation.pictures import draw_training
 from al_questioner.imitation.settings import MatchingSettings, TrainingSettings
 from al_questioner.imitation.training import check_alike, expected_gap, train, validation_text, weights_document
 from al_questioner.questioning import FEATURE_SETS, make_strategy, read_weights
-from al_questioner.simulation import WorldChoice, episode_settings
-from al_questioner.teaching import ScriptedTeacher
-from al_questioner.world import load_task
+from al_questioner.simulation import ScriptedTeacher, WorldChoice, episode_settings, load_task
 
 QUICK = MatchingSettings(iterations=3, rollouts=2)
 BAGS = [{'name': 'a', 'sha256': '00'}, {'name': 'b', 'sha256': '11'}]

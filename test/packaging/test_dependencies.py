@@ -12,7 +12,7 @@ from xml.etree import ElementTree
 import pytest
 from packaging.requirements import Requirement
 
-from al_questioner.missing import FOR_BAGS
+from al_questioner.support.missing_modules import FOR_BAGS
 
 CHECKOUT = Path(__file__).resolve().parents[2]
 

@@ -45,14 +45,14 @@ def test_bags_and_examples_are_shared(installation, source):
 
 
 def test_a_bag_that_ships_is_found_by_its_name(installation, tmp_path):
-    code = "from al_questioner.configuration import named_bag; print(named_bag('expert_0'))"
+    code = "from al_questioner.support.configuration import named_bag; print(named_bag('expert_0'))"
     bag = Path(installation.run('python3', '-c', code, cwd=tmp_path).strip())
     assert (bag / 'metadata.yaml').is_file()
     assert not bag.resolve().is_relative_to(CHECKOUT)
 
 
 def test_the_installed_configuration_is_found(installation, tmp_path):
-    code = 'from al_questioner.configuration import config_dir; print(config_dir())'
+    code = 'from al_questioner.support.configuration import config_dir; print(config_dir())'
     folder = Path(installation.run('python3', '-c', code, cwd=tmp_path).strip())
     assert (folder / 'tasks' / 'kitchen_table.yaml').is_file()
     assert not folder.resolve().is_relative_to(CHECKOUT)

@@ -21,7 +21,7 @@ from al_questioner.domain import (
 )
 from al_questioner.questioning import STRATEGIES, Episode, new_knowledge
 from al_questioner.questioning import episode as episode_module
-from al_questioner.questioning.choice import Choice
+from al_questioner.questioning.strategies.choice import Choice
 
 AUTOMATIC = [name for name in STRATEGIES if name != 'human']
 """The strategies that ask nobody what to ask."""

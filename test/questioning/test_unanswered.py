@@ -7,7 +7,7 @@ from hypothesis import strategies as st
 
 from al_questioner.domain import Action, Answer, AnswerError, Costs, Outcome, QueryKind, SettingsError, generator
 from al_questioner.questioning import Episode, new_knowledge
-from al_questioner.questioning.choice import ask_nothing
+from al_questioner.questioning.strategies.choice import ask_nothing
 
 
 class Asks:

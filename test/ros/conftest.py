@@ -25,8 +25,8 @@ from rclpy.task import Future
 from std_msgs.msg import String
 
 from al_questioner.ros import qos
-from al_questioner.ros.learner import LearnerNode
-from al_questioner.ros.perception import PerceptionNode
+from al_questioner.ros.nodes.learner import LearnerNode
+from al_questioner.ros.nodes.perception import PerceptionNode
 
 ROOT = Path(__file__).resolve().parents[2]
 DEADLINE = 90.0

@@ -8,9 +8,9 @@ from typing import Any
 
 import pytest
 
+from al_questioner.bags import read_bag
 from al_questioner.cli import main
 from al_questioner.imitation.bags import read_demonstrations
-from al_questioner.recording import read_bag
 
 ROOT = Path(__file__).resolve().parents[2]
 CROPS = ROOT.parent / 'shared' / 'data' / 'tabletop_rgbd' / 'crops' / 'rgbd-dataset'

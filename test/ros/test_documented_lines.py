@@ -19,16 +19,16 @@ from typing import Any
 import pytest
 from rclpy.context import Context
 
-from al_questioner.imitation.arguments import parser as training_parser
-from al_questioner.recording import read_bag
-from al_questioner.recording.playback import Playback
-from al_questioner.ros.arguments import replay_parser
-from al_questioner.ros.learner import LearnerNode
+from al_questioner.bags import read_bag
+from al_questioner.bags.playback import Playback
+from al_questioner.commands.replay.arguments import parser as replay_parser
+from al_questioner.commands.train_weights.arguments import parser as training_parser
 from al_questioner.ros.node import QuestionerNode
-from al_questioner.ros.perception import PerceptionNode
-from al_questioner.ros.recorder import RecorderNode
-from al_questioner.ros.replayer import ReplayNode
-from al_questioner.ros.teacher import TeacherNode
+from al_questioner.ros.nodes.learner import LearnerNode
+from al_questioner.ros.nodes.perception import PerceptionNode
+from al_questioner.ros.nodes.recorder import RecorderNode
+from al_questioner.ros.nodes.replayer import ReplayNode
+from al_questioner.ros.nodes.teacher import TeacherNode
 
 ROOT = Path(__file__).resolve().parents[2]
 DOCUMENTS = (ROOT / 'README.md', ROOT / 'CONTRIBUTING.md', *sorted((ROOT / 'docs').rglob('*.md')))

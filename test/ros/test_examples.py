@@ -12,7 +12,7 @@ from std_msgs.msg import String
 
 from al_questioner.messages import documents
 from al_questioner.ros import qos
-from al_questioner.ros.learner import LearnerNode
+from al_questioner.ros.nodes.learner import LearnerNode
 
 EXAMPLES = Path(__file__).resolve().parents[2] / 'docs' / 'examples'
 DEADLINE = 90.0

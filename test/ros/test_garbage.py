@@ -16,10 +16,10 @@ from std_msgs.msg import String
 
 from al_questioner.domain import InputError
 from al_questioner.messages.documents import query_of
+from al_questioner.questioning import read_plain_answer
 from al_questioner.ros import qos
-from al_questioner.ros.learner import LearnerNode
-from al_questioner.ros.perception import PerceptionNode
-from al_questioner.teaching import read_plain_answer
+from al_questioner.ros.nodes.learner import LearnerNode
+from al_questioner.ros.nodes.perception import PerceptionNode
 
 MESSAGES = 50_000
 JUNK = (None, True, -1, 2**70, 1e308, '', 'x' * 5000, [], {}, [[]], {'a': {}}, '\x00\x1b[2J', 'snack')

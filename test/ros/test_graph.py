@@ -10,8 +10,8 @@ from typing import Any
 
 import pytest
 
-from al_questioner.recording import read_sessions
-from al_questioner.ros.graph import Graph
+from al_questioner.bags import read_sessions
+from al_questioner.ros.episode_launcher import Graph
 
 ROOT = Path(__file__).resolve().parents[2]
 DEADLINE = 60.0
@@ -29,7 +29,7 @@ def test_a_recorder_may_end_before_the_last_turn_was_watched(tmp_path: Path, mon
         started.append(popen(*arguments, **options))
         return started[-1]
 
-    monkeypatch.setattr('al_questioner.ros.graph.subprocess.Popen', start)
+    monkeypatch.setattr('al_questioner.ros.episode_launcher.subprocess.Popen', start)
     seen = []
 
     def watch(turn: int, _: object) -> None:

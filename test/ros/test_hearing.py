@@ -15,21 +15,20 @@ from rclpy.qos import DurabilityPolicy, QoSProfile, ReliabilityPolicy
 from sensor_msgs.msg import Image, PointCloud2
 from std_msgs.msg import String
 
+from al_questioner.bags import read_bag
 from al_questioner.domain import InputError
 from al_questioner.messages.clouds import cloud_of_scene
 from al_questioner.messages.pictures import image
 from al_questioner.messages.stamps import SECOND
-from al_questioner.recording import read_bag
 from al_questioner.ros import qos
-from al_questioner.ros.learner import LearnerNode
 from al_questioner.ros.node import QuestionerNode
-from al_questioner.ros.perception import PerceptionNode
-from al_questioner.ros.recorder import RecorderNode
-from al_questioner.ros.teacher import TeacherNode
+from al_questioner.ros.nodes.learner import LearnerNode
+from al_questioner.ros.nodes.perception import PerceptionNode
+from al_questioner.ros.nodes.recorder import RecorderNode
+from al_questioner.ros.nodes.teacher import TeacherNode
 from al_questioner.ros.types import CLOUD_TYPES, header, octets
-from al_questioner.simulation import PerceivedWorld, WorldChoice
-from al_questioner.world import load_task
-from al_questioner.world.table_image import draw_scene
+from al_questioner.simulation import PerceivedWorld, WorldChoice, load_task
+from al_questioner.simulation.kitchen.table_image import draw_scene
 
 OFFERS = {
     'an ordinary publisher': QoSProfile(depth=10),

@@ -13,15 +13,14 @@ from typing import Any
 
 import pytest
 
+from al_questioner.bags import BagError, deserialize, read_bag, repair
+from al_questioner.bags.storages import storage_files
+from al_questioner.event_log.events import Told, decoded
+from al_questioner.event_log.log import read_log
 from al_questioner.messages import documents
-from al_questioner.recording import BagError, deserialize, read_bag, read_log, repair
-from al_questioner.recording.session_events import Told, decoded
-from al_questioner.recording.storages import storage_files
 from al_questioner.ros import qos
-from al_questioner.ros.learner import LearnerNode
-from al_questioner.simulation import WorldChoice, episode_settings, run_episode
-from al_questioner.teaching import ScriptedTeacher
-from al_questioner.world import load_task
+from al_questioner.ros.nodes.learner import LearnerNode
+from al_questioner.simulation import ScriptedTeacher, WorldChoice, episode_settings, load_task, run_episode
 
 DEADLINE = 90.0
 WORLD = {'task': 'prepare_lunch', 'seed': 4}

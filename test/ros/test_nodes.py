@@ -20,14 +20,12 @@ from al_questioner.messages.clouds import decision_of_cloud, scene_of_cloud
 from al_questioner.messages.documents import write
 from al_questioner.questioning import STRATEGIES, Episode
 from al_questioner.ros import qos
-from al_questioner.ros.learner import LearnerNode
-from al_questioner.ros.perception import PerceptionNode
-from al_questioner.ros.teacher import TeacherNode
-from al_questioner.simulation import PerceivedWorld, WorldChoice, episode_settings
+from al_questioner.ros.nodes.learner import LearnerNode
+from al_questioner.ros.nodes.perception import PerceptionNode
+from al_questioner.ros.nodes.teacher import TeacherNode
+from al_questioner.simulation import PerceivedWorld, ScriptedTeacher, WorldChoice, episode_settings, load_task
 from al_questioner.simulation import turns as play
-from al_questioner.teaching import ScriptedTeacher
-from al_questioner.world import load_task
-from al_questioner.world.table_image import draw_scene
+from al_questioner.simulation.kitchen.table_image import draw_scene
 
 TASK = 'prepare_lunch'
 SYMBOLS = ('main_dish', 'snack', 'fruit', 'beverage')
@@ -140,7 +138,7 @@ def test_the_turn_does_not_wait_for_the_picture(graph: Any, monkeypatch: pytest.
         may_draw.wait(DEADLINE)
         return draw_scene(observations)
 
-    monkeypatch.setattr('al_questioner.ros.perception.draw_scene', draw_slowly)
+    monkeypatch.setattr('al_questioner.ros.nodes.perception.draw_scene', draw_slowly)
     clouds = graph.listen('objects', PointCloud2)
     pictures = graph.listen('scene_image', Image)
     graph.start(PerceptionNode, **graph.world)

@@ -9,11 +9,11 @@ import pytest
 from rcl_interfaces.srv import SetParameters
 from rclpy.parameter import Parameter
 
-from al_questioner.configuration import config_dir, read_yaml
 from al_questioner.domain import InputError
-from al_questioner.ros.learner import LearnerNode
-from al_questioner.ros.perception import PerceptionNode
-from al_questioner.ros.recorder import RecorderNode
+from al_questioner.ros.nodes.learner import LearnerNode
+from al_questioner.ros.nodes.perception import PerceptionNode
+from al_questioner.ros.nodes.recorder import RecorderNode
+from al_questioner.ros.nodes.teacher import TeacherNode
 from al_questioner.ros.setting import Setting, help_text
 from al_questioner.ros.settings import (
     PERCEPTION_SETTINGS,
@@ -22,8 +22,8 @@ from al_questioner.ros.settings import (
     WORLD_SETTINGS,
     learner_settings,
 )
-from al_questioner.ros.teacher import TeacherNode
-from al_questioner.world import load_task
+from al_questioner.simulation import load_task
+from al_questioner.support.configuration import config_dir, read_yaml
 
 TASK = 'prepare_lunch'
 EPISODE = {'task': TASK, 'seed': 4, 'budget': 6.0, 'turns': 8, 'strategy': 'random_fsq'}

@@ -12,16 +12,16 @@ import pytest
 from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus
 from std_msgs.msg import String
 
+from al_questioner.bags import BagError, deserialize, read_bag, read_sessions, repair
+from al_questioner.bags.rerun import first_divergence
 from al_questioner.cli import main
 from al_questioner.domain import InputError
 from al_questioner.messages.documents import write as write_document
-from al_questioner.recording import BagError, deserialize, read_bag, read_sessions, repair
-from al_questioner.rerun import first_divergence
 from al_questioner.ros import qos
-from al_questioner.ros.learner import LearnerNode
-from al_questioner.ros.perception import PerceptionNode
-from al_questioner.ros.recorder import RecorderNode
-from al_questioner.ros.teacher import TeacherNode
+from al_questioner.ros.nodes.learner import LearnerNode
+from al_questioner.ros.nodes.perception import PerceptionNode
+from al_questioner.ros.nodes.recorder import RecorderNode
+from al_questioner.ros.nodes.teacher import TeacherNode
 
 EPISODE = {'strategy': 'expert', 'budget': 8.0, 'turns': 10}
 
@@ -145,7 +145,7 @@ def test_an_existing_bag_is_left_alone(graph: Any, tmp_path: Path) -> None:
 
 def test_repairing_says_what_was_kept(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     """A user would not know whether the repair was worth anything."""
-    from al_questioner.recording import BagWriter, Topic
+    from al_questioner.bags import BagWriter, Topic
 
     bag = BagWriter(tmp_path / 'b', [Topic('/turn', 'std_msgs/msg/String', True)])
     bag.write('/turn', b'\x00\x01\x00\x00\x02\x00\x00\x00a\x00', 5)

@@ -11,8 +11,8 @@ from sensor_msgs.msg import PointCloud2
 from std_msgs.msg import String
 
 from al_questioner.ros import qos
-from al_questioner.ros.learner import LearnerNode
-from al_questioner.ros.perception import PerceptionNode
+from al_questioner.ros.nodes.learner import LearnerNode
+from al_questioner.ros.nodes.perception import PerceptionNode
 
 
 class Person:

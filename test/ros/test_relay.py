@@ -15,18 +15,16 @@ from rclpy.qos import QoSProfile
 from sensor_msgs.msg import PointCloud2
 from std_msgs.msg import String
 
+from al_questioner.event_log.events import Told, decoded
+from al_questioner.event_log.log import read_log
 from al_questioner.messages import documents
-from al_questioner.recording import read_log
-from al_questioner.recording.session_events import Told, decoded
 from al_questioner.ros import qos
-from al_questioner.ros.learner import LearnerNode
 from al_questioner.ros.node import QuestionerNode
-from al_questioner.ros.perception import PerceptionNode
+from al_questioner.ros.nodes.learner import LearnerNode
+from al_questioner.ros.nodes.perception import PerceptionNode
+from al_questioner.ros.nodes.teacher import TeacherNode
 from al_questioner.ros.repeating import BackOff
-from al_questioner.ros.teacher import TeacherNode
-from al_questioner.simulation import WorldChoice, episode_settings, run_episode
-from al_questioner.teaching import ScriptedTeacher
-from al_questioner.world import load_task
+from al_questioner.simulation import ScriptedTeacher, WorldChoice, episode_settings, load_task, run_episode
 
 SHARE = 0.2
 """Of the messages, for each of the four things that can happen to one."""
@@ -96,7 +94,7 @@ class Relay(QuestionerNode):
 @pytest.mark.parametrize('seed', [1, *(pytest.param(seed, marks=pytest.mark.slow) for seed in range(2, 12))])
 def test_a_bad_line_changes_no_label(graph: Any, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, seed: int) -> None:
     """A lost question would stall the robot for ever, and a late answer be taken for one to another question."""
-    monkeypatch.setattr('al_questioner.ros.learner.PATIENT', QUICK)
+    monkeypatch.setattr('al_questioner.ros.nodes.learner.PATIENT', QUICK)
     monkeypatch.setattr('al_questioner.ros.delivery.PERSISTENT', QUICK)
     task, rates = load_task('prepare_lunch'), {'wrong_rate': 0.1, 'unknown_rate': 0.2}
     settings = episode_settings(task, 'u_sampling_fsq', 9.0, 10)

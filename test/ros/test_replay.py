@@ -19,10 +19,10 @@ from typing import Any
 import pytest
 import yaml
 
+from al_questioner.bags import BagWriter, LeftOut, Topic, read_bag, read_sessions
 from al_questioner.cli import main
-from al_questioner.recording import BagWriter, LeftOut, Topic, read_bag, read_sessions
 from al_questioner.ros import qos, replay
-from al_questioner.ros.learner import LearnerNode
+from al_questioner.ros.nodes.learner import LearnerNode
 
 BAG = Path(__file__).resolve().parents[2] / 'bags' / 'expert_0'
 DEADLINE = 60.0

@@ -14,19 +14,17 @@ from rosgraph_msgs.msg import Clock
 from sensor_msgs.msg import PointCloud2
 from std_msgs.msg import String
 
+from al_questioner.bags import BagMessage, BagWriter, Topic, deserialize, read_bag, read_sessions
+from al_questioner.bags.playback import Playback
 from al_questioner.domain import InputError
 from al_questioner.messages import documents
 from al_questioner.messages.clouds import scene_of_cloud
-from al_questioner.recording import BagMessage, BagWriter, Topic, deserialize, read_bag, read_sessions
-from al_questioner.recording.playback import Playback
 from al_questioner.ros import qos
-from al_questioner.ros.learner import LearnerNode
 from al_questioner.ros.message_classes import installed_part, message_class
-from al_questioner.ros.replayer import ReplayNode, common_namespace
-from al_questioner.ros.teacher import TeacherNode
-from al_questioner.simulation import WorldChoice, episode_settings, run_episode
-from al_questioner.teaching import ScriptedTeacher
-from al_questioner.world import load_task
+from al_questioner.ros.nodes.learner import LearnerNode
+from al_questioner.ros.nodes.replayer import ReplayNode, common_namespace
+from al_questioner.ros.nodes.teacher import TeacherNode
+from al_questioner.simulation import ScriptedTeacher, WorldChoice, episode_settings, load_task, run_episode
 
 BAG = Path(__file__).resolve().parents[2] / 'bags' / 'expert_0'
 DEADLINE = 60.0

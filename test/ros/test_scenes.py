@@ -15,7 +15,7 @@ from al_questioner.domain import Scene
 from al_questioner.messages.clouds import cloud_of_scene
 from al_questioner.messages.stamps import stamp_of
 from al_questioner.ros import qos
-from al_questioner.ros.learner import LearnerNode
+from al_questioner.ros.nodes.learner import LearnerNode
 from al_questioner.ros.types import CLOUD_TYPES, header
 
 NAMES = ('colour_hue', 'size_height')

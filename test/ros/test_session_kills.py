@@ -14,12 +14,11 @@ from typing import Any
 
 import pytest
 
-from al_questioner.recording import SessionLogError, read_log
-from al_questioner.recording.session_events import Begun, Decided, Told, decoded
-from al_questioner.recording.session_log import KILL_VARIABLE
+from al_questioner.event_log.events import Begun, Decided, Told, decoded
+from al_questioner.event_log.log import KILL_VARIABLE, SessionLogError, read_log
 from al_questioner.ros import qos
-from al_questioner.ros.perception import PerceptionNode
-from al_questioner.ros.teacher import TeacherNode
+from al_questioner.ros.nodes.perception import PerceptionNode
+from al_questioner.ros.nodes.teacher import TeacherNode
 
 DEADLINE = 90.0
 EPISODE = {'task': 'prepare_lunch', 'seed': 4, 'budget': 7.0, 'turns': 6, 'strategy': 'random_fsq', 'tune_every': 2}

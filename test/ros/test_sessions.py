@@ -10,13 +10,13 @@ import pytest
 from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus
 from std_msgs.msg import String
 
+from al_questioner.event_log.events import KeptLate, Refused, Told, decoded
+from al_questioner.event_log.log import SessionLogError, read_log
 from al_questioner.messages.stamps import stamp_of
-from al_questioner.recording import SessionLogError, read_log
-from al_questioner.recording.session_events import KeptLate, Refused, Told, decoded
 from al_questioner.ros import qos
-from al_questioner.ros.learner import LearnerNode
-from al_questioner.ros.perception import PerceptionNode
-from al_questioner.ros.teacher import TeacherNode
+from al_questioner.ros.nodes.learner import LearnerNode
+from al_questioner.ros.nodes.perception import PerceptionNode
+from al_questioner.ros.nodes.teacher import TeacherNode
 
 
 class Person:

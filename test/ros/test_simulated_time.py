@@ -17,21 +17,26 @@ from rosgraph_msgs.msg import Clock
 from sensor_msgs.msg import PointCloud2
 from std_msgs.msg import String
 
+from al_questioner.bags import read_bag
+from al_questioner.bags.playback import Playback
 from al_questioner.messages import documents
 from al_questioner.messages.clouds import cloud_of_scene
 from al_questioner.messages.stamps import SECOND, stamp_of
-from al_questioner.recording import read_bag
-from al_questioner.recording.playback import Playback
 from al_questioner.ros import qos
-from al_questioner.ros.learner import LearnerNode
-from al_questioner.ros.perception import PerceptionNode
-from al_questioner.ros.replayer import ReplayNode
+from al_questioner.ros.nodes.learner import LearnerNode
+from al_questioner.ros.nodes.perception import PerceptionNode
+from al_questioner.ros.nodes.replayer import ReplayNode
+from al_questioner.ros.nodes.teacher import TeacherNode
 from al_questioner.ros.running import run_nodes
-from al_questioner.ros.teacher import TeacherNode
 from al_questioner.ros.types import CLOUD_TYPES, header
-from al_questioner.simulation import PerceivedWorld, WorldChoice, episode_settings, run_episode
-from al_questioner.teaching import ScriptedTeacher
-from al_questioner.world import load_task
+from al_questioner.simulation import (
+    PerceivedWorld,
+    ScriptedTeacher,
+    WorldChoice,
+    episode_settings,
+    load_task,
+    run_episode,
+)
 
 BAG = Path(__file__).resolve().parents[2] / 'bags' / 'expert_0'
 SIMULATED = {'use_sim_time': True}

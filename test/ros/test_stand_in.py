@@ -9,17 +9,15 @@ from rcl_interfaces.msg import Log
 from sensor_msgs.msg import PointCloud2
 from std_msgs.msg import String
 
+from al_questioner.bags import BagMessage, deserialize, read_bag
+from al_questioner.bags.scenes import scenes_of
 from al_questioner.messages import documents
-from al_questioner.recording import BagMessage, deserialize, read_bag
-from al_questioner.recording.scenes import scenes_of
 from al_questioner.ros import qos
-from al_questioner.ros.learner import LearnerNode
-from al_questioner.ros.perception import PerceptionNode
-from al_questioner.ros.stand_in import StandInNode
-from al_questioner.ros.teacher import TeacherNode
-from al_questioner.simulation import WorldChoice, episode_settings, run_episode
-from al_questioner.teaching import ScriptedTeacher
-from al_questioner.world import load_task
+from al_questioner.ros.nodes.learner import LearnerNode
+from al_questioner.ros.nodes.perception import PerceptionNode
+from al_questioner.ros.nodes.stand_in import StandInNode
+from al_questioner.ros.nodes.teacher import TeacherNode
+from al_questioner.simulation import ScriptedTeacher, WorldChoice, episode_settings, load_task, run_episode
 
 BAG = Path(__file__).resolve().parents[2] / 'bags' / 'expert_0'
 

@@ -17,9 +17,10 @@ from al_questioner.messages import documents
 from al_questioner.messages.clouds import cloud_of_scene
 from al_questioner.messages.pictures import image
 from al_questioner.ros import qos
-from al_questioner.ros.teacher import TeacherNode
+from al_questioner.ros.nodes.teacher import TeacherNode
 from al_questioner.ros.types import CLOUD_TYPES, header, octets
-from al_questioner.teaching.terminal import Phase, Session
+from al_questioner.terminal.board import Phase
+from al_questioner.terminal.session import Session
 
 
 class Robot:

@@ -7,14 +7,7 @@ from collections.abc import Mapping
 import numpy as np
 
 from al_questioner.domain import QueryKind
-from al_questioner.questioning import (
-    Choice,
-    Situation,
-    choose_best,
-    nothing_considered,
-    rows_of,
-    symbol_given_object,
-)
+from al_questioner.questioning import Choice, Situation, choose_best, nothing_considered, rows_of, symbol_given_object
 
 
 class SmallestMargin:

@@ -1,0 +1,265 @@
+"""Writing rosbag2 bags that survive the end of the writing process."""
+
+from __future__ import annotations
+
+import contextlib
+import errno
+import json
+import os
+import re
+import sqlite3
+import struct
+import zlib
+from collections import Counter
+from collections.abc import Iterator, Mapping, Sequence
+from functools import cache
+from importlib.metadata import distributions
+from io import BytesIO
+from pathlib import Path
+from types import TracebackType
+
+from rosbags.interfaces import (
+    Connection,
+    Qos,
+    QosDurability,
+    QosHistory,
+    QosLiveliness,
+    QosReliability,
+    QosTime,
+)
+from rosbags.rosbag2 import CompressionMode, StoragePlugin, Writer
+from rosbags.rosbag2.storage_mcap import Channel, McapWriter, write_channel, write_string
+from rosbags.rosbag2.storage_sqlite3 import Sqlite3Writer
+
+from al_questioner.bags.reading import BagError, Topic, typestore
+from al_questioner.bags.storages import STORAGE_SUFFIXES, storage_files
+from al_questioner.support.files import sync_to_disk
+
+FIRST = '_0'
+"""Added to the name of a bag for that of its first file: `ros2 bag reindex` looks for a number."""
+_STORAGES = {'mcap': StoragePlugin.MCAP, 'sqlite3': StoragePlugin.SQLITE3}
+_FOREVER = QosTime(9223372036, 854775807)
+_CRC_OFFSET = 33
+"""Bytes from the beginning of an MCAP chunk record to its checksum: opcode, length, two times, uncompressed size."""
+
+
+class _DurableMcap(McapWriter):
+    """rosbags' writer keeps messages in memory until a chunk of 1 MiB is full; this one can be told to end a chunk.
+
+    It also writes the chunk's checksum, without which a flipped bit would be another message, and the hash of each
+    topic's type.
+    """
+
+    def __init__(self, path: Path, compression: CompressionMode) -> None:
+        super().__init__(path, compression)
+        self.path = _named_as_first(self.path)
+
+    def add_connection(self, connection: Connection, offered_qos_profiles: str) -> None:
+        metadata = BytesIO()
+        for text in ('offered_qos_profiles', offered_qos_profiles, 'topic_type_hash', connection.digest):
+            write_string(metadata, text)
+        channel = Channel(connection.id, connection.msgtype, connection.topic, 'cdr', metadata.getvalue())
+        self.channels.append(channel)
+        self.channel_stats[connection.id] = 0
+        write_channel(self.chunk.bio, channel, self.schemas)
+
+    def close_chunk(self) -> None:
+        checksum, start = zlib.crc32(self.chunk.bio.getvalue()), self.bio.tell()
+        super().close_chunk()
+        self.bio.seek(start + _CRC_OFFSET)
+        self.bio.write(struct.pack('<I', checksum))
+        self.bio.seek(0, os.SEEK_END)
+
+    def sync(self) -> None:
+        if self.chunk.msgs:
+            self.close_chunk()
+        self.bio.flush()
+        os.fsync(self.bio.fileno())
+
+    def close(self, version: int, metadata: str) -> None:
+        super().close(version, _with_distribution(metadata))
+
+
+class _DurableSqlite3(Sqlite3Writer):
+    """rosbags' writer makes one transaction of the whole recording; this one can be told to commit.
+
+    It may be used by another thread than the one that made it, as long as there is only one at a time.
+    """
+
+    def __init__(self, path: Path, compression: CompressionMode) -> None:
+        super().__init__(path, compression)
+        self.conn.close()
+        self.path = _named_as_first(self.path)
+        self.conn = sqlite3.connect(self.path, check_same_thread=False)
+        self.cursor = self.conn.cursor()
+        self.cursor.execute('UPDATE schema SET ros_distro = ?', (ros_distribution(),))
+
+    def sync(self) -> None:
+        self.conn.commit()
+
+    def close(self, version: int, metadata: str) -> None:
+        super().close(version, _with_distribution(metadata))
+
+
+class _Writer(Writer):
+    STORAGE_PLUGINS = {StoragePlugin.MCAP: _DurableMcap, StoragePlugin.SQLITE3: _DurableSqlite3}  # noqa: RUF012
+
+    def close(self) -> None:
+        super().close()
+        finished = self.metapath.with_suffix('.yaml.finished')
+        finished.write_text(_with_distribution(self.metapath.read_text('utf-8')), 'utf-8')
+        finished.replace(self.metapath)
+
+
+class BagWriter:
+    """A new bag, of the format that ROS 2 Jazzy writes.
+
+    What was written before the last `sync` survives whatever happens to the process or, as far as the disk keeps its
+    word, to the machine; `repair` makes a bag whole that was never closed. Once something could not be written the bag
+    takes no more and is left for `repair`. Use it as a context manager, by one thread at a time.
+
+    Args:
+        path: directory of the bag, which must not exist.
+        topics: what can be written.
+        storage: 'mcap' or 'sqlite3'.
+
+    Raises:
+        BagError: something is at the path already, it cannot be written to, or a type that Jazzy does not have.
+    """
+
+    def __init__(self, path: Path, topics: Sequence[Topic], storage: str = 'mcap') -> None:
+        if storage not in _STORAGES:
+            raise BagError(f'unknown storage {storage!r}; known: {", ".join(STORAGE_SUFFIXES)}')
+        if path.exists():
+            raise BagError(f'{path}: exists already; a bag is never overwritten')
+        unknown = sorted({topic.type for topic in topics} - typestore().fielddefs.keys())
+        if unknown:
+            raise BagError(f'{path}: no message type {", ".join(unknown)} in ROS 2 Jazzy')
+        self.path = path
+        self._counts = Counter[str]({topic.name: 0 for topic in topics})
+        self._writer = _Writer(path, version=9, storage_plugin=_STORAGES[storage])
+        try:
+            with self._disk():
+                self._writer.open()
+                self._connections = {topic.name: self._connect(topic) for topic in topics}
+            self.sync()
+        except OSError as error:
+            raise BagError(f'{path}: cannot be written ({error.strerror})') from error
+
+    @property
+    def counts(self) -> Mapping[str, int]:
+        """Number of messages written, by topic."""
+        return self._counts
+
+    def write(self, topic: str, data: bytes, stamp: int) -> None:
+        """Write a message; it is safe after the next `sync`.
+
+        Args:
+            topic: name of one of the bag's topics.
+            data: serialised message, CDR.
+            stamp: when it was received, nanoseconds since the epoch.
+
+        Raises:
+            KeyError: not one of the topics.
+            OSError: it cannot be written.
+        """
+        connection = self._connections[topic]
+        with self._disk():
+            self._storage()
+            self._writer.write(connection, stamp, data)
+        self._counts[topic] += 1
+
+    def sync(self) -> None:
+        """Bring what was written to the disk.
+
+        Raises:
+            OSError: it cannot be written.
+        """
+        with self._disk():
+            self._storage().sync()
+
+    def close(self) -> None:
+        """Finish the bag: its index, and `metadata.yaml`; one that could not be written to is left as it is.
+
+        Raises:
+            OSError: it cannot be written.
+        """
+        if not self._writer.storage:
+            return
+        if not any(self._counts.values()):
+            # rosbags would write the largest integer for the start of nothing.
+            self._writer.min_timestamp = 0
+        with self._disk():
+            self._writer.close()
+            for path in (*storage_files(self.path), self.path / 'metadata.yaml', self.path):
+                sync_to_disk(path)
+
+    def __enter__(self) -> BagWriter:
+        return self
+
+    def __exit__(
+        self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
+    ) -> None:
+        self.close()
+
+    def _connect(self, topic: Topic) -> Connection:
+        return self._writer.add_connection(
+            topic.name, topic.type, typestore=typestore(), offered_qos_profiles=[_qos(topic.latched)]
+        )
+
+    @contextlib.contextmanager
+    def _disk(self) -> Iterator[None]:
+        """Make every error of the disk an OSError, after which nothing may follow what was half written."""
+        try:
+            yield
+        except (OSError, sqlite3.Error) as error:
+            # What was buffered is tried once more, and fails once more.
+            with contextlib.suppress(OSError, sqlite3.Error):
+                self._writer.abort()
+            if isinstance(error, sqlite3.Error):
+                raise OSError(errno.EIO, str(error), str(self.path)) from error
+            raise
+
+    def _storage(self) -> _DurableMcap | _DurableSqlite3:
+        storage = self._writer.storage
+        if not isinstance(storage, (_DurableMcap, _DurableSqlite3)):
+            raise OSError(f'{self.path} is closed')
+        return storage
+
+
+@cache
+def ros_distribution() -> str:
+    """The name of the ROS distribution, such as 'jazzy': of the environment, or of the installed rclpy; or empty.
+
+    `ros2 bag` leaves it empty, too, where it is not known.
+    """
+    named = os.environ.get('ROS_DISTRO', '')
+    if named:
+        return named
+    wheels = (re.fullmatch(r'ros-(\w+)-rclpy', distribution.name or '') for distribution in distributions())
+    return next((wheel[1] for wheel in wheels if wheel), '')
+
+
+def _with_distribution(metadata: str) -> str:
+    """The metadata of rosbags, which writes its own name for the distribution, with the right one."""
+    return re.sub(r'(?m)^( *ros_distro: )rosbags$', lambda line: line[1] + json.dumps(ros_distribution()), metadata)
+
+
+def _named_as_first(path: Path) -> Path:
+    """Rename a bag's file, which may be open, as `ros2 bag record` names it."""
+    return path.rename(path.with_name(f'{path.stem}{FIRST}{path.suffix}'))
+
+
+def _qos(latched: bool) -> Qos:
+    """The profiles of `ros/qos.py`, in the words of rosbags."""
+    return Qos(
+        history=QosHistory.KEEP_LAST,
+        depth=1 if latched else 10,
+        reliability=QosReliability.RELIABLE,
+        durability=QosDurability.TRANSIENT_LOCAL if latched else QosDurability.VOLATILE,
+        deadline=_FOREVER,
+        lifespan=_FOREVER,
+        liveliness=QosLiveliness.AUTOMATIC,
+        liveliness_lease_duration=_FOREVER,
+        avoid_ros_namespace_conventions=False,
+    )

@@ -1,0 +1,157 @@
+"""The `demo` executable."""
+
+from __future__ import annotations
+
+import argparse
+import json
+import os
+
+from rich.console import Console
+
+from al_questioner.commands.demo.progress import Progress
+from al_questioner.commands.demo.report import episode_document, summary
+from al_questioner.concepts import compile_models
+from al_questioner.domain import InputError, QueryRecord
+from al_questioner.simulation import (
+    Evaluation,
+    PerceivedWorld,
+    ScriptedTeacher,
+    TurnWatcher,
+    WorldChoice,
+    episode_settings,
+    load_task,
+    play,
+)
+from al_questioner.simulation.made_up import MadeUpWorld, made_up_scene
+from al_questioner.support.files import check_writable, make_folder, write_text
+
+PATIENCE = 30.0
+"""Seconds without progress after which the warning of a node ends the demo."""
+
+
+def main(given: argparse.Namespace) -> int:
+    """Run the demo."""
+    choice = WorldChoice(
+        load_task(given.task), given.seed, given.seed if given.sample is None else given.sample, given.dataset
+    )
+    settings = episode_settings(
+        choice.task,
+        given.strategy,
+        given.budget,
+        given.turns,
+        weights_file=given.weights_file,
+        tune_every=given.tune_every,
+    )
+    made_up = MadeUpWorld(choice.task, choice.seed, choice.sample) if given.dry_run else None
+    views = 'images' if made_up is None else 'made-up views'
+    teacher = ScriptedTeacher(
+        choice.task.symbols,
+        choice.task.relevant_groups if made_up is None else made_up.relevant_groups,
+        given.seed,
+        given.wrong_rate,
+        given.unknown_rate,
+        repeat_shown=given.repeat_shown,
+    )
+    world = None if made_up is None else PerceivedWorld(made_up, made_up_scene)
+    evaluation = Evaluation(choice, settings, world)
+    make_folder(given.out)
+    if given.json is not None:
+        check_writable(given.json)
+    if not given.offline:
+        _import_ros()
+    console = Console()
+    _tell(console, evaluation.world.report())
+    with console.status('preparing the models (compiling them, if need be, takes some ten seconds)'):
+        compile_models()
+    with Progress(console, choice.task, settings) as progress:
+        if given.offline:
+            play(evaluation, teacher, progress.after_turn)
+        else:
+            _play_graph(given, evaluation, progress.after_turn)
+    result = evaluation.result()
+    # The numbers first: a disk may be full by now.
+    console.print(summary(result, views))
+    _tell(console, evaluation.world.report())
+    if given.json is not None:
+        document = {**episode_document(result, teacher, evaluation.world), 'dry_run': given.dry_run}
+        write_text(given.json, json.dumps(document, indent=1) + '\n')
+    # Only now, as matplotlib takes long to import.
+    from al_questioner.commands.demo.pictures import draw_pictures
+
+    pictures = draw_pictures(result, evaluation.world, given.out, views)
+    for path in (*pictures, *(path for path in (given.json, given.record) if path)):
+        console.print(f'  {path}', highlight=False, soft_wrap=True)
+    return 0
+
+
+def _tell(console: Console, notes: str) -> None:
+    """Print where the observations come from, before the episode and, as more was read since, after it."""
+    if notes:
+        console.print(notes, highlight=False, markup=False, soft_wrap=True)
+
+
+def _import_ros() -> None:
+    """Have ROS imported, which takes long, before anything is shown.
+
+    Raises:
+        InputError: it is not installed.
+    """
+    try:
+        import al_questioner.ros.episode_launcher  # noqa: F401
+    except ImportError as error:
+        raise InputError(
+            f'ROS 2 cannot be imported ({error}): install it (pip install ".[ros]"), or use --offline'
+        ) from error
+
+
+def _play_graph(given: argparse.Namespace, evaluation: Evaluation, watch: TurnWatcher) -> None:
+    """Have the ROS nodes play the episode, and measure what they report.
+
+    Raises:
+        InputError: the namespace is no namespace.
+        EpisodeError: the nodes did not play it to its end.
+    """
+    from al_questioner.ros.episode_launcher import Graph
+    from al_questioner.ros.worlds import new_episode_id
+
+    choice, settings = evaluation.choice, evaluation.settings
+    world = {'task': given.task, 'dataset': str(given.dataset or ''), 'seed': choice.seed, 'sample': choice.sample}
+    episode_id = new_episode_id(choice)
+
+    def follow(turn: int, queries: tuple[QueryRecord, ...]) -> None:
+        by_turn = {record.turn: record for record in queries}
+        evaluation.correct(queries)
+        while evaluation.turn < turn:
+            record = by_turn.get(evaluation.turn + 1)
+            accuracy = evaluation.next_turn(record)
+            watch(evaluation.turn, record, accuracy)
+
+    Graph(
+        namespace=(given.namespace or f'demo_{os.getpid()}').strip('/'),
+        episode_id=episode_id,
+        parameters={
+            'perception': world,
+            'teacher': {
+                **world,
+                'wrong_rate': given.wrong_rate,
+                'unknown_rate': given.unknown_rate,
+                'repeat_shown': given.repeat_shown,
+            },
+            'learner': {
+                **world,
+                'strategy': settings.strategy,
+                'budget': settings.budget,
+                'turns': settings.turns,
+                'weights_file': given.weights_file or '',
+                'tune_every': settings.tune_every,
+                'turn_period': given.turn_period,
+                'episode_id': episode_id,
+            },
+        },
+        one_process=given.one_process,
+        log_dir=given.out / 'logs',
+        patience=PATIENCE + given.turn_period,
+        bag=given.record,
+        # What keeps two demos apart while they run says nothing to those who get the bag.
+        namespace_in_bag='' if given.namespace else 'demo',
+    ).play(follow)

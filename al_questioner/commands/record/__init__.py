@@ -1,0 +1,1 @@
+"""The `record` executable: records a bag, or repairs one."""

@@ -1,0 +1,25 @@
+"""The command line of `record`; no ROS is needed to refuse it, or to show its help."""
+
+from __future__ import annotations
+
+import argparse
+from collections.abc import Sequence
+from pathlib import Path
+
+from al_questioner.domain import InputError
+from al_questioner.ros.node_arguments import read_node_arguments
+from al_questioner.ros.settings import RECORDER_SETTINGS
+
+RECORD = """Records the topics of learning episodes into a bag, or makes one whole whose recording was killed.
+
+usage: record --ros-args -p bag:=PATH ...
+       record --repair BAG"""
+
+
+def parse(arguments: Sequence[str]) -> argparse.Namespace:
+    """As `repair` the bag to make whole, or None, and as `ros` the ROS arguments of the recorder."""
+    if arguments and arguments[0] == '--repair':
+        if len(arguments) != 2:
+            raise InputError(f'--repair takes one bag, not {len(arguments) - 1}')
+        return argparse.Namespace(repair=Path(arguments[1]))
+    return argparse.Namespace(repair=None, ros=read_node_arguments(arguments, RECORD, RECORDER_SETTINGS))

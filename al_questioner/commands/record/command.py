@@ -1,0 +1,53 @@
+"""Records the topics of learning episodes into a bag, or makes one whole whose recording was killed (--repair)."""
+
+from __future__ import annotations
+
+import argparse
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from rich.console import Console
+
+from al_questioner.bags import repair
+from al_questioner.domain import EpisodeError
+
+if TYPE_CHECKING:
+    from al_questioner.ros.nodes.recorder import RecorderNode
+
+
+def main(given: argparse.Namespace) -> int:
+    """Record until the process is told to end, or repair a bag, for which ROS is not needed."""
+    if given.repair is not None:
+        return _repair(given.repair)
+    from al_questioner.ros.nodes.recorder import RecorderNode
+    from al_questioner.ros.running import run_nodes
+
+    made: list[RecorderNode] = []
+
+    def make() -> RecorderNode:
+        made.append(RecorderNode())
+        return made[0]
+
+    run_nodes(
+        [make],
+        given.ros,
+        lambda: made[0].done or made[0].failure is not None,
+    )
+    if made and made[0].failure is not None:
+        raise made[0].failure
+    if made and made[0].until_done and not made[0].done:
+        raise EpisodeError('ended before the episode was over; the bag is whole as far as it goes')
+    return 0
+
+
+def _repair(path: Path) -> int:
+    report = repair(path)
+    console = Console()
+    total = sum(report.kept.values())
+    if report.was_whole:
+        console.print(f'{path} is whole: {total} messages', highlight=False, soft_wrap=True)
+        return 0
+    console.print(f'{path}: {total} messages kept, the broken file is now {report.original}', soft_wrap=True)
+    for topic, count in sorted(report.kept.items()):
+        console.print(f'  {count:>6}  {topic}', highlight=False, soft_wrap=True)
+    return 0

@@ -1,0 +1,108 @@
+"""The `session` executable."""
+
+from __future__ import annotations
+
+import argparse
+import json
+from pathlib import Path
+
+from rich.console import Console
+from rich.table import Table
+from rich.text import Text
+
+from al_questioner.commands.session.export import session_document, spoken, write_tables
+from al_questioner.domain import Answer, Outcome
+from al_questioner.domain.names import quoted
+from al_questioner.event_log.log import read_log, repair_log
+from al_questioner.event_log.summary import Account, Said, account_of
+from al_questioner.support.files import check_writable, write_text
+from al_questioner.support.text import number_of
+
+
+def main(given: argparse.Namespace) -> int:
+    """Show a session, and return 0 if its log is whole, 1 if it is damaged."""
+    if given.json is not None:
+        check_writable(given.json)
+    account = account_of(given.folder, read_log(given.folder))
+    console = Console()
+    if not console.is_terminal:
+        # Through a pipe rich would take 80 columns for the width.
+        console = Console(width=200)
+    _show(console, account)
+    if given.repair:
+        was_damaged = repair_log(given.folder).damage is not None
+        _say(console, f'{given.folder}: repaired' if was_damaged else f'{given.folder}: nothing to repair')
+    written: list[Path] = []
+    if given.json is not None:
+        write_text(given.json, json.dumps(session_document(account), indent=1) + '\n')
+        written.append(given.json)
+    if given.csv is not None:
+        written += write_tables(account, given.csv)
+    if given.bag is not None:
+        # Only now, as a robot may lack what bags need.
+        from al_questioner.bags.of_session import write_bag
+
+        write_bag(account, given.bag)
+        written.append(given.bag)
+    for path in written:
+        _say(console, f'  {path}')
+    return 0 if account.fault is None else 1
+
+
+def _show(console: Console, account: Account) -> None:
+    """Print what was asked and said, and whether the log is whole."""
+    begun, episode = account.begun, account.episode
+    world = '' if begun.world is None else f'{begun.world["task"]} · '
+    _say(console, f'{world}{begun.settings.strategy} · seed {begun.seed} · episode {begun.episode_id}')
+    spent = f'{episode.spent:g} of {begun.settings.budget:g} spent'
+    _say(console, f'turn {episode.turn} of {begun.settings.turns}, {spent}{", over" if episode.done else ""}')
+    table = Table(show_header=True)
+    for column in ('turn', 'query', 'asked', 'said', 'by', 'answer', 'what became of it'):
+        table.add_column(column)
+    for said in account.said:
+        table.add_row(*map(Text, _row(said)))
+    heard = {said.answer.query_id for said in account.said}
+    for query in (query for query in account.queries.values() if query.query_id not in heard):
+        status = 'pending' if query == episode.pending else 'unanswered, withdrawn'
+        table.add_row(*map(Text, (str(query.turn), query.query_id, query.text, '', '', '', status)))
+    if table.rows:
+        console.print(table)
+    taken = sum(said.status != 'late' and said.answer.replaces is None for said in account.said)
+    corrections = sum(said.status != 'late' and said.answer.replaces is not None for said in account.said)
+    late = sum(said.status == 'late' for said in account.said)
+    refused = sum(refused.count for _, refused in account.refused)
+    counts = f'{taken} taken, {number_of(corrections, "correction")}, {late} late, {refused} refused'
+    _say(console, f'answers: {counts}')
+    for name, record in episode.teachers.items():
+        told = f'{record.answered} answered, {record.unknown} unknown, {record.skipped} skipped'
+        others = f'{record.corrected} corrected, {record.late} late'
+        estimate = f'; labels right with an estimated {record.reliability:.0%}' if record.answered else ''
+        _say(console, f'{name}: {told}, {others}{estimate}')
+    if account.fault is None:
+        _say(console, f'{account.folder}: whole, {len(account.events)} events; playing them gives the same decisions')
+    else:
+        recovered = f'recovered: {len(account.events)} events, {account.turns_over} whole turns'
+        _say(console, f'{account.folder}: DAMAGED: {account.fault}; {recovered}')
+
+
+def _row(said: Said) -> tuple[str, ...]:
+    answer, query = said.answer, said.query
+    return (
+        '' if query is None else str(query.turn),
+        answer.query_id,
+        '' if query is None else query.text,
+        _said(answer),
+        answer.teacher_id,
+        answer.answer_id,
+        said.status if answer.replaces is None else f'replaces {answer.replaces}; {said.status}',
+    )
+
+
+def _said(answer: Answer) -> str:
+    """A content, or what was said in the place of one; a symbol that is called so is put in quotes."""
+    content = spoken(answer.content)
+    return quoted(content) if content in [outcome.value for outcome in Outcome] else content or answer.outcome.value
+
+
+def _say(console: Console, line: str) -> None:
+    console.print(line, markup=False, highlight=False, soft_wrap=True)

@@ -1,0 +1,165 @@
+"""A session as JSON, and as tables."""
+
+from __future__ import annotations
+
+import csv
+import io
+from collections.abc import Sequence
+from dataclasses import asdict
+from datetime import datetime, timezone
+from pathlib import Path
+from typing import Any
+
+from al_questioner.domain import Content, InputError, Query
+from al_questioner.domain.names import joined
+from al_questioner.event_log.summary import Account
+from al_questioner.messages.documents import record_members, settings_members
+from al_questioner.simulation import Evaluation, WorldChoice, load_task
+from al_questioner.support.files import write_text
+
+ANSWER_COLUMNS = (
+    *('time', 'turn', 'query_id', 'kind', 'object_id', 'symbol', 'cost'),
+    *('answer_id', 'teacher_id', 'outcome', 'content', 'replaces', 'status'),
+)
+TURN_COLUMNS = (
+    'turn',
+    'stamp',
+    'objects',
+    'kind',
+    'object_id',
+    'symbol',
+    'query_id',
+    'cost',
+    'outcome',
+    'groups',
+    'answered_in',
+)
+
+
+def session_document(account: Account) -> dict[str, Any]:
+    """The JSON of an episode, see docs/interfaces.md; accuracy only if the simulated world can be looked at."""
+    begun, records = account.begun, account.episode.records
+    accuracy, reason = measured_accuracy(account)
+    settings = settings_members(begun.settings)
+    return {
+        'task': None if begun.world is None else begun.world['task'],
+        'strategy': settings.pop('strategy'),
+        'seed': begun.seed,
+        'budget': settings.pop('budget'),
+        'turns': settings.pop('turns'),
+        'spent': sum(record.cost for record in records),
+        'final_accuracy': accuracy[-1] if accuracy else None,
+        'accuracy': accuracy,
+        'queries': [record_members(record) for record in records],
+        'no_accuracy_because': reason,
+        'episode_id': begun.episode_id,
+        'sample': None if begun.world is None else begun.world['sample'],
+        'dataset': None if begun.world is None else begun.world['dataset'],
+        **settings,
+        'view_tolerance': begun.view_tolerance,
+        'kernel': asdict(account.episode.knowledge.kernel) if account.episode.turn else None,
+        'teachers': {name: asdict(record) for name, record in account.episode.teachers.items()},
+        'turns_over': account.turns_over,
+        'damage': account.fault,
+        'version': begun.version,
+    }
+
+
+def measured_accuracy(account: Account) -> tuple[list[float], str | None]:
+    """Accuracy on held-out observations after each turn that is over, with all corrections, or why it is not known."""
+    world = account.begun.world
+    if world is None:
+        return [], 'the world was not simulated'
+    try:
+        dataset = None if world['dataset'] is None else Path(world['dataset'])
+        choice = WorldChoice(load_task(world['task']), world['seed'], world['sample'], dataset)
+        evaluation = Evaluation(choice, account.begun.settings)
+        by_turn = {record.turn: record for record in account.episode.records}
+        for seen in account.seen[: account.turns_over]:
+            if not evaluation.world.scene(seen.turn).equals(seen.scene):
+                return [], f'the scene of turn {seen.turn} is not that of the simulated world'
+            evaluation.next_turn(by_turn.get(seen.turn))
+    except InputError as error:
+        return [], str(error)
+    return (list(evaluation.result().accuracy), None) if evaluation.turn else ([], 'no turn is over')
+
+
+def write_tables(account: Account, folder: Path) -> list[Path]:
+    """Write `answers.csv`, all that was said, and `turns.csv`, what came of each turn.
+
+    Raises:
+        InputError: they cannot be written.
+    """
+    paths = [folder / 'answers.csv', folder / 'turns.csv']
+    _write(paths[0], ANSWER_COLUMNS, _answer_rows(account))
+    _write(paths[1], TURN_COLUMNS, _turn_rows(account))
+    return paths
+
+
+def spoken(content: Content) -> str:
+    """A content in one cell; groups are parted by commas, those that hold one in quotes."""
+    if content is None:
+        return ''
+    return joined(content) if isinstance(content, tuple) else str(content)
+
+
+def time_of(stamp: int) -> str:
+    """Nanoseconds since the epoch, in UTC to the millisecond."""
+    return datetime.fromtimestamp(stamp / 1e9, timezone.utc).isoformat(timespec='milliseconds')
+
+
+def _answer_rows(account: Account) -> list[list[object]]:
+    rows: list[tuple[int, list[object]]] = []
+    for said in account.said:
+        answer = said.answer
+        told = [answer.answer_id, answer.teacher_id, answer.outcome.value, spoken(answer.content)]
+        asked = _asked(said.query) or [None, answer.query_id, None, None, None, None]
+        rows.append((said.stamp, [time_of(said.stamp), *asked, *told, answer.replaces, said.status]))
+    for stamp, refused in account.refused:
+        unknown = [None] * 9
+        rows.append((stamp, [time_of(stamp), *unknown, refused.text, None, f'refused: {refused.reason}']))
+    return [row for _, row in sorted(rows, key=lambda row: row[0])]
+
+
+def _asked(query: Query | None) -> list[object]:
+    if query is None:
+        return []
+    action = query.action
+    return [query.turn, query.query_id, action.kind.value, action.object_id, action.symbol, query.cost]
+
+
+def _turn_rows(account: Account) -> list[list[object]]:
+    records = {record.turn: record for record in account.episode.records}
+    queries = {query.turn: query for query in account.queries.values()}
+    rows: list[list[object]] = []
+    for seen in account.seen:
+        query, record = queries.get(seen.turn), records.get(seen.turn)
+        kind = 'no_query' if query is None else query.action.kind.value
+        object_id, symbol = (None, None) if query is None else (query.action.object_id, query.action.symbol)
+        groups = '' if record is None else joined(record.groups)
+        if record is not None:
+            object_id, symbol = record.object_id, record.symbol
+        rows.append(
+            [
+                seen.turn,
+                seen.stamp,
+                len(seen.scene),
+                kind,
+                object_id,
+                symbol,
+                query and query.query_id,
+                record and record.cost,
+                record and record.outcome.value,
+                groups,
+                record and record.answered_in,
+            ]
+        )
+    return rows
+
+
+def _write(path: Path, columns: Sequence[str], rows: Sequence[Sequence[object]]) -> None:
+    text = io.StringIO()
+    writer = csv.writer(text, lineterminator='\n')
+    writer.writerow(columns)
+    writer.writerows(rows)
+    write_text(path, text.getvalue())

@@ -1,0 +1,388 @@
+"""Everything the learner has been told, and the models that follow from it."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Iterator, Mapping, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from al_questioner.concepts.arrays import Array
+from al_questioner.concepts.feature_selection import Selector, select_features
+from al_questioner.concepts.laplace.hyperparameters import Kernel, tuned_kernel
+from al_questioner.concepts.models import ConceptModels
+from al_questioner.concepts.standardiser import Standardiser
+from al_questioner.domain import (
+    NO_SYMBOL,
+    FloatArray,
+    InputError,
+    Outcome,
+    QueryKind,
+    QueryRecord,
+    Scene,
+    SceneError,
+    group_of,
+)
+
+VIEW_TOLERANCE = 1e-3
+"""Root mean square change, in standard deviations, up to which an object is still the same view: none but rounding.
+
+Noise is taken out before, by a `ViewMemory`.
+"""
+
+
+@dataclass(frozen=True, eq=False)
+class LabelledView:
+    """One thing the teacher named: what it looked like, what it is, and when it was said."""
+
+    object_id: int
+    features: NDArray[np.float32]
+    label: str
+    turn: int
+
+
+class Knowledge:
+    """What was seen and what was told, as concept models: a deterministic function of the events, in their order.
+
+    The features are standardised with what was seen, restricted to what the teacher called relevant, and, if so
+    wished, to what a computational selector picks from the labels so far. Models are fitted at every event. The kernel
+    is the configured one until `tune` is called.
+
+    Args:
+        symbols: the concepts to ground.
+        amplitude: variance of the Gaussian processes' kernel.
+        length_scale: of the kernel in standard deviations; None for the square root of the number of features in use.
+        selector: selects features computationally after every label; None for all that the teacher has not ruled out.
+        view_tolerance: an object whose features moved by less is still the same view; root mean square over the
+            features, in standard deviations. The default means 'not at all'.
+    """
+
+    def __init__(
+        self,
+        symbols: Sequence[str],
+        amplitude: float = 4.0,
+        length_scale: float | None = None,
+        selector: Selector | None = None,
+        view_tolerance: float = VIEW_TOLERANCE,
+    ) -> None:
+        if not (isinstance(view_tolerance, (int, float)) and np.isfinite(view_tolerance) and view_tolerance >= 0):
+            raise InputError(f"view_tolerance must be 'auto' or a number of 0 or more, not {view_tolerance!r}")
+        self.symbols = tuple(symbols)
+        self.feature_names: tuple[str, ...] = ()
+        self.groups: tuple[str, ...] = ()
+        self.labelled_views: list[LabelledView] = []
+        self._unnamed_views: list[tuple[int, NDArray[np.float32]]] = []
+        self._models = ConceptModels(self.symbols, amplitude, length_scale)
+        self._configured = (amplitude, length_scale)
+        self._selector = selector
+        self._view_tolerance = view_tolerance
+        self._standardiser = Standardiser(0)
+        self._told_relevant: NDArray[np.bool_] | None = None
+        self._last_views: dict[int, bytes] = {}
+        self._version = 0
+        self._active: NDArray[np.bool_] = np.ones(0, dtype=bool)
+
+    @property
+    def positives(self) -> dict[str, int]:
+        """Number of positive examples of each symbol, in the order of the symbols."""
+        labels = [view.label for view in self.labelled_views]
+        return {symbol: labels.count(symbol) for symbol in self.symbols}
+
+    @property
+    def model_version(self) -> int:
+        """How often an event has called for new models.
+
+        It counts events and not fits, so that looking at the models in between changes nothing.
+        """
+        return self._version
+
+    @property
+    def subset_was_told(self) -> bool:
+        """Whether the teacher has said which features are relevant."""
+        return self._told_relevant is not None
+
+    @property
+    def active_features(self) -> NDArray[np.bool_]:
+        """(m,) the features that the models use."""
+        return self._active.copy()
+
+    @property
+    def kernel(self) -> Kernel:
+        """The kernel of the models, for the features in use; its length scale is in standard deviations."""
+        return Kernel(self._models.amplitude, self._models.length_scale_of(int(self._active.sum())))
+
+    def tune(self) -> bool:
+        """Replace the kernel by the one that explains the labels so far best, see `tuned_kernel`: an event like others.
+
+        The kernel depends on the labels, the features in use and the configured kernel, not on earlier results. From
+        then on its length scale is a multiple of the root of the number of features in use, whichever these are.
+
+        Returns:
+            Whether the kernel is another one now. If it is not, nothing has changed, the version included.
+        """
+        if not self.labelled_views:
+            return False
+        points = self._standardiser.transform(self._labelled_features())[:, self._active]
+        targets = np.array([[float(label == symbol) for label in self._labels()] for symbol in self.symbols])
+        root = float(np.sqrt(points.shape[1]))
+        amplitude, length_scale = self._configured
+        found = tuned_kernel(points, targets, Kernel(amplitude, root if length_scale is None else length_scale))
+        relative, models = found.length_scale / root, self._models
+        if (found.amplitude, None, relative) == (models.amplitude, models.length_scale, models.relative_length_scale):
+            return False
+        self._models = models.with_kernel(found.amplitude, relative)
+        self._learn_anew()
+        return True
+
+    @property
+    def spread(self) -> Array:
+        """(m,) how much each feature differs among the views seen, in its own unit; empty before the first scene."""
+        return self._standardiser.spread
+
+    def implausible_readings(self, scene: Scene) -> list[tuple[int, str, float]]:
+        """Object id, feature name and value of each reading of a scene that no sensor means, see `PlausibleRange`.
+
+        They count as the end of the feature's range.
+        """
+        found = np.argwhere(self._standardiser.plausible_range.are_implausible(scene.features))
+        return [
+            (scene.object_ids[row], scene.feature_names[column], float(scene.features[row, column]))
+            for row, column in found
+        ]
+
+    def check_features(self, scene: Scene) -> None:
+        """Make sure that a scene has the features of the scenes before.
+
+        Raises:
+            SceneError: it has others.
+        """
+        if self.feature_names and scene.feature_names != self.feature_names:
+            raise SceneError(_layout_difference(self.feature_names, scene.feature_names))
+
+    def observe(self, scene: Scene) -> None:
+        """Take in what the scene says about the features' spread; a view that is already known says nothing new.
+
+        Raises:
+            SceneError: the features are not those of the scenes before.
+        """
+        self.check_features(scene)
+        if not self.feature_names:
+            self.feature_names = scene.feature_names
+            self.groups = tuple(dict.fromkeys(group_of(name) for name in scene.feature_names))
+            self._standardiser = Standardiser(len(scene.feature_names))
+            self._active = np.ones(len(scene.feature_names), dtype=bool)
+        views = [row.tobytes() for row in scene.features.astype(np.float32)]
+        new = [self._last_views.get(i) != view for i, view in zip(scene.object_ids, views, strict=True)]
+        if any(new):
+            self._standardiser.update(scene.features[new])
+            self._last_views.update(zip(scene.object_ids, views, strict=True))
+            self._learn_anew()
+
+    def label(self, object_id: int, features: FloatArray, symbol: str, turn: int) -> None:
+        """Learn that an object is an example of a symbol, or of none.
+
+        Args:
+            object_id: the object's id in its scene.
+            features: (m,) raw features of the view that was named.
+            symbol: a symbol, or `NO_SYMBOL`.
+            turn: when it was said.
+
+        Raises:
+            InputError: an unknown symbol, or features that do not fit those observed.
+        """
+        self.labelled_views.append(self._labelled_view(object_id, features, symbol, turn))
+        self._learn_anew()
+
+    def label_scene(self, scene: Scene, symbols: Mapping[int, str], turn: int) -> None:
+        """Learn what objects of a scene are, all at once.
+
+        Args:
+            scene: what they look like.
+            symbols: a symbol, or `NO_SYMBOL`, by object id.
+            turn: when it was said.
+
+        Raises:
+            InputError: an object is not in the scene, a symbol is unknown, or features do not fit those observed.
+        """
+        rows = {object_id: _row(scene, object_id) for object_id in symbols}
+        self.labelled_views += [
+            self._labelled_view(object_id, row, symbols[object_id], turn) for object_id, row in rows.items()
+        ]
+        self._learn_anew()
+
+    def learn(self, record: QueryRecord, scene: Scene) -> None:
+        """Learn what came of a query about a scene; an answer that names nothing teaches the models nothing.
+
+        Raises:
+            InputError: the object is not in the scene, or a symbol or feature group is unknown.
+        """
+        if record.groups:
+            self.restrict_to_groups(record.groups)
+        elif record.kind is QueryKind.LABEL and record.outcome is Outcome.UNKNOWN and record.object_id is not None:
+            self._unnamed_views.append((record.object_id, _row(scene, record.object_id)))
+        elif record.object_id is not None and record.symbol is not None:
+            self.label(record.object_id, _row(scene, record.object_id), record.symbol, record.turn)
+
+    def restrict_to_groups(self, groups: Iterable[str]) -> None:
+        """Use the features of these groups only, as the answer to a feature subset query.
+
+        Raises:
+            InputError: no group, or an unknown one.
+        """
+        chosen = tuple(groups)
+        if not chosen:
+            raise InputError('no feature group was named')
+        for group in chosen:
+            if group not in self.groups:
+                raise InputError(f'unknown feature group {group!r}; known: {", ".join(self.groups)}')
+        self._told_relevant = np.array([group_of(name) in chosen for name in self.feature_names])
+        self._learn_anew()
+
+    def predict_proba(self, features: FloatArray) -> Array:
+        """(k, |Y|) q_y(x) of (k, m) raw features."""
+        return self._models.predict_proba(self._standardiser.transform(features)[:, self._active])
+
+    def look_ahead(self, scene: Scene) -> Array:
+        """(|X|, |Y|, |X|, |Y|): [i, j] is the prediction for the scene had its i-th object been labelled symbol j."""
+        return self._models.look_ahead(self._standardiser.transform(scene.features)[:, self._active])
+
+    def look_ahead_chunks(self, scene: Scene) -> Iterator[tuple[slice, Array]]:
+        """`look_ahead` in parts: consecutive rows of the table, as a slice, and their part of it."""
+        return self._models.look_ahead_chunks(self._standardiser.transform(scene.features)[:, self._active])
+
+    def predict_after_each(self, views: FloatArray, symbols: Sequence[str], features: FloatArray) -> Array:
+        """(e, k, |Y|) q_y(x) of (k, m) raw features had each of (e, m) views, by itself, been named so."""
+        named, asked = (self._standardiser.transform(table)[:, self._active] for table in (views, features))
+        return self._models.predict_after_each(named, symbols, asked)
+
+    def predict_after_selection(self, scene: Scene) -> Array:
+        """(|X|, |Y|) prediction for the scene had the teacher named the features a computational selector would pick.
+
+        Stands in for the answer to a feature subset query, which the learner cannot know (docs/method.md).
+        """
+        table = self._standardiser.transform(self._labelled_features())
+        chosen = select_features(table, self._labels())
+        models = self._models.refitted(table[:, chosen])
+        return models.predict_proba(self._standardiser.transform(scene.features)[:, chosen])
+
+    def is_labelled(self, scene: Scene) -> NDArray[np.bool_]:
+        """(n,) whether this view of each object has been labelled already, as a symbol or as none."""
+        return self.times_labelled(scene) > 0
+
+    def labelled_ids(self, scene: Scene) -> tuple[int, ...]:
+        """The objects of which this view has been labelled already."""
+        return tuple(scene.object_ids[row] for row in np.flatnonzero(self.is_labelled(scene)))
+
+    def times_labelled(self, scene: Scene) -> NDArray[np.intp]:
+        """(n,) how often this view of each object has been labelled."""
+        rows, _ = self._views_among([(view.object_id, view.features) for view in self.labelled_views], scene)
+        return np.bincount(rows, minlength=len(scene))
+
+    def labels_of(self, scene: Scene) -> tuple[str | None, ...]:
+        """What this view of each object was labelled last; None where it was not."""
+        found: list[str | None] = [None] * len(scene)
+        rows, named = self._views_among([(view.object_id, view.features) for view in self.labelled_views], scene)
+        for row, label in zip(rows, named, strict=True):
+            found[row] = self.labelled_views[label].label
+        return tuple(found)
+
+    def is_unnameable(self, scene: Scene) -> NDArray[np.bool_]:
+        """(n,) whether a teacher, asked what this view of each object is, did not know."""
+        rows, _ = self._views_among(self._unnamed_views, scene)
+        return np.bincount(rows, minlength=len(scene)) > 0
+
+    def is_unchanged(self, before: Scene, after: Scene) -> bool:
+        """Whether two scenes show the same views of the same objects."""
+        if set(before.object_ids) != set(after.object_ids):
+            return False
+        rows = [before.index_of(object_id) for object_id in after.object_ids]
+        return bool(self._same_views(before.features[rows], after.features).all())
+
+    def still_shows(self, object_id: int, before: Scene, after: Scene) -> bool:
+        """Whether an object of one scene is seen in another as the same view."""
+        if object_id not in after.object_ids:
+            return False
+        then, now = (scene.features[[scene.index_of(object_id)]] for scene in (before, after))
+        return bool(self._same_views(then, now).all())
+
+    def distance_to_labelled(self, scene: Scene) -> Array:
+        """(n,) distance of each object to the nearest labelled view; 0 without labels. See `distances_to_labelled`."""
+        if not self.labelled_views:
+            return np.zeros(len(scene))
+        return np.asarray(self.distances_to_labelled(scene).min(axis=1))
+
+    def distances_to_labelled(self, scene: Scene) -> Array:
+        """(n, number of labelled views) distance of each object to each of them, in the features in use.
+
+        In standard deviations, as root mean square over the features.
+        """
+        points = self._standardiser.transform(scene.features)[:, self._active]
+        labelled = self._standardiser.transform(self._labelled_features())[:, self._active]
+        squared: Array = np.mean((points[:, None] - labelled[None]) ** 2, axis=2)
+        return np.sqrt(squared)
+
+    def _labelled_view(self, object_id: int, features: FloatArray, symbol: str, turn: int) -> LabelledView:
+        if symbol not in self.symbols and symbol != NO_SYMBOL:
+            raise InputError(f'unknown label {symbol!r}; known: {", ".join((*self.symbols, NO_SYMBOL))}')
+        vector = np.array(features, dtype=np.float32)
+        if vector.shape != (len(self.feature_names),):
+            raise InputError(f'features have shape {vector.shape}, expected {(len(self.feature_names),)}')
+        if not np.isfinite(vector).all():
+            raise InputError(f'the features of object {object_id} are not all finite')
+        return LabelledView(object_id, vector, symbol, turn)
+
+    def _learn_anew(self) -> None:
+        """Fit the models to what is known now.
+
+        At once after every event, never on demand: a fit starts from the last one, so that fits at other moments would
+        give other last digits, and ties could be broken otherwise.
+        """
+        self._version += 1
+        table, labels = self._standardiser.transform(self._labelled_features()), self._labels()
+        told = self._told_relevant
+        self._active = np.ones(len(self.feature_names), dtype=bool) if told is None else told.copy()
+        if self._selector is not None:
+            self._active[self._active] = self._selector(table[:, self._active], labels)
+        self._models.fit(table[:, self._active], labels)
+
+    def _labels(self) -> list[str]:
+        return [view.label for view in self.labelled_views]
+
+    def _labelled_features(self) -> Array:
+        rows = [view.features for view in self.labelled_views]
+        return np.array(rows, dtype=np.float64).reshape(len(rows), len(self.feature_names))
+
+    def _views_among(
+        self, views: Sequence[tuple[int, NDArray[np.float32]]], scene: Scene
+    ) -> tuple[NDArray[np.intp], NDArray[np.intp]]:
+        """Rows of the scene, and for each the number of one of the views, as object id and (m,) features, that it is.
+
+        In the order of the rows, and for each of them in that of the views.
+        """
+        ids = np.array([object_id for object_id, _ in views], dtype=np.intp)
+        rows, among = np.nonzero(np.array(scene.object_ids)[:, None] == ids)
+        known = [views[int(i)][1] for i in among]
+        features = np.array(known, dtype=np.float32).reshape(len(among), len(self.feature_names))
+        same = self._same_views(features, scene.features[rows])
+        return rows[same], among[same]
+
+    def _same_views(self, first: FloatArray, second: FloatArray) -> NDArray[np.bool_]:
+        """(k,) whether each of (k, m) raw features shows the same view as its counterpart."""
+        difference = (first.astype(np.float64) - second) / self._standardiser.scale
+        same: NDArray[np.bool_] = np.sqrt(np.mean(difference**2, axis=1)) <= self._view_tolerance
+        return same
+
+
+def _row(scene: Scene, object_id: int) -> NDArray[np.float32]:
+    if object_id not in scene.object_ids:
+        raise InputError(f'object {object_id} is not in the scene')
+    row: NDArray[np.float32] = scene.features[scene.index_of(object_id)]
+    return row
+
+
+def _layout_difference(expected: tuple[str, ...], actual: tuple[str, ...]) -> str:
+    if len(expected) != len(actual):
+        return f'the scene has {len(actual)} features, those before had {len(expected)}'
+    position = next(i for i, (e, a) in enumerate(zip(expected, actual, strict=True)) if e != a)
+    return f'feature {position} of the scene is {actual[position]!r}, it was {expected[position]!r} before'

@@ -1,0 +1,98 @@
+"""Computational feature selection: which features tell the labels apart, judged from the labels alone."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+
+import numpy as np
+from numpy.typing import NDArray
+
+from al_questioner.concepts.arrays import Array
+from al_questioner.domain import FloatArray, InputError
+from al_questioner.support.late_imports import late
+
+fdtrc = late('scipy.special', 'fdtrc')
+kruskal = late('scipy.stats', 'kruskal')
+
+Selector = Callable[[FloatArray, Sequence[str]], NDArray[np.bool_]]
+"""From (n, m) features of the labelled things and their n labels to (m,) the features to use."""
+PValues = Callable[[Array, Sequence[str]], Array]
+"""From the same to (m,) p-values of a test that a feature is the same whatever the label."""
+
+
+def anova_p_values(features: Array, labels: Sequence[str]) -> Array:
+    """p-value of the one-way analysis of variance of each feature, 1 for a constant feature.
+
+    Args:
+        features: (n, m).
+        labels: n names, k of them different, 2 <= k < n.
+
+    Returns:
+        (m,) probability of an F statistic at least this large, had the feature the same mean in all classes.
+    """
+    classes, code = np.unique(np.asarray(labels), return_inverse=True)
+    n, k = len(features), len(classes)
+    membership = code[:, None] == np.arange(k)
+    centred = features - features.mean(axis=0)
+    means = (membership.T @ centred) / membership.sum(axis=0)[:, None]
+    within = ((centred - means[code]) ** 2).sum(axis=0)
+    between = (membership.sum(axis=0)[:, None] * means**2).sum(axis=0)
+    # Rounding leaves a constant feature a spread in the last digits, of which F would make a finding.
+    resolution = n * (np.finfo(np.float64).eps * np.abs(features).max(axis=0)) ** 2
+    constant = between + within <= resolution
+    with np.errstate(divide='ignore', invalid='ignore'):
+        statistic = (between / (k - 1)) / (within / (n - k))
+    return np.where(constant, 1.0, fdtrc(k - 1, n - k, np.where(constant, 0.0, statistic)))
+
+
+def rank_p_values(features: Array, labels: Sequence[str]) -> Array:
+    """p-value of the Kruskal-Wallis test of each feature, which sees its order only; 1 for a constant feature.
+
+    Args:
+        features: (n, m).
+        labels: n names, at least two of them different.
+    """
+    names = np.asarray(labels)
+    constant = np.ptp(features, axis=0) == 0
+    p_values = np.ones(features.shape[1])
+    groups = [features[names == name][:, ~constant] for name in dict.fromkeys(labels)]
+    p_values[~constant] = kruskal(*groups, axis=0).pvalue
+    return p_values
+
+
+def select_features(
+    features: FloatArray,
+    labels: Sequence[str],
+    significance: float = 0.05,
+    least: int = 5,
+    p_values: PValues = anova_p_values,
+) -> NDArray[np.bool_]:
+    """A standard filter: keep the features that differ between the labels, by a one-way analysis of variance.
+
+    Few labels give the test no power, so the `least` features of smallest p-value stay in any case. `NO_SYMBOL` is a
+    label like any other: telling things from clutter is part of the task.
+
+    Args:
+        features: (n, m) features of the labelled things; their unit does not matter.
+        labels: n names.
+        significance: probability with which a feature that says nothing is kept.
+        least: number of features that stay whatever their significance.
+        p_values: of the test.
+
+    Returns:
+        (m,) true for a feature to use; all of them if the labels allow no test (fewer than two different ones, or
+        none that occurs twice).
+
+    Raises:
+        InputError: shapes that do not fit.
+    """
+    table = np.asarray(features, dtype=np.float64)
+    if table.ndim != 2 or len(table) != len(labels):
+        raise InputError(f'features of shape {table.shape} do not fit {len(labels)} labels')
+    n_classes = len(set(labels))
+    if not 2 <= n_classes < len(labels):
+        return np.ones(table.shape[1], dtype=bool)
+    found = p_values(table, labels)
+    selected = found <= significance
+    selected[np.argsort(found, kind='stable')[:least]] = True
+    return selected

@@ -1,0 +1,148 @@
+"""The Laplace posteriors of classifiers that share their examples, ready to be asked about points.
+
+In the symbols of docs/method.md: K is the kernel matrix of the n examples, f the mode, p = logistic(f), t the targets,
+r = t - p the gradient of the log likelihood, W = diag(p (1 - p)), B = I + W^1/2 K W^1/2. At the mode f = K r.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+
+from al_questioner.concepts.arrays import Array, Index, Single
+from al_questioner.concepts.laplace.gaussian_process import expit, find_modes, well_conditioned
+from al_questioner.support.late_imports import late
+
+dpotrf = late('scipy.linalg.lapack', 'dpotrf')
+dpotri = late('scipy.linalg.lapack', 'dpotri')
+
+NEWTON_TOLERANCE = 1e-7
+"""Largest step from a mode that is taken for found; W is that of the point before the step."""
+
+SMALLEST_ROOT = 1e-6
+"""Smallest W^1/2 that is told from 0: an example this certain moves no variance, and its inverse stays harmless."""
+
+
+@dataclass(frozen=True, eq=False)
+class Posterior:
+    """|Y| classifiers on n common examples, at their modes.
+
+    Attributes:
+        kernel: (n, n) K.
+        targets: (|Y|, n) 1 for a positive, 0 for a negative example.
+        modes: (|Y|, n) f.
+        root: (|Y|, n) diagonal of W^1/2.
+        covariance: (|Y|, n, n) T = W^1/2 C W^1/2, with C = (K^-1 + W)^-1 the posterior covariance of the examples. It
+            is I - B^-1, which lies between 0 and I whatever the data are.
+    """
+
+    kernel: Array
+    targets: Array
+    modes: Array
+    root: Array
+    covariance: Array
+
+    @cached_property
+    def single(self) -> Single:
+        """(|Y|, n, n) T in single precision."""
+        return self.covariance.astype(np.float32)
+
+    @property
+    def gradient(self) -> Array:
+        """(|Y|, n) r = t - p."""
+        gradient: Array = self.targets - expit(self.modes)
+        return gradient
+
+    def at(self, cross: Array) -> Marginals:
+        """What the classifiers believe at k points.
+
+        Args:
+            cross: (n, k) covariances of the examples with the points.
+        """
+        scaled = self.root[:, :, None] * cross
+        return Marginals(cross, np.matmul(self.gradient, cross), scaled, scaled - np.matmul(self.covariance, scaled))
+
+
+@dataclass(frozen=True, eq=False)
+class Marginals:
+    """Beliefs at k points.
+
+    Attributes:
+        cross: (n, k) prior covariances of the examples with the points.
+        mean: (|Y|, k) posterior mean of the latent value (R&W equation 3.21).
+        scaled: (|Y|, n, k) W^1/2 times `cross`.
+        solved: (|Y|, n, k) B^-1 W^1/2 times `cross`, which is W^1/2 times the posterior covariance of the
+            examples with the points.
+    """
+
+    cross: Array
+    mean: Array
+    scaled: Array
+    solved: Array
+
+    @property
+    def explained(self) -> Array:
+        """(|Y|, k) by how much the examples lower the variance (R&W equation 3.24)."""
+        explained: Array = np.einsum('ynk,ynk->yk', self.scaled, self.solved)
+        return explained
+
+    def covariance(self, points: Index, prior: Array) -> Array:
+        """Posterior covariance of some of the points with all of them.
+
+        Args:
+            points: (e,) which.
+            prior: (e, k) their prior covariance.
+
+        Returns:
+            (|Y|, e, k).
+        """
+        covariance: Array = prior - np.matmul(self.scaled[:, :, points].transpose(0, 2, 1), self.solved)
+        return covariance
+
+
+def laplace_posterior(kernel: Array, targets: Array, start: Array) -> Posterior:
+    """The posteriors of |Y| classifiers.
+
+    Args:
+        kernel: (n, n) K.
+        targets: (|Y|, n) 1 for a positive, 0 for a negative example.
+        start: (|Y|, n) first guess of f; the better it is, the less there is to do.
+
+    Raises:
+        ArithmeticError: no convergence, which only input that is not finite or not a covariance can cause.
+    """
+    posterior, step = _posterior_and_step(kernel, targets, start)
+    if not np.abs(step).max(initial=0.0) <= NEWTON_TOLERANCE:
+        owners: Index = np.zeros(len(targets), dtype=np.intp)
+        modes = find_modes(kernel[None], owners, targets, posterior.gradient)
+        posterior, step = _posterior_and_step(kernel, targets, modes)
+    return Posterior(kernel, targets, posterior.modes + step, posterior.root, posterior.covariance)
+
+
+def _posterior_and_step(kernel: Array, targets: Array, modes: Array) -> tuple[Posterior, Array]:
+    """The posterior as it would be if the modes were right, and (|Y|, n) Newton's step (I + K W)^-1 (K r - f)."""
+    p = expit(modes)
+    root = np.maximum(np.sqrt(p * (1 - p)), SMALLEST_ROOT)
+    covariance = np.empty((*root.shape, root.shape[1]))
+    for k, b in enumerate(well_conditioned(kernel, root)):
+        covariance[k] = _scaled_covariance(b)
+    residual = root * (np.matmul(targets - p, kernel) - modes)
+    step: Array = (residual - np.matmul(covariance, residual[:, :, None])[:, :, 0]) / root
+    return Posterior(kernel, targets, modes, root, covariance), step
+
+
+def _scaled_covariance(b: Array) -> Array:
+    """T = I - B^-1 from B, which is overwritten."""
+    if len(b) == 0:
+        return b
+    # LAPACK is called directly: the wrappers' checks cost more than the factorisation of a few dozen examples.
+    factor, failed = dpotrf(b.T, lower=1, overwrite_a=1, clean=1)
+    if failed:
+        raise ArithmeticError('the kernel matrix is not a covariance')
+    lower, _ = dpotri(factor, lower=1, overwrite_c=1)
+    covariance: Array = -(lower + lower.T)
+    diagonal = np.arange(len(b))
+    covariance[diagonal, diagonal] = 1 - lower[diagonal, diagonal]
+    return covariance

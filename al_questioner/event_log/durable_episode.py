@@ -1,0 +1,327 @@
+"""An episode whose log is the truth: written before anybody hears of it, and replayed to go on after a crash."""
+
+from __future__ import annotations
+
+import contextlib
+import dataclasses
+
+from al_questioner.domain import AUTO, Answer, Decision, InputError, LateAnswerError, Query, generator
+from al_questioner.event_log.events import (
+    Begun,
+    Decided,
+    Encoder,
+    KeptLate,
+    Passed,
+    Refused,
+    Seen,
+    SessionEvent,
+    Told,
+    Tuned,
+    decoded,
+)
+from al_questioner.event_log.log import LogContents, LogWriteError, SessionLog, SessionLogError
+from al_questioner.questioning import Episode, Human, Remembered
+from al_questioner.support.differences import differences
+from al_questioner.support.rate_limiter import Throttle
+
+NOT_SETTINGS = frozenset({'version'})
+"""What a log tells of its episode that a learner that goes on with it need not share."""
+
+
+REFUSED_KEPT, REFUSED_PERIOD = 10, 60.0
+"""Texts that were no answers and are kept word for word within so many seconds; of a flood the rest is counted."""
+LATE_KEPT = 100
+"""Late answers to one query that are kept."""
+
+
+class ReplayError(InputError):
+    """A log that does not lead to the decisions that are recorded in it; the text says where."""
+
+
+class Replay:
+    """Plays the events of a session to an Episode, in the order in which they came about.
+
+    Args:
+        begun: the episode.
+
+    Attributes:
+        episode: as it is after the events played so far.
+        seen: the scene of the present turn; None before the first.
+        decision: of the present turn; None before the first.
+
+    Raises:
+        InputError: the strategy, or its weights, do not exist.
+    """
+
+    def __init__(self, begun: Begun) -> None:
+        self._choices = Remembered()
+        strategy = Human(self._choices) if begun.settings.strategy == 'human' else None
+        rng = generator(begun.seed, 'learner')
+        self.episode = Episode(begun.settings, rng, begun.view_tolerance, strategy)
+        self.seen: Seen | None = None
+        self.decision: Decision | None = None
+        self._next_seen: Seen | None = None
+
+    def play(self, event: SessionEvent) -> None:
+        """Play the next event.
+
+        Raises:
+            ReplayError: it does not follow from those before.
+        """
+        try:
+            self._play(event)
+        except ReplayError:
+            raise
+        except (InputError, RuntimeError) as error:
+            raise ReplayError(f'turn {self.episode.turn}: {type(event).__name__.lower()}: {error}') from error
+
+    def asked(self, seen: Seen, decision: Decision) -> None:
+        """Take note of what the episode was asked."""
+        self.seen, self.decision = seen, decision
+
+    def _play(self, event: SessionEvent) -> None:
+        if isinstance(event, Begun):
+            raise ReplayError('another episode begins within the log')
+        if isinstance(event, Seen):
+            self._next_seen = event
+        elif isinstance(event, Decided):
+            self._decide(event)
+        elif isinstance(event, Told):
+            learn(self.episode, event.answer)
+        elif isinstance(event, KeptLate):
+            self.episode.answers.keep_late(event.answer)
+        elif isinstance(event, Passed):
+            self._pass(event)
+        elif isinstance(event, Tuned):
+            self._tune(event)
+
+    def _decide(self, recorded: Decided) -> None:
+        seen, self._next_seen = self._next_seen, None
+        if seen is None or seen.turn != self.episode.turn + 1 or recorded.turn != seen.turn:
+            raise ReplayError(f'turn {recorded.turn}: the decision is not about the scene of the next turn')
+        self._choices.action = recorded.action
+        decision = self.episode.ask(seen.scene)
+        self._choices.action = None
+        action = decision.candidates[decision.chosen]
+        if action != recorded.action:
+            raise ReplayError(f'turn {recorded.turn}: {action} is chosen, {recorded.action} was recorded')
+        if not _is_same_query(decision.query, recorded.query):
+            raise ReplayError(f'turn {recorded.turn}: {decision.query} is asked, {recorded.query} was recorded')
+        self.asked(seen, decision)
+
+    def _pass(self, recorded: Passed) -> None:
+        query = self.episode.awaited
+        if query is None or (self.episode.turn, query.query_id) != (recorded.turn, recorded.query_id):
+            raise ReplayError(f'turn {recorded.turn}: query {recorded.query_id} does not wait for an answer')
+        self.episode.let_pass()
+
+    def _tune(self, recorded: Tuned) -> None:
+        self.episode.tune()
+        version = self.episode.knowledge.model_version
+        if (self.episode.turn, version) != (recorded.turn, recorded.model_version):
+            raise ReplayError(
+                f'turn {self.episode.turn}: the models have version {version} after tuning,'
+                f' recorded were version {recorded.model_version} and turn {recorded.turn}'
+            )
+
+
+def _is_same_query(query: Query | None, recorded: Query | None) -> bool:
+    """Whether they ask the same; logs of earlier versions do not tell which things were known."""
+    if query is not None and recorded is not None and recorded.known is None:
+        query = dataclasses.replace(query, known=None)
+    return query == recorded
+
+
+class DurableEpisode:
+    """An Episode each event of which is on the disk before its effect is known to anybody.
+
+    Without a log it is the Episode alone, which also knows an answer that it has had.
+
+    Args:
+        wanted: the episode; an empty `episode_id` stands for whichever the log has.
+        log: where it is written; None for nowhere.
+
+    Attributes:
+        begun: the episode, as the log has it if there is one already.
+
+    Raises:
+        SessionLogError: the log is of an episode with other settings, which the text names, or it cannot be understood.
+    """
+
+    def __init__(self, wanted: Begun, log: SessionLog | None = None) -> None:
+        self._log = log
+        self._encoder = Encoder()
+        self._events: list[SessionEvent] = []
+        self._replay: Replay | None = None
+        self._last_refused: Refused | None = None
+        self._throttle = Throttle(REFUSED_KEPT, REFUSED_PERIOD)
+        self._only_counted = 0
+        self.begun = wanted
+        if log is not None and log.events:
+            self._events, damage = decoded(LogContents(log.events, None))
+            if damage is not None:
+                raise SessionLogError(f'{log.folder}: {damage}')
+            self.begun = _same_episode(log, self._events[0], wanted)
+
+    @property
+    def is_ready(self) -> bool:
+        """Whether `start` has come to its end."""
+        return self._replay is not None
+
+    @property
+    def episode(self) -> Episode:
+        """The episode itself, to look at."""
+        return self._started.episode
+
+    @property
+    def seen(self) -> Seen | None:
+        """The scene of the present turn; None before the first."""
+        return self._started.seen
+
+    @property
+    def decision(self) -> Decision | None:
+        """The decision of the present turn; None before the first."""
+        return self._started.decision
+
+    def start(self) -> None:
+        """Begin, or come to where the log ends by playing all of it.
+
+        Raises:
+            ReplayError: the log does not lead to the decisions in it.
+            LogWriteError: the log of a new episode cannot be written.
+        """
+        replay = Replay(self.begun)
+        if not self._events:
+            self._write(self.begun)
+        for event in self._events[1:]:
+            replay.play(event)
+            self._encoder.follow(event)
+        self._events = []
+        self._replay = replay
+
+    def ask(self, seen: Seen) -> Decision:
+        """See `Episode.ask`.
+
+        Raises:
+            SceneError: the scene is refused.
+            LogWriteError: scene and decision cannot be written; the episode cannot go on.
+        """
+        decision = self.episode.ask(seen.scene)
+        self._write(seen, Decided(decision.turn, decision.candidates[decision.chosen], decision.query))
+        self._started.asked(seen, decision)
+        return decision
+
+    def take(self, answer: Answer) -> bool:
+        """Take an answer, or the correction of one; each counts once, however often it is sent.
+
+        Returns:
+            Whether it is new.
+
+        Raises:
+            LateAnswerError: its query was settled by another answer; it is kept and not learnt from.
+            AnswerError: it is refused.
+            LogWriteError: it cannot be written, and is not taken.
+        """
+        try:
+            if self.episode.answers.has_taken(answer):
+                return False
+        except LateAnswerError as error:
+            late = self.episode.answers.late
+            if answer not in late and sum(one.query_id == answer.query_id for one in late) < LATE_KEPT:
+                self.episode.check_late(answer)
+                self._write(KeptLate(answer, str(error)))
+                self.episode.answers.keep_late(answer)
+            raise
+        self.episode.check(answer)
+        self._write(Told(answer))
+        learn(self.episode, answer)
+        return True
+
+    def note_refused(self, text: str, reason: str) -> None:
+        """Keep a text that was not taken for an answer, once if it is repeated; of a flood of them, keep the number.
+
+        Raises:
+            LogWriteError: it cannot be written.
+        """
+        refused = Refused(text, reason)
+        if refused == self._last_refused:
+            return
+        self._last_refused = refused
+        if self._throttle.passes():
+            self._note_counted()
+            self._write(refused)
+        else:
+            self._only_counted += 1
+
+    def _note_counted(self) -> None:
+        """Write down how many refused texts were counted only."""
+        count, self._only_counted = self._only_counted, 0
+        if count:
+            self._write(Refused('', f'{count} more, too many to keep', count))
+
+    def let_pass(self) -> None:
+        """See `Episode.let_pass`.
+
+        Raises:
+            LogWriteError: it cannot be written, and the turn is not over.
+        """
+        query = self.episode.awaited
+        if query is None:
+            raise RuntimeError('no query waits for its answer')
+        self._write(Passed(self.episode.turn, query.query_id))
+        self.episode.let_pass()
+
+    def tune(self) -> bool:
+        """See `Episode.tune`.
+
+        Raises:
+            LogWriteError: that the kernel is another one cannot be written.
+        """
+        if not self.episode.tune_is_due:
+            return False
+        changed = self.episode.tune()
+        self._write(Tuned(self.episode.turn, self.episode.knowledge.model_version))
+        return changed
+
+    def close(self) -> None:
+        """Close the log."""
+        if self._log is not None:
+            with contextlib.suppress(LogWriteError):
+                self._note_counted()
+            self._log.close()
+
+    @property
+    def _started(self) -> Replay:
+        if self._replay is None:
+            raise RuntimeError('the episode has not been started')
+        return self._replay
+
+    def _write(self, *events: SessionEvent) -> None:
+        if self._log is not None:
+            self._log.append(*map(self._encoder.encode, events))
+
+
+def learn(episode: Episode, answer: Answer) -> None:
+    """Tell an episode an answer, or amend it by one that replaces another.
+
+    Raises:
+        AnswerError: it is refused.
+    """
+    if answer.replaces is None:
+        episode.tell(answer)
+    else:
+        episode.amend(answer)
+
+
+def _same_episode(log: SessionLog, first: SessionEvent, wanted: Begun) -> Begun:
+    """The episode that a log begins with, if it is the one that is wanted."""
+    if not isinstance(first, Begun):
+        raise SessionLogError(f'{log.folder}: its first event is not the beginning of an episode')
+    ignored = NOT_SETTINGS if wanted.episode_id else NOT_SETTINGS | {'episode_id'}
+    if wanted.view_tolerance == AUTO:
+        # Logs of before have the number that was the default then; they go on with it.
+        ignored |= {'view_tolerance'}
+    differing = differences(first.members(), wanted.members(), ignored)
+    if differing:
+        raise SessionLogError(f'{log.folder}: the session there has {"; ".join(differing)}')
+    return first

@@ -1,0 +1,250 @@
+"""What happens in a learner's session, as typed events and as lines of its log."""
+
+from __future__ import annotations
+
+import base64
+import json
+from collections.abc import Iterable
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from al_questioner.domain import Action, Answer, EpisodeSettings, Query, QueryKind, Scene, ViewTolerance
+from al_questioner.event_log.log import Event, LogContents
+from al_questioner.messages import documents
+from al_questioner.messages.documents import Document
+
+
+@dataclass(frozen=True)
+class Begun:
+    """The episode: all that determines what is asked, given scenes and answers.
+
+    Attributes:
+        episode_id: of the episode.
+        settings: of the episode.
+        seed: of the learner.
+        view_tolerance: of the learner, see `questioning.Episode`.
+        world: the simulated world, as `task`, `seed`, `sample` and `dataset`; None if it is another one.
+        version: of this package.
+    """
+
+    episode_id: str
+    settings: EpisodeSettings
+    seed: int
+    view_tolerance: ViewTolerance
+    world: Document | None
+    version: str
+
+    def members(self) -> Document:
+        """As a JSON object."""
+        return {
+            'episode_id': self.episode_id,
+            **documents.settings_members(self.settings),
+            'seed': self.seed,
+            'view_tolerance': self.view_tolerance,
+            'world': self.world,
+            'version': self.version,
+        }
+
+
+@dataclass(frozen=True, eq=False)
+class Seen:
+    """The scene of a turn, as the learner took it.
+
+    Attributes:
+        turn: 1-based.
+        stamp: of the turn, nanoseconds.
+        frame_id: of the cloud.
+        scene: what was seen.
+    """
+
+    turn: int
+    stamp: int
+    frame_id: str
+    scene: Scene
+
+
+@dataclass(frozen=True)
+class Decided:
+    """What was chosen in a turn, and the question if it asks one."""
+
+    turn: int
+    action: Action
+    query: Query | None
+
+
+@dataclass(frozen=True)
+class Told:
+    """An answer that was accepted; a correction if it replaces another."""
+
+    answer: Answer
+
+
+@dataclass(frozen=True)
+class KeptLate:
+    """An answer to a query that another answer had settled: kept, with its own query, and not learnt from."""
+
+    answer: Answer
+    reason: str
+
+
+@dataclass(frozen=True)
+class Refused:
+    """A text that could not be taken for an answer, shortened if it is long.
+
+    Attributes:
+        text: what was said.
+        reason: why it is no answer.
+        count: of a flood of them only this is kept, and no text; else 1.
+    """
+
+    text: str
+    reason: str
+    count: int = 1
+
+
+@dataclass(frozen=True)
+class Tuned:
+    """The kernel was re-optimised at the end of a turn; `model_version` is that after it."""
+
+    turn: int
+    model_version: int
+
+
+@dataclass(frozen=True)
+class Passed:
+    """A turn that was over although nobody had answered the query that waits."""
+
+    turn: int
+    query_id: str
+
+
+SessionEvent = Begun | Seen | Decided | Told | KeptLate | Refused | Tuned | Passed
+
+LONGEST_REFUSED = 1000
+"""Characters of a refused text that are kept."""
+
+
+class Encoder:
+    """Writes events as lines of a log; a scene that is the last one again is written as a reference."""
+
+    def __init__(self) -> None:
+        self._last: Seen | None = None
+
+    def encode(self, event: SessionEvent) -> tuple[str, bytes]:
+        """Kind and content."""
+        kind, members = self._members(event)
+        return kind, json.dumps(members, allow_nan=False, separators=(',', ':')).encode()
+
+    def _members(self, event: SessionEvent) -> tuple[str, Document]:
+        if isinstance(event, Begun):
+            return 'episode', event.members()
+        if isinstance(event, Seen):
+            last, self._last = self._last, event
+            scene = None if last is not None and last.scene.equals(event.scene) else _scene_members(event.scene)
+            return 'scene', {'turn': event.turn, 'stamp': event.stamp, 'frame_id': event.frame_id, 'scene': scene}
+        if isinstance(event, Decided):
+            query = None if event.query is None else documents.query_members(event.query)
+            return 'decision', {'turn': event.turn, 'action': _action_members(event.action), 'query': query}
+        if isinstance(event, Told):
+            kind = 'answer' if event.answer.replaces is None else 'correction'
+            return kind, documents.answer_members(event.answer)
+        if isinstance(event, KeptLate):
+            return 'late', {**documents.answer_members(event.answer), 'reason': event.reason}
+        if isinstance(event, Refused):
+            counted = {} if event.count == 1 else {'count': event.count}
+            return 'refused', {'text': event.text[:LONGEST_REFUSED], 'reason': event.reason, **counted}
+        if isinstance(event, Passed):
+            return 'passed', {'turn': event.turn, 'query_id': event.query_id}
+        return 'tune', {'turn': event.turn, 'model_version': event.model_version}
+
+    def follow(self, event: SessionEvent) -> None:
+        """Take note of an event that is in the log already."""
+        if isinstance(event, Seen):
+            self._last = event
+
+
+def decoded(contents: LogContents) -> tuple[list[SessionEvent], str | None]:
+    """The events of a log, up to the first that cannot be understood, and what is wrong with the log if anything is."""
+    found: list[SessionEvent] = []
+    last: Scene | None = None
+    for event in contents.events:
+        try:
+            understood = _decode(event, json.loads(event.content), last)
+        except (KeyError, TypeError, ValueError) as error:
+            reason = ' '.join(str(error).split())
+            return found, f'event {event.number} ({event.kind}) cannot be understood ({reason})'
+        if isinstance(understood, Seen):
+            last = understood.scene
+        found.append(understood)
+    return found, contents.damage
+
+
+def _decode(event: Event, members: Document, last: Scene | None) -> SessionEvent:
+    if event.kind == 'episode':
+        return Begun(
+            settings=documents.settings_of(members),
+            **{name: members[name] for name in ('episode_id', 'seed', 'view_tolerance', 'world', 'version')},
+        )
+    if event.kind == 'scene':
+        scene = last if members['scene'] is None else _scene_of(members['scene'])
+        if scene is None:
+            raise ValueError('it refers to a scene before, and there is none')
+        return Seen(members['turn'], members['stamp'], members['frame_id'], scene)
+    if event.kind == 'decision':
+        query = None if members['query'] is None else documents.query_of(members['query'])
+        return Decided(members['turn'], _action_of(members['action']), query)
+    if event.kind in ('answer', 'correction'):
+        return Told(documents.answer_of(members))
+    if event.kind == 'late':
+        return KeptLate(documents.answer_of(members), members['reason'])
+    if event.kind == 'refused':
+        return Refused(members['text'], members['reason'], members.get('count', 1))
+    if event.kind == 'passed':
+        return Passed(members['turn'], members['query_id'])
+    if event.kind == 'tune':
+        return Tuned(members['turn'], members['model_version'])
+    raise ValueError(f'unknown kind {event.kind!r}')
+
+
+def _scene_members(scene: Scene) -> Document:
+    return {
+        'object_ids': list(scene.object_ids),
+        'feature_names': list(scene.feature_names),
+        'positions': _text_of(scene.positions),
+        'features': _text_of(scene.features),
+    }
+
+
+def _scene_of(members: Document) -> Scene:
+    ids, names = tuple(members['object_ids']), tuple(members['feature_names'])
+    return Scene(
+        object_ids=ids,
+        positions=_numbers_of(members['positions'], len(ids), 3),
+        features=_numbers_of(members['features'], len(ids), len(names)),
+        feature_names=names,
+    )
+
+
+def _text_of(numbers: NDArray[np.float32]) -> str:
+    """Their bits, as little-endian float32 in base64."""
+    return base64.b64encode(np.asarray(numbers, dtype='<f4').tobytes()).decode()
+
+
+def _numbers_of(text: str, rows: int, columns: int) -> NDArray[np.float32]:
+    return np.frombuffer(base64.b64decode(text, validate=True), '<f4').astype(np.float32).reshape(rows, columns)
+
+
+def _action_members(action: Action) -> dict[str, Any]:
+    return {'kind': action.kind.value, 'object_id': action.object_id, 'symbol': action.symbol}
+
+
+def _action_of(members: Document) -> Action:
+    return Action(QueryKind(members['kind']), members['object_id'], members['symbol'])
+
+
+def answers_among(events: Iterable[SessionEvent]) -> list[Told | KeptLate]:
+    """All that was said, in the order in which it was heard."""
+    return [event for event in events if isinstance(event, (Told, KeptLate))]

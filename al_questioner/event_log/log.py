@@ -1,0 +1,388 @@
+"""An append-only log of events in SQLite that loses nothing it has confirmed, and knows what it has lost.
+
+Each event carries a running number and a checksum that is chained over all before it, so that no event can be altered,
+left out or moved unseen. `session.head` names the last event outside of the database, so that a lost end is seen too.
+"""
+
+from __future__ import annotations
+
+import contextlib
+import fcntl
+import hashlib
+import os
+import shutil
+import signal
+import sqlite3
+import tempfile
+import threading
+import time
+from collections.abc import Callable, Iterator, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+
+from al_questioner.domain import EpisodeError, InputError
+from al_questioner.support.files import make_folder, sync_to_disk
+
+DATABASE, HEAD, LOCK = 'session.sqlite3', 'session.head', 'session.lock'
+BROKEN = 'broken-'
+"""Before the names of the files that a repair keeps as they were."""
+KILL_VARIABLE = 'AL_QUESTIONER_KILL_AT_WRITE'
+"""Environment variable for tests: the number of the write point at which the process is to kill itself."""
+
+_JOURNALS = ('-wal', '-shm')
+_TABLE = (
+    'CREATE TABLE IF NOT EXISTS events'
+    ' (number INTEGER PRIMARY KEY, kind TEXT, stamp INTEGER, content BLOB, checksum BLOB)'
+)
+_START = hashlib.sha256(b'al_questioner/session/1').digest()
+"""What the first event's checksum is chained to."""
+
+WritePoint = Callable[[str], None]
+"""Called at every point of writing at which a process could end: 'begun', 'written', 'committed', 'noted'."""
+
+
+class SessionLogError(InputError):
+    """A folder that holds no session log, or one that cannot be used; the text names it."""
+
+
+class LogWriteError(EpisodeError):
+    """An event that could not be brought to the disk."""
+
+
+@dataclass(frozen=True)
+class Event:
+    """One line of a log.
+
+    Attributes:
+        number: 1 for the first.
+        kind: of the event.
+        stamp: when it was written, nanoseconds since the epoch.
+        content: of the event.
+        checksum: SHA-256 over it and the checksum before.
+    """
+
+    number: int
+    kind: str
+    stamp: int
+    content: bytes
+    checksum: bytes
+
+
+@dataclass(frozen=True)
+class LogContents:
+    """What can be read of a log.
+
+    Attributes:
+        events: all that come before the first damage.
+        damage: what is wrong, and where; None if the log is whole.
+    """
+
+    events: tuple[Event, ...]
+    damage: str | None
+
+
+class SessionLog:
+    """A log that is written to, by one process at a time.
+
+    What `append` has returned from survives whatever happens to the process or, as far as the disk keeps its word, to
+    the machine. Once an event could not be written the log takes no more.
+
+    Args:
+        folder: of the log, made if it is not there.
+        synchronous: whether each append waits for the disk; only to measure what that costs.
+        at_write_point: for tests.
+
+    Raises:
+        SessionLogError: another process writes to it, it is damaged, or it cannot be written to.
+    """
+
+    def __init__(self, folder: Path, synchronous: bool = True, at_write_point: WritePoint | None = None) -> None:
+        self.folder = folder
+        self._at_write_point = at_write_point or _killer()
+        self._failure = ''
+        # A node may close it while its worker is about to write.
+        self._in_use = threading.Lock()
+        make_folder(folder)
+        with contextlib.ExitStack() as stack:
+            stack.enter_context(_unusable(folder))
+            self._lock = stack.enter_context(_locked(folder))
+            contents = _read(folder, live=False)
+            if contents is not None and contents.damage:
+                raise SessionLogError(
+                    f'{folder}: {contents.damage}; `session {folder} --repair` keeps what is before the damage'
+                )
+            self.events: tuple[Event, ...] = () if contents is None else contents.events
+            self._number = len(self.events)
+            self._checksum = self.events[-1].checksum if self.events else _START
+            # The head first: a database without one has lost it.
+            self._head = os.open(folder / HEAD, os.O_RDWR | os.O_CREAT, 0o644)
+            stack.callback(os.close, self._head)
+            self._write_head()
+            os.fsync(self._head)
+            self._database = sqlite3.connect(folder / DATABASE, isolation_level=None, check_same_thread=False)
+            stack.callback(self._database.close)
+            self._database.execute('PRAGMA journal_mode=WAL')
+            self._database.execute(f'PRAGMA synchronous={"FULL" if synchronous else "OFF"}')
+            self._database.execute(_TABLE)
+            for path in (folder, folder.absolute().parent):
+                sync_to_disk(path)
+            self._open = stack.pop_all()
+
+    def append(self, *entries: tuple[str, bytes]) -> None:
+        """Bring events, each a kind and a content, to the disk: all of them, or none.
+
+        Raises:
+            LogWriteError: they cannot be; neither can any event after them.
+        """
+        with self._in_use:
+            self._append(entries)
+
+    def _append(self, entries: Sequence[tuple[str, bytes]]) -> None:
+        if self._failure:
+            raise LogWriteError(self._failure)
+        number, checksum = self._number, self._checksum
+        try:
+            self._at_write_point('begun')
+            self._database.execute('BEGIN IMMEDIATE')
+            for kind, content in entries:
+                number, stamp = number + 1, time.time_ns()
+                checksum = _chained(checksum, number, kind, stamp, content)
+                row = (number, kind, stamp, content, checksum)
+                self._database.execute('INSERT INTO events VALUES (?, ?, ?, ?, ?)', row)
+            self._at_write_point('written')
+            self._database.execute('COMMIT')
+            self._at_write_point('committed')
+            self._number, self._checksum = number, checksum
+            self._write_head()
+            self._at_write_point('noted')
+        except (OSError, sqlite3.Error) as error:
+            with contextlib.suppress(sqlite3.Error):
+                self._database.execute('ROLLBACK')
+            reason = (isinstance(error, OSError) and error.strerror) or str(error)
+            self._failure = (
+                f'{self.folder}: the session log cannot be written ({reason}): nothing is asked or taken any more;'
+                ' what was acknowledged is safe; see to the disk and start the learner again'
+            )
+            raise LogWriteError(self._failure) from error
+
+    def close(self) -> None:
+        """Let another process write; nothing can be appended any more."""
+        with self._in_use:
+            self._failure = self._failure or f'{self.folder}: the session log is closed'
+            self._open.close()
+
+    def __enter__(self) -> SessionLog:
+        return self
+
+    def __exit__(self, *_: object) -> None:
+        self.close()
+
+    def _write_head(self) -> None:
+        """Note the last event. It is not waited for: a head that lags behind is still one of this log."""
+        os.pwrite(self._head, f'{self._number:020d} {self._checksum.hex()}\n'.encode(), 0)
+
+
+def read_log(folder: Path) -> LogContents:
+    """What a log holds; nothing in the folder is changed, and a learner may be writing to it.
+
+    Raises:
+        SessionLogError: there is no log in the folder, or it cannot be read.
+    """
+    with _unusable(folder):
+        try:
+            with _locked(folder, make=False):
+                contents = _read(folder, live=False)
+        except _InUseError:
+            contents = _read(folder, live=True)
+    if contents is None:
+        raise SessionLogError(f'{folder}: there is no session log in it')
+    return contents
+
+
+def repair_log(folder: Path) -> LogContents:
+    """Rewrite a damaged log from what comes before the damage, and keep the damaged files as `broken-*`.
+
+    A repair that is interrupted can be repeated.
+
+    Returns:
+        What the log held.
+
+    Raises:
+        SessionLogError: there is no log, nothing of it can be read, a learner is writing to it, a damaged one was kept
+            before, or it cannot be written to.
+    """
+    with _unusable(folder), _locked(folder):
+        contents = _read(folder, live=False)
+        if contents is None:
+            raise SessionLogError(f'{folder}: there is no session log in it')
+        if contents.damage is None:
+            return contents
+        if not contents.events:
+            raise SessionLogError(f'{folder}: {contents.damage}; nothing can be recovered')
+        database = folder / DATABASE
+        kept = folder / f'{BROKEN}{DATABASE}'
+        if database.exists() and kept.exists():
+            raise SessionLogError(f'{kept}: exists already; move it away to repair once more')
+        with tempfile.TemporaryDirectory(dir=folder, prefix='.repairing-') as made:
+            _write_anew(Path(made), contents.events)
+            # The database first: as long as there is none, the repair is seen to be unfinished.
+            for name in (DATABASE, *(DATABASE + suffix for suffix in _JOURNALS), HEAD):
+                if (folder / name).exists() and not (folder / f'{BROKEN}{name}').exists():
+                    (folder / name).rename(folder / f'{BROKEN}{name}')
+            sync_to_disk(folder)
+            for name in (HEAD, DATABASE):
+                sync_to_disk(Path(made) / name)
+                (Path(made) / name).replace(folder / name)
+        sync_to_disk(folder)
+    return contents
+
+
+def _write_anew(folder: Path, events: Sequence[Event]) -> None:
+    """A database and a head with these events; closed, so that there is no journal."""
+    with contextlib.closing(sqlite3.connect(folder / DATABASE)) as database:
+        database.execute(_TABLE)
+        rows = [(event.number, event.kind, event.stamp, event.content, event.checksum) for event in events]
+        database.executemany('INSERT INTO events VALUES (?, ?, ?, ?, ?)', rows)
+        database.commit()
+    (folder / HEAD).write_text(f'{events[-1].number:020d} {events[-1].checksum.hex()}\n', encoding='ascii')
+
+
+def _read(folder: Path, live: bool) -> LogContents | None:
+    """What the log of a folder holds; None if there is none.
+
+    Args:
+        folder: of the log.
+        live: whether it is written to meanwhile. If it is not, a copy is read: opening a database changes its files.
+    """
+    names = [DATABASE, DATABASE + _JOURNALS[0], HEAD]
+    unfinished = not (folder / DATABASE).exists() and (folder / f'{BROKEN}{DATABASE}').exists()
+    if not unfinished and not any((folder / name).exists() for name in names):
+        return None
+    if live:
+        head = _read_head(folder / HEAD)
+        return _judged(*_read_events(f'file:{_quoted(folder / DATABASE)}?mode=ro'), head)
+    with tempfile.TemporaryDirectory() as copied:
+        for name in names:
+            # An interrupted repair may have moved some of the files away and not yet the others.
+            sources = [folder / f'{BROKEN}{name}'] * unfinished + [folder / name]
+            for source in sources:
+                if source.exists():
+                    shutil.copyfile(source, Path(copied) / name)
+                    break
+        head = _read_head(Path(copied) / HEAD)
+        contents = _judged(*_read_events(f'file:{_quoted(Path(copied) / DATABASE)}'), head)
+    if unfinished and contents.damage is None:
+        return LogContents(contents.events, 'a repair was interrupted')
+    return contents
+
+
+def _quoted(path: Path) -> str:
+    return str(path.absolute()).replace('%', '%25').replace('?', '%3f').replace('#', '%23')
+
+
+def _read_events(uri: str) -> tuple[list[Event], str | None]:
+    """The events of a database up to the first that is damaged, and what is wrong with that."""
+    events: list[Event] = []
+    checksum = _START
+    try:
+        with contextlib.closing(sqlite3.connect(uri, uri=True)) as database:
+            if not database.execute("SELECT count(*) FROM sqlite_master WHERE name = 'events'").fetchone()[0]:
+                return events, None
+            for row in database.execute('SELECT number, kind, stamp, content, checksum FROM events ORDER BY number'):
+                number = len(events) + 1
+                if row[0] != number:
+                    return events, f'event {number} is missing'
+                if tuple(map(type, row)) != (int, str, int, bytes, bytes) or row[4] != _chained(checksum, *row[:4]):
+                    return events, f'event {number} is damaged (its checksum is wrong)'
+                events.append(Event(*row))
+                checksum = row[4]
+    except (sqlite3.Error, UnicodeError) as error:
+        return events, f'event {len(events) + 1} cannot be read ({_one_line(error)})'
+    return events, None
+
+
+def _read_head(path: Path) -> tuple[int, bytes] | str:
+    """Number and checksum of the last event that was noted, or why they are not known."""
+    try:
+        number, checksum = path.read_bytes().split()
+        return int(number), bytes.fromhex(checksum.decode())
+    except FileNotFoundError:
+        return f'{HEAD} is missing: whether the last events are lost cannot be told'
+    except ValueError:
+        return f'{HEAD} is damaged: whether the last events are lost cannot be told'
+
+
+def _judged(events: Sequence[Event], damage: str | None, head: tuple[int, bytes] | str) -> LogContents:
+    """The events with what is wrong, as the head shows what the database cannot."""
+    if isinstance(head, str):
+        return LogContents(tuple(events), damage or head)
+    number, checksum = head
+    if number > len(events):
+        lost = f'of {number} events only the first {len(events)} are left'
+        return LogContents(tuple(events), f'{damage}; {lost}' if damage else lost)
+    noted = events[number - 1].checksum if number else _START
+    if damage is None and noted != checksum:
+        damage = f'{HEAD} is not that of these events'
+    return LogContents(tuple(events), damage)
+
+
+def _chained(previous: bytes, number: int, kind: str, stamp: int, content: bytes) -> bytes:
+    """The checksum of an event."""
+    description = f'{number} {kind} {stamp} {len(content)}\n'.encode()
+    return hashlib.sha256(previous + description + content).digest()
+
+
+class _InUseError(SessionLogError):
+    """Another process writes to the log."""
+
+
+@contextlib.contextmanager
+def _locked(folder: Path, make: bool = True) -> Iterator[None]:
+    """Hold the lock of a log, which ends with the process however that ends.
+
+    Args:
+        folder: of the log.
+        make: whether it is to write. Readers share the lock and make no file for it: where none is, nobody writes.
+    """
+    path = folder / LOCK
+    if not make and not path.exists():
+        yield
+        return
+    descriptor = os.open(path, (os.O_RDWR | os.O_CREAT) if make else os.O_RDONLY, 0o644)
+    try:
+        try:
+            fcntl.flock(descriptor, (fcntl.LOCK_EX if make else fcntl.LOCK_SH) | fcntl.LOCK_NB)
+        except BlockingIOError:
+            raise _InUseError(f'{folder}: another process is using this session') from None
+        yield
+    finally:
+        os.close(descriptor)
+
+
+@contextlib.contextmanager
+def _unusable(folder: Path) -> Iterator[None]:
+    """Make every error of the disk one that names the folder."""
+    try:
+        yield
+    except OSError as error:
+        raise SessionLogError(f'{folder}: the session log cannot be used ({error.strerror})') from error
+    except sqlite3.Error as error:
+        raise SessionLogError(f'{folder}: the session log cannot be used ({_one_line(error)})') from error
+
+
+def _killer() -> WritePoint:
+    """Ends the process, as a crash would, at the write point that the environment names."""
+    last = int(os.environ.get(KILL_VARIABLE, 0))
+    count = 0
+
+    def reached(_: str) -> None:
+        nonlocal count
+        count += 1
+        if count == last:
+            os.kill(os.getpid(), signal.SIGKILL)
+
+    return reached
+
+
+def _one_line(error: Exception) -> str:
+    return ' '.join(str(error).split())

@@ -1,0 +1,75 @@
+"""What the documents `episode` and `learner_state`, and a node's diagnostics, tell of an episode."""
+
+from __future__ import annotations
+
+import dataclasses
+import statistics
+from collections.abc import Mapping, Sequence
+
+import numpy as np
+from numpy.typing import NDArray
+
+from al_questioner.event_log.events import Begun
+from al_questioner.messages import documents
+from al_questioner.messages.documents import Document
+from al_questioner.questioning import Episode
+
+
+def episode_members(begun: Begun, feature_names: Sequence[str]) -> Document:
+    """Members of the `episode` document, once the features are known."""
+    return {
+        **documents.settings_members(begun.settings),
+        'feature_names': list(feature_names),
+        'view_tolerance': begun.view_tolerance,
+        'seed': begun.seed,
+        'world': begun.world,
+    }
+
+
+def state_members(episode: Episode, beliefs: NDArray[np.float64]) -> Document:
+    """Members of the `learner_state` document: all up to the last turn that is over.
+
+    Args:
+        episode: after its first turn began.
+        beliefs: (n, |Y|) q_y(x) of the scene of the present turn.
+    """
+    return {
+        'turn': episode.turns_over,
+        'turns': episode.settings.turns,
+        'budget': episode.settings.budget,
+        'spent': sum(record.cost for record in episode.records),
+        'done': episode.done,
+        'queries': [documents.record_members(record) for record in episode.records],
+        'labels': dict(episode.positives),
+        'model_version': episode.knowledge.model_version,
+        'last_answer': _last_answer(episode),
+        'teachers': {name: dataclasses.asdict(record) for name, record in episode.teachers.items()},
+        'kernel': dataclasses.asdict(episode.knowledge.kernel),
+        'beliefs': {
+            str(object_id): {
+                symbol: round(float(p), 6) for symbol, p in zip(episode.settings.symbols, row, strict=True)
+            }
+            for object_id, row in zip(episode.scene.object_ids, beliefs, strict=True)
+        },
+    }
+
+
+def noise_text(noise: Mapping[str, float]) -> str:
+    """What the sensors' noise is, for people.
+
+    Args:
+        noise: of each feature by its name, as share of its spread among things.
+    """
+    if not noise:
+        return 'not estimated'
+    noisiest = max(noise, key=lambda name: noise[name])
+    usual = statistics.median(noise.values())
+    return f"{usual:.2g} of a feature's spread (median); the noisiest is {noisiest}: {noise[noisiest]:.2g}"
+
+
+def _last_answer(episode: Episode) -> Document | None:
+    """What somebody who comes back may want to take back."""
+    if episode.answers.last is None:
+        return None
+    query, answer = episode.answers.last
+    return {'query': documents.query_members(query), 'answer': documents.answer_members(answer)}

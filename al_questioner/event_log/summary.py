@@ -1,0 +1,112 @@
+"""What a session log tells, after it was checked and played."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from pathlib import Path
+
+from al_questioner.domain import Answer, Query
+from al_questioner.event_log.durable_episode import Replay, ReplayError
+from al_questioner.event_log.events import Begun, Decided, KeptLate, Refused, Seen, SessionEvent, Told, decoded
+from al_questioner.event_log.log import LogContents, SessionLogError
+from al_questioner.questioning import Episode
+
+
+@dataclass(frozen=True)
+class Said:
+    """Something that was said to a query.
+
+    Attributes:
+        stamp: when it was written down, nanoseconds since the epoch.
+        answer: what was said.
+        query: to which it was said; None if none of this id was asked.
+        status: 'taken', 'taken, then replaced by ID', or 'late'.
+    """
+
+    stamp: int
+    answer: Answer
+    query: Query | None
+    status: str
+
+
+@dataclass(frozen=True, eq=False)
+class Account:
+    """A session, up to where its log can be trusted.
+
+    Attributes:
+        folder: of the log.
+        begun: the episode.
+        events: with the time at which each was written, nanoseconds since the epoch.
+        episode: as it is after these events.
+        fault: what is wrong with the log, and where; None if it is whole.
+    """
+
+    folder: Path
+    begun: Begun
+    events: tuple[tuple[int, SessionEvent], ...]
+    episode: Episode
+    fault: str | None
+
+    @property
+    def turns_over(self) -> int:
+        """Turns that are over: one that waits for an answer is not."""
+        return self.episode.turns_over
+
+    @property
+    def seen(self) -> tuple[Seen, ...]:
+        """The scene of each turn that began."""
+        by_turn = {event.turn: event for _, event in self.events if isinstance(event, Seen)}
+        return tuple(by_turn[turn] for turn in range(1, self.episode.turn + 1))
+
+    @property
+    def queries(self) -> dict[str, Query]:
+        """All that was asked, by `query_id`, in order."""
+        decided = (event for _, event in self.events if isinstance(event, Decided))
+        return {decision.query.query_id: decision.query for decision in decided if decision.query is not None}
+
+    @property
+    def said(self) -> list[Said]:
+        """All that was said to a query, in the order in which it was heard."""
+        queries = self.queries
+        told = [event.answer for _, event in self.events if isinstance(event, Told)]
+        replaced = {(answer.query_id, answer.replaces): answer.answer_id for answer in told if answer.replaces}
+        result = []
+        for stamp, event in self.events:
+            if isinstance(event, (Told, KeptLate)):
+                answer = event.answer
+                by = replaced.get((answer.query_id, answer.answer_id))
+                taken = 'taken' if by is None else f'taken, then replaced by {by}'
+                status = 'late' if isinstance(event, KeptLate) else taken
+                result.append(Said(stamp, answer, queries.get(answer.query_id), status))
+        return result
+
+    @property
+    def refused(self) -> list[tuple[int, Refused]]:
+        """The texts that were not taken for answers, with their times."""
+        return [(stamp, event) for stamp, event in self.events if isinstance(event, Refused)]
+
+
+def account_of(folder: Path, contents: LogContents) -> Account:
+    """Play a log up to where it can be trusted.
+
+    Raises:
+        SessionLogError: not even the episode is known.
+        SettingsError: its strategy is not installed.
+    """
+    events, fault = decoded(contents)
+    begun = events[0] if events else None
+    if not isinstance(begun, Begun):
+        raise SessionLogError(f'{folder}: nothing usable is in the session log ({fault or "no episode was begun"})')
+    replay, played = Replay(begun), 1
+    try:
+        for event in events[1:]:
+            replay.play(event)
+            played += 1
+    except ReplayError as error:
+        fault = f'event {played + 1} does not follow from those before ({error})'
+        # Anew, as the event may have had a part of its effect.
+        replay = Replay(begun)
+        for event in events[1:played]:
+            replay.play(event)
+    stamps = [event.stamp for event in contents.events]
+    return Account(folder, begun, tuple(zip(stamps, events[:played], strict=False)), replay.episode, fault)

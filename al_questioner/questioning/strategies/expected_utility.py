@@ -1,0 +1,119 @@
+"""Expected decision features of every candidate action, one step ahead.
+
+Utility is linear in the decision features (equation 2 of the paper), so the expected utility of equation 1 is
+EU(a) = w . E[phi | a]: the expectation is taken once, whatever the weights.
+"""
+
+from __future__ import annotations
+
+from functools import lru_cache
+
+import numpy as np
+
+from al_questioner.concepts import Knowledge
+from al_questioner.domain import DECISION_FEATURES, Action, QueryKind, Scene
+from al_questioner.questioning.strategies import decision_features as phi
+from al_questioner.questioning.strategies.decision_features import Array
+from al_questioner.questioning.turn_context import Situation
+
+INSTANCE_QUERIES = (QueryKind.LABEL, QueryKind.DEMONSTRATION)
+
+
+def expected_features(situation: Situation) -> Array:
+    """E[phi | a] of each candidate a, (C, 7) in the order of `DECISION_FEATURES`.
+
+    The outcomes of LQ(x) are the symbols y with p(y|x), those of DQ(y) the objects x with p(x|y); either way the
+    learner would have one more example (x, y). NQ teaches nothing. The answer to FSQ is taken to be the features that a
+    computational selector picks from the labels so far; without labels, or once the teacher has answered an FSQ, the
+    beliefs stay as they are.
+    """
+    expected = np.empty((len(situation.candidates), len(DECISION_FEATURES)))
+    knowledge = situation.knowledge
+    expected[:, :4] = _expected_task_features(knowledge, knowledge.model_version, situation.scene, situation.candidates)
+    expected[:, 4:] = environment_features(situation)
+    return expected
+
+
+@lru_cache(maxsize=1)
+def _expected_task_features(
+    knowledge: Knowledge, model_version: int, scene: Scene, actions: tuple[Action, ...]
+) -> Array:
+    """(C, 4) those of the learning task; a turn without a question changes none of them.
+
+    Args:
+        knowledge: what the learner knows.
+        model_version: of this knowledge, which tells it from what it was before.
+        scene: what is seen.
+        actions: the C candidates.
+    """
+    q = knowledge.predict_proba(scene.features)
+    positives = np.array(list(knowledge.positives.values()))
+    expected = np.empty((len(actions), 4))
+    expected[:] = task_features(q, positives)
+
+    if any(action.kind in INSTANCE_QUERIES for action in actions):
+        by_object, by_symbol = _after_instance_queries(knowledge, scene, q, positives)
+        for row, action in enumerate(actions):
+            if action.kind is QueryKind.LABEL and action.object_id is not None:
+                expected[row] = by_object[scene.index_of(action.object_id)]
+            elif action.kind is QueryKind.DEMONSTRATION and action.symbol is not None:
+                expected[row] = by_symbol[knowledge.symbols.index(action.symbol)]
+
+    if knowledge.labelled_views and not knowledge.subset_was_told:
+        for row, action in enumerate(actions):
+            if action.kind is QueryKind.FEATURE_SUBSET:
+                expected[row] = task_features(knowledge.predict_after_selection(scene), positives)
+    return expected
+
+
+def _after_instance_queries(knowledge: Knowledge, scene: Scene, q: Array, positives: Array) -> tuple[Array, Array]:
+    """Expected task features after LQ(x), (|X|, 4), and after DQ(y), (|Y|, 4).
+
+    The look-ahead is taken in as it comes: of a large scene its whole table need not fit into memory.
+    """
+    p_symbol, p_object = phi.symbol_given_object(q), phi.object_given_symbol(q)
+    by_object, by_symbol = np.empty((len(p_symbol), 4)), np.zeros((len(positives), 4))
+    one_more = positives + np.eye(len(positives), dtype=int)
+    for rows, beliefs in knowledge.look_ahead_chunks(scene):
+        after = task_features(beliefs, one_more)
+        by_object[rows] = np.einsum('xy,xyf->xf', p_symbol[rows], after)
+        by_symbol += np.einsum('xy,xyf->yf', p_object[rows], after)
+    return by_object, by_symbol
+
+
+def task_features(q: Array, positives: Array) -> Array:
+    """The four learning-centric decision features of states.
+
+    Args:
+        q: (..., |X|, |Y|) beliefs.
+        positives: (..., |Y|) numbers of positive examples; leading axes broadcast against those of `q`.
+
+    Returns:
+        (..., 4) in the order of `DECISION_FEATURES`; of what is believed of the things, 0 where there are none.
+    """
+    if q.shape[-2] == 0:
+        nothing = np.zeros(q.shape[:-2])
+        return _side_by_side(nothing, phi.class_uniformity(positives), nothing, nothing)
+    return _side_by_side(
+        phi.discriminability(q), phi.class_uniformity(positives), phi.instance_variation(q), phi.prediction_margin(q)
+    )
+
+
+def environment_features(situation: Situation) -> Array:
+    """(C, 3) budget consumption, remaining time and non-query time after each candidate."""
+    kinds = [action.kind for action in situation.candidates]
+    spent = {kind: situation.spent + situation.costs.of(kind) for kind in QueryKind}
+    idle = [situation.non_query_turns + 1 if kind is QueryKind.NO_QUERY else 0 for kind in kinds]
+    return _side_by_side(
+        phi.budget_consumption([spent[kind] for kind in kinds], situation.budget),
+        phi.remaining_time(situation.turns_left, situation.turns),
+        phi.non_query_time(idle, situation.change_interval),
+    )
+
+
+def _side_by_side(*parts: Array) -> Array:
+    """(..., number of parts) from parts whose shapes broadcast to (...)."""
+    table = np.empty((*np.broadcast_shapes(*(part.shape for part in parts)), len(parts)))
+    for column, part in enumerate(parts):
+        table[..., column] = part
+    return table

@@ -1,0 +1,75 @@
+"""What imitation can learn the weights of: the features of each strategy that has some to be learnt."""
+
+from __future__ import annotations
+
+import dataclasses
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from al_questioner.concepts import Selector
+from al_questioner.domain import DECISION_FEATURES, VALUE_CONSTANTS, VALUE_FEATURES
+from al_questioner.questioning.strategies.choice import Choice, Strategy
+from al_questioner.questioning.strategies.expected_utility import expected_features
+from al_questioner.questioning.strategies.value_per_cost import is_worthless, value_features
+from al_questioner.questioning.turn_context import Situation
+
+
+def _never(features: NDArray[np.float64]) -> NDArray[np.bool_]:
+    return np.zeros(len(features), dtype=bool)
+
+
+@dataclass(frozen=True)
+class FeatureSet:
+    """Features of the candidates, of whose weighted sum a strategy takes the largest.
+
+    Attributes:
+        strategy: its name.
+        names: of the F features.
+        of: (C, F) those of the candidates of a situation.
+        constants: names of what a weights file may set beside the weights.
+        is_worthless: (C,) whether the strategy never considers a candidate with such features, (C, F).
+    """
+
+    strategy: str
+    names: tuple[str, ...]
+    of: Callable[[Situation], NDArray[np.float64]]
+    constants: tuple[str, ...] = ()
+    is_worthless: Callable[[NDArray[np.float64]], NDArray[np.bool_]] = _never
+
+
+FEATURE_SETS: Mapping[str, FeatureSet] = {
+    feature_set.strategy: feature_set
+    for feature_set in (
+        FeatureSet('dt_task_env', DECISION_FEATURES, expected_features),
+        FeatureSet('value_per_cost', VALUE_FEATURES, value_features, VALUE_CONSTANTS, is_worthless),
+    )
+}
+"""By the strategy's name."""
+
+
+class Observed:
+    """A strategy whose choices carry the features of another one: what it shows that one.
+
+    What is worthless to that one counts as not considered, unless it is chosen.
+
+    Args:
+        strategy: who decides.
+        feature_set: what is computed of every candidate, whatever the strategy computes itself.
+    """
+
+    def __init__(self, strategy: Strategy, feature_set: FeatureSet) -> None:
+        self._strategy, self._feature_set = strategy, feature_set
+
+    @property
+    def selector(self) -> Selector | None:
+        """That of the strategy."""
+        return self._strategy.selector
+
+    def choose(self, situation: Situation, rng: np.random.Generator) -> Choice:
+        """The strategy's choice, with the features of the set."""
+        choice, features = self._strategy.choose(situation, rng), self._feature_set.of(situation)
+        left_out = self._feature_set.is_worthless(features) & (np.arange(len(features)) != choice.index)
+        return dataclasses.replace(choice, utilities=np.where(left_out, np.nan, choice.utilities), features=features)

@@ -1,0 +1,272 @@
+"""A person as the questioner: someone who shows how to ask, so that it can be imitated."""
+
+from __future__ import annotations
+
+import os
+import sys
+from collections.abc import Callable, Sequence
+from typing import Protocol, TextIO
+
+import numpy as np
+
+from al_questioner.domain import NO_SYMBOL, Action, EpisodeError, InputError, QueryKind
+from al_questioner.domain.names import (
+    FEATURES_WORDS,
+    HELP_WORDS,
+    LONGEST_QUOTED,
+    NOTHING_WORDS,
+    loosely,
+    meant,
+    quoted,
+    suggestion,
+)
+from al_questioner.questioning.candidates import is_open
+from al_questioner.questioning.strategies.choice import Choice, settled_actions
+from al_questioner.questioning.strategies.decision_features import symbol_given_object
+from al_questioner.questioning.strategies.expected_utility import expected_features
+from al_questioner.questioning.turn_context import Situation
+
+HELP = 'a number asks what that object is, a symbol to be shown one, f which properties matter; Enter asks nothing'
+HELP_TABLE = """\
+  12       asks what object 12 is
+  snack    asks to be shown a snack; the beginning of the symbol does
+  f        asks which properties matter
+  Enter    asks nothing in this turn
+  h        shows this"""
+MOST_BELIEFS = 2
+"""Symbols that the menu tells of an object: the most probable ones."""
+
+Picker = Callable[[Situation], int]
+"""Chooses a candidate: its index."""
+
+
+class Human:
+    """Whoever sits at the terminal chooses, among the same candidates as any strategy.
+
+    The choice carries the expected decision features of all candidates: it is a demonstration to learn from. The
+    utility is 1 for what was chosen and 0 for all else.
+
+    Args:
+        pick: asks the person; that at the terminal of this process if not given.
+    """
+
+    selector = None
+
+    def __init__(self, pick: Picker | None = None) -> None:
+        self._pick = pick or at_terminal()
+
+    def choose(self, situation: Situation, rng: np.random.Generator) -> Choice:
+        """What the person picks.
+
+        Raises:
+            EpisodeError: nobody is there to choose.
+        """
+        # Before the question, so that the person's answer is not waited upon twice.
+        features = expected_features(situation)
+        index = self._pick(situation)
+        utilities = np.zeros(len(situation.candidates))
+        utilities[index] = 1.0
+        return Choice(index, utilities, features)
+
+
+class LineSource(Protocol):
+    """Where lines come from, as a file."""
+
+    def readline(self) -> str:
+        """The next line; empty at the end."""
+        ...
+
+
+class Lines:
+    """The lines of a file descriptor, read without the lock of `sys.stdin`.
+
+    A thread that waits for a person holds that lock, and a process that ends meanwhile would be aborted for it.
+
+    Args:
+        descriptor: 0 for the standard input.
+    """
+
+    def __init__(self, descriptor: int) -> None:
+        self._descriptor = descriptor
+        self._read = b''
+
+    def readline(self) -> str:
+        """The next line; empty at the end."""
+        while b'\n' not in self._read:
+            try:
+                more = os.read(self._descriptor, 4096)
+            except OSError:
+                more = b''
+            if not more:
+                break
+            self._read += more
+        line, end, self._read = self._read.partition(b'\n')
+        return (line + end).decode('utf-8', errors='replace')
+
+
+def at_terminal() -> Picker:
+    """Asks whoever sits at the terminal of this process."""
+    lines = Lines(0)
+    return lambda situation: pick_from_menu(situation, lines, sys.stdout)
+
+
+class Remembered:
+    """A person's choices played back, so that nobody is asked twice; what is not given is asked of the person.
+
+    Attributes:
+        action: what was chosen in the turn that comes next; None to ask.
+    """
+
+    def __init__(self) -> None:
+        self.action: Action | None = None
+        self._ask = at_terminal()
+
+    def __call__(self, situation: Situation) -> int:
+        """Index of the choice.
+
+        Raises:
+            InputError: what was chosen is no candidate of this turn.
+        """
+        if self.action is None:
+            return self._ask(situation)
+        if self.action not in situation.candidates:
+            raise InputError(f'{self.action} was chosen, which is no candidate here')
+        return situation.candidates.index(self.action)
+
+
+def pick_from_menu(situation: Situation, source: LineSource, screen: TextIO) -> int:
+    """Show the candidates and read lines until one names a candidate.
+
+    Raises:
+        EpisodeError: the input has ended.
+    """
+    print(menu(situation), file=screen)
+    while True:
+        print('ask> ', end='', file=screen, flush=True)
+        line = source.readline()
+        if not line:
+            raise EpisodeError('strategy human: the input has ended, so nobody chooses; start it in a terminal')
+        if _asks_for_help(line, situation.symbols):
+            print(HELP_TABLE, file=screen)
+            continue
+        try:
+            return chosen_candidate(line, situation)
+        except InputError as error:
+            print(f'  {error}', file=screen)
+
+
+def _asks_for_help(line: str, symbols: Sequence[str]) -> bool:
+    """Whether a line is `h`, `help` or `?`, and neither a symbol nor the beginning of one."""
+    return bool(meant(line, (*HELP_WORDS, '?'))) and not meant(line, symbols) and not _begun(line, symbols)
+
+
+def _begun(line: str, symbols: Sequence[str]) -> list[str]:
+    """The symbols that a line is the beginning of."""
+    word = loosely(line)
+    return [symbol for symbol in symbols if word and loosely(symbol).startswith(word)]
+
+
+def chosen_candidate(line: str, situation: Situation) -> int:
+    """Index of the candidate that a line names: an object's number, a symbol or its beginning, `f`, or nothing.
+
+    What is exactly a symbol is that symbol, whatever else it may mean.
+
+    Raises:
+        InputError: it names none, or several; the text says what would be one.
+    """
+    word, symbols = line.rstrip('\r\n'), situation.symbols
+    if not word.strip():
+        return _index(Action(QueryKind.NO_QUERY), situation, 'asking nothing')
+    found = meant(word, (*symbols, *NOTHING_WORDS, NO_SYMBOL, *FEATURES_WORDS))
+    number = loosely(word).removeprefix('#').strip()
+    if not found and number.isdecimal():
+        return _index_of_object(number, situation)
+    found = found or _begun(word, symbols)
+    if len(found) > 1:
+        raise InputError(f'{quoted(word.strip())} could be {" or ".join(found)}: type more of it, or exactly that')
+    if not found:
+        hint = suggestion(word, (*symbols, NOTHING_WORDS[0], FEATURES_WORDS[0], HELP_WORDS[0]))
+        raise InputError(f'{quoted(word.strip())} is no question{hint}: {HELP}')
+    if found[0] in symbols:
+        return _index(Action(QueryKind.DEMONSTRATION, symbol=found[0]), situation, f'being shown a {found[0]}')
+    if found[0] in FEATURES_WORDS:
+        return _index(Action(QueryKind.FEATURE_SUBSET), situation, 'that question')
+    return _index(Action(QueryKind.NO_QUERY), situation, 'asking nothing')
+
+
+def _index_of_object(number: str, situation: Situation) -> int:
+    """Index of the question about the object of a number, which may be far longer than any object's."""
+    by_number = {str(object_id): object_id for object_id in situation.scene.object_ids}
+    object_id = by_number.get(number.lstrip('0') or '0')
+    what = f'a question about object {number[:LONGEST_QUOTED]}'
+    if object_id is None:
+        raise InputError(f'{what} is not possible: there is no such object')
+    return _index(Action(QueryKind.LABEL, object_id=object_id), situation, what)
+
+
+def menu(situation: Situation) -> str:
+    """The candidates by kind with their costs, what is believed and known of the objects, and what is left; 80 wide."""
+    costs, settled = situation.costs, settled_actions(situation)
+    left = f'budget left: {situation.budget_left:g} of {situation.budget:g}'
+    lines = [f'Turn {situation.turn} of {situation.turns}; {left}; scene since turn {situation.scene_turn}']
+    kinds = {action.kind for action in situation.candidates}
+    if not len(situation.scene):
+        lines.append('Nothing is in view')
+    if QueryKind.LABEL in kinds:
+        lines.append(f'What is it? (cost {costs.label:g}; * named already)')
+        lines += _columns([_object(situation, row, settled) for row in range(len(situation.scene))])
+    if QueryKind.DEMONSTRATION in kinds:
+        lines.append(f'Show me one (cost {costs.demonstration:g}); examples so far:')
+        lines += _columns(
+            [
+                f'{symbol}: {count}' + _remark(Action(QueryKind.DEMONSTRATION, symbol=symbol), settled)
+                for symbol, count in situation.knowledge.positives.items()
+            ]
+        )
+    if QueryKind.FEATURE_SUBSET in kinds and Action(QueryKind.FEATURE_SUBSET) not in settled:
+        lines.append(f'Which properties matter? (cost {costs.feature_subset:g}): f')
+    lines.append('Nothing: Enter; help: h')
+    return '\n'.join(lines)
+
+
+def _object(situation: Situation, row: int, settled: set[Action]) -> str:
+    object_id = situation.scene.object_ids[row]
+    p = symbol_given_object(situation.probabilities)[row]
+    best = np.argsort(-p, kind='stable')[:MOST_BELIEFS]
+    beliefs = ', '.join(f'{situation.symbols[i]} {p[i]:.0%}' for i in best) if np.ptp(p) else 'anything'
+    known = '*' if situation.labelled[row] else ' '
+    return f'{object_id:>3}{known} {beliefs}' + _remark(Action(QueryKind.LABEL, object_id=object_id), settled)
+
+
+def _remark(action: Action, settled: set[Action]) -> str:
+    return ' (tells nothing new)' if action in settled else ''
+
+
+def _columns(entries: Sequence[str], width: int = 80) -> list[str]:
+    """The entries in as many columns as fit."""
+    column = max(len(entry) for entry in entries) + 2
+    per_line = max(1, (width - 2) // column)
+    return [
+        ('  ' + ''.join(entry.ljust(column) for entry in entries[first : first + per_line])).rstrip()
+        for first in range(0, len(entries), per_line)
+    ]
+
+
+def _index(action: Action, situation: Situation, what: str) -> int:
+    reason = _reason_against(action, situation)
+    if reason:
+        raise InputError(f'{what} is not possible: {reason}')
+    return situation.candidates.index(action)
+
+
+def _reason_against(action: Action, situation: Situation) -> str:
+    """Why something cannot be chosen; empty if it can."""
+    if action.kind is QueryKind.LABEL and action.object_id not in situation.scene.object_ids:
+        return 'there is no such object'
+    if not is_open(action.kind, situation.scene):
+        return 'nothing is in view' if action.kind is QueryKind.DEMONSTRATION else 'it has only one possible answer'
+    if action.symbol in situation.excluded_symbols:
+        return 'all things here have been named otherwise'
+    if action in settled_actions(situation):
+        return 'it was asked before and would tell nothing new'
+    return '' if action in situation.candidates else 'the budget does not pay for it'

@@ -1,0 +1,353 @@
+"""The learner node: an Episode between the topics of the robot and of the teacher."""
+
+from __future__ import annotations
+
+import math
+import time
+from collections.abc import Mapping, Sequence
+from functools import partial
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+from sensor_msgs.msg import PointCloud2
+from std_msgs.msg import String
+from visualization_msgs.msg import MarkerArray
+
+from al_questioner.concepts import compile_models
+from al_questioner.domain import (
+    Answer,
+    AnswerError,
+    Content,
+    Decision,
+    EpisodeError,
+    InputError,
+    LateAnswerError,
+    Query,
+    Scene,
+)
+from al_questioner.event_log.events import Seen
+from al_questioner.event_log.reports import episode_members, noise_text, state_members
+from al_questioner.messages import documents
+from al_questioner.messages.clouds import cloud_of_decision, scene_of_cloud
+from al_questioner.messages.documents import Document
+from al_questioner.messages.pictures import markers
+from al_questioner.messages.stamps import nanoseconds, stamp_members
+from al_questioner.questioning import make_strategy, read_plain_answer, respelt
+from al_questioner.ros import qos
+from al_questioner.ros.alarm import Alarm
+from al_questioner.ros.learner_session import session_of, settings_of
+from al_questioner.ros.node import QuestionerNode
+from al_questioner.ros.parameters import declare, refuse_unknown
+from al_questioner.ros.repeating import PATIENT, Repeater
+from al_questioner.ros.running import run_nodes
+from al_questioner.ros.settings import all_names, learner_settings
+from al_questioner.ros.stale_scenes import StaleScenes
+from al_questioner.ros.turn_stamps import TurnStamps
+from al_questioner.ros.types import CLOUD_TYPES, MARKER_TYPES, header
+from al_questioner.ros.worlds import declare_world, world_members
+
+SECONDS_OF_A_RIVAL = 60.0
+"""For which another learner is a concern after it was heard."""
+SECONDS_FOR_ANSWER = 60.0
+"""After which the lack of an answer is worth a warning."""
+SECONDS_FOR_OBJECTS = 10.0
+"""After which the lack of a scene is worth a warning."""
+LONGEST_BACK_OFF = 8
+"""Times the answer timeout: for so long the learner waits at most before the turn goes on without an answer."""
+
+
+class LearnerNode(QuestionerNode):
+    """Asks for a scene, decides, asks the teacher, learns, and goes on to the next turn.
+
+    Everything that touches the episode happens on the worker's thread, message by message.
+
+    Args:
+        yields: end the node's context when the episode is over and another learner begins one on the same topics.
+        node_arguments: of the node.
+    """
+
+    def __init__(self, yields: bool = False, **node_arguments: Any) -> None:
+        super().__init__('learner', **node_arguments)
+        self._yields = yields
+        self._is_over = self._has_failed = False
+        self._rival_at = -math.inf
+        world = declare_world(self)
+        self._given = declare(self, learner_settings(world.task))
+        self._settings = settings_of(world.task, self._given)
+        # What cannot be used is to be said before anything is published, and before a log is begun.
+        make_strategy(self._settings.strategy, self._settings.weights)
+        refuse_unknown(self, all_names())
+        self._world = world_members(world)
+        self._session = session_of(self._settings, world, self._given)
+        self.episode_id = self._session.begun.episode_id
+        self._stamps = TurnStamps()
+        self._patience = Alarm(self, self._go_on_without)
+        self._stale = StaleScenes()
+        self._awaits_scene = False
+        self._last_turn_start = 0.0
+        self._view_noise = noise_text({})
+        self._implausible: dict[str, str] = {}
+
+        self._publish_episode = self.document_publisher('episode')
+        self._publish_turn = self.document_publisher('turn')
+        # What the course of the episode hangs on is said until it is served, the last state for as long as it is true.
+        self._request = Repeater(self, self._publish_turn, PATIENT)
+        self._question = Repeater(self, self.document_publisher('query'), PATIENT)
+        self._state = Repeater(self, self.document_publisher('learner_state'), PATIENT)
+        self._publish_ack = self.document_publisher('answer_ack', qos.EVENTS)
+        self._decision = self.advertise(PointCloud2, 'decision', qos.EVENTS)
+        self._markers = self.advertise(MarkerArray, 'scene_markers', qos.LATCHED)
+        self.on_message(PointCloud2, 'objects', self._perceive, qos.LATCHED)
+        self.on_message(String, 'answer', self._hear, qos.EVENTS)
+        self.on_document('turn', self._hear_turn)
+        self.does('preparing the models; where they have to be compiled first, that takes some ten seconds')
+        self.submit(compile_models)
+        if self._given['wait_for_recorder']:
+            self.await_recorder('episode', 'turn', 'query', 'answer_ack', 'decision', 'learner_state')
+        self.submit(self._start)
+
+    def _start(self) -> None:
+        """Begin the first turn, or go on where the session ended."""
+        self.does('going through what the session holds')
+        self._session.start()
+        seen, decision = self._session.seen, self._session.decision
+        if seen is None or decision is None:
+            self._begin_turn()
+            return
+        self.get_logger().info(f'going on with {self.episode_id}, in turn {seen.turn}, from {self._given["session"]}')
+        self._stamps = TurnStamps(seen.stamp)
+        self._announce(seen.scene)
+        if not self._session.episode.awaits_answer:
+            self._end_turn()
+            return
+        # Word for word as before: perception, if it is new too, shows what the question is about.
+        self._publish_turn({'turn': seen.turn, 'stamp': stamp_members(seen.stamp), 'world': self._world})
+        self._put(seen, decision)
+        self._show(seen, self._beliefs())
+
+    def _begin_turn(self) -> None:
+        """Ask perception for the scene of the next turn."""
+        if self._has_failed:
+            return
+        stamp = self._stamps.begin(self._now())
+        self._last_turn_start = time.monotonic()
+        self._awaits_scene = True
+        self._stale.begin_turn()
+        self._state.stop()
+        turn = self._session.episode.turn + 1
+        self.does(f'turn {turn}: waiting for objects', expected_within=SECONDS_FOR_OBJECTS)
+        self._request.say({'turn': turn, 'stamp': stamp_members(stamp), 'world': self._world})
+
+    def _perceive(self, cloud: PointCloud2) -> None:
+        """Decide, once the scene of this turn is there: see `TurnStamps`."""
+        if not self._awaits_scene or self._has_failed:
+            return
+        now, stamp = self._now(), nanoseconds(cloud.header.stamp)
+        if not self._stamps.is_of_turn(stamp, now):
+            self._stale.pass_over(stamp, self._stamps.last, self._stamps.is_ahead(now))
+            return
+        scene = scene_of_cloud(cloud, self._session.episode.knowledge.feature_names)
+        seen = Seen(self._session.episode.turn + 1, self._stamps.last, cloud.header.frame_id, scene)
+        decision = self._session.ask(seen)
+        self._tell_of_sensors()
+        self._awaits_scene = False
+        self._request.stop()
+        if decision.turn == 1:
+            self._announce(scene)
+        self._put(seen, decision)
+        if self._session.episode.awaits_answer:
+            self._show(seen, self._beliefs())
+        else:
+            self._end_turn()
+
+    def _tell_of_sensors(self) -> None:
+        """Take note of the noise for /diagnostics, and say once of each feature what it read that cannot be."""
+        episode = self._session.episode
+        self._view_noise = noise_text(episode.view_noise)
+        for object_id, feature, value in episode.knowledge.implausible_readings(episode.scene):
+            if feature not in self._implausible:
+                self._implausible[feature] = f'{value:g} of object {object_id}'
+                self.get_logger().warning(
+                    f'{feature} of object {object_id} reads {value:g}, far from all else it ever read: taken for the'
+                    " end of the feature's range"
+                )
+
+    def measurements(self) -> Mapping[str, str]:
+        """What is known of the sensors."""
+        implausible = {f'implausible {feature}': what for feature, what in dict(self._implausible).items()}
+        return {'view noise': self._view_noise, **implausible}
+
+    def _put(self, seen: Seen, decision: Decision) -> None:
+        """Publish a decision, and the question that waits, again if nobody answered it in the turn before."""
+        pending = self._session.episode.pending
+        if pending is not None:
+            self._question.say({**documents.query_members(pending), 'world': self._world})
+            self.get_logger().info(f'turn {decision.turn}: {pending.text}')
+            self._await_answer(pending, decision.turn)
+        head = header(seen.stamp, seen.frame_id)
+        self._decision.publish(cloud_of_decision(decision, self._settings.symbols, head, CLOUD_TYPES, seen.scene))
+
+    def _await_answer(self, query: Query, turn: int) -> None:
+        """Wait for the answer, but not for ever if so configured, and the longer the longer nobody has answered."""
+        timeout, missed = float(self._given['answer_timeout']), self._session.episode.unanswered_turns
+        # Once a turn has passed without an answer, that is the concern.
+        patience = math.inf if missed else SECONDS_FOR_ANSWER
+        self.does(f'turn {turn}: waiting for the answer to {query.query_id}', expected_within=patience)
+        if timeout:
+            self._patience.set(timeout * min(2**missed, LONGEST_BACK_OFF))
+
+    def _go_on_without(self) -> None:
+        """Let the turn pass without its answer."""
+        query = self._session.episode.awaited
+        if query is not None:
+            self.get_logger().info(
+                f'turn {self._session.episode.turn}: going on without the answer to {query.query_id}'
+            )
+            self._session.let_pass()
+            self._end_turn()
+
+    def _now(self) -> int:
+        """What the clock shows, real or simulated, in nanoseconds."""
+        return int(self.get_clock().now().nanoseconds)
+
+    def _announce(self, scene: Scene) -> None:
+        """Publish what the episode is about, as soon as the features are known."""
+        self._publish_episode(episode_members(self._session.begun, scene.feature_names))
+
+    def _hear(self, message: String) -> None:
+        """Take an answer, or the correction of one, and say whether it was taken: not before it is on the disk."""
+        if not self._session.is_ready:
+            return
+        answer, episode = None, self._session.episode
+        waited, late_before = episode.awaits_answer, len(episode.answers.late)
+        try:
+            answer = self._read_answer(message.data)
+            is_new = self._session.take(answer)
+        except InputError as error:
+            if not isinstance(error, LateAnswerError):
+                self._session.note_refused(message.data, str(error))
+            self._acknowledge(answer, accepted=False, reason=str(error))
+            if len(episode.answers.late) > late_before:
+                # It was kept all the same, for how far its teacher can be relied on.
+                self._tell_state()
+            raise
+        self._acknowledge(answer, accepted=True, reason='' if is_new else 'already taken')
+        if not is_new:
+            return
+        told = _spoken(answer.outcome.value if answer.content is None else answer.content)
+        now = '' if answer.replaces is None else 'now '
+        self.get_logger().info(f'{answer.query_id}: {answer.teacher_id} {now}says {told}')
+        if waited and not episode.awaits_answer:
+            self._end_turn()
+        else:
+            self._tell_state()
+
+    def _acknowledge(self, answer: Answer | None, accepted: bool, reason: str) -> None:
+        ids = (None, None) if answer is None else (answer.query_id, answer.answer_id)
+        self._publish_ack({'query_id': ids[0], 'answer_id': ids[1], 'accepted': accepted, 'reason': reason})
+
+    def _read_answer(self, content: str) -> Answer:
+        if content.lstrip().startswith('{'):
+            document = documents.read('answer', content)
+            if document['episode_id'] != self.episode_id:
+                raise AnswerError(f'the answer belongs to episode {document["episode_id"]}, this is {self.episode_id}')
+            known = (*self._settings.symbols, *self._session.episode.knowledge.groups)
+            return respelt(documents.answer_of(document), known)
+        if self._session.episode.pending is None:
+            raise AnswerError('no query is pending')
+        return read_plain_answer(content, self._session.episode.pending)
+
+    def _end_turn(self) -> None:
+        """Tune the models if it is time, tell what is known now, and begin the next turn unless this was the last."""
+        self._question.stop()
+        self._patience.clear()
+        self._session.tune()
+        episode = self._session.episode
+        if episode.done:
+            self._tell_state()
+            self._is_over = True
+            self.does('the episode is over')
+            self.get_logger().info(
+                f'the episode is over: {episode.spent:g} of {self._settings.budget:g} spent;'
+                ' corrections are still taken; start a learner again for another episode'
+            )
+            return
+        seen = self._session.seen
+        if seen is None:
+            return
+        beliefs = self._beliefs()
+        self._state.say(state_members(self._session.episode, beliefs))
+        pause = float(self._given['turn_period']) - (time.monotonic() - self._last_turn_start)
+        if pause > 0:
+            self.after(pause, self._begin_turn)
+        else:
+            self._begin_turn()
+        # Only now, while perception looks: markers take longer to write than all documents together.
+        self._show(seen, beliefs)
+
+    def _tell_state(self) -> None:
+        """Publish what is known now, outside of the course of the turns."""
+        seen = self._session.seen
+        if seen is not None:
+            beliefs = self._beliefs()
+            self._show(seen, beliefs)
+            self._state.say(state_members(self._session.episode, beliefs))
+
+    def _beliefs(self) -> NDArray[np.float64]:
+        """(n, |Y|) q_y(x) of the present scene."""
+        episode = self._session.episode
+        return episode.knowledge.predict_proba(episode.scene.features)
+
+    def _show(self, seen: Seen, beliefs: NDArray[np.float64]) -> None:
+        """Publish the scene, the beliefs and the pending query for people who watch."""
+        pending = self._session.episode.pending
+        asked = pending.action.object_id if pending else None
+        head = header(seen.stamp, seen.frame_id)
+        self._markers.publish(markers(seen.scene, beliefs, self._settings.symbols, asked, head, MARKER_TYPES))
+
+    def concern(self) -> str:
+        """That nobody answers, or that another learner speaks on the same topics, which confuses everybody."""
+        return self._rival() or self._absence()
+
+    def _absence(self) -> str:
+        missed = self._session.episode.unanswered_turns if self._session.is_ready else 0
+        return f'nobody has answered for {missed} turn{"" if missed == 1 else "s"}' if missed else ''
+
+    def _rival(self) -> str:
+        if time.monotonic() > self._rival_at + SECONDS_OF_A_RIVAL:
+            return ''
+        return 'another learner publishes turn, too: end one of the two, or give it a namespace of its own'
+
+    def _hear_turn(self, document: Document) -> None:
+        """Notice another learner on the same topics; make room for it if this episode is over."""
+        if document['episode_id'] == self.episode_id:
+            return
+        if not self._is_over:
+            self._rival_at = time.monotonic()
+        elif self._yields:
+            self.get_logger().info(f'this episode is over, and {document["episode_id"]} begins: ending')
+            self.context.try_shutdown()
+
+    def _failed(self, error: Exception) -> None:
+        # An episode that cannot go on asks for nothing.
+        if isinstance(error, EpisodeError):
+            self._has_failed = True
+            self._request.stop()
+            self._question.stop()
+            self._patience.clear()
+        super()._failed(error)
+
+    def destroy_node(self) -> None:
+        """Close the log, once the worker has stopped."""
+        super().destroy_node()
+        self._session.close()
+
+
+def _spoken(content: Content) -> str:
+    return ', '.join(content) if isinstance(content, tuple) else str(content)
+
+
+def main(arguments: Sequence[str]) -> int:
+    """Run the node."""
+    return run_nodes([partial(LearnerNode, yields=True)], arguments)

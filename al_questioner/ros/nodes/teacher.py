@@ -1,0 +1,128 @@
+"""The teacher node: answers the learner's queries, from a script or by a person at this process's terminal.
+
+mode:=scripted answers with the truth of the simulated world; mode:=terminal shows each question to you.
+"""
+
+from __future__ import annotations
+
+import dataclasses
+from collections.abc import Mapping, Sequence
+from typing import Any
+
+from al_questioner.domain import Answer, EpisodeError, InputError
+from al_questioner.messages import documents
+from al_questioner.messages.documents import Document
+from al_questioner.ros.delivery import Delivery
+from al_questioner.ros.node import QuestionerNode
+from al_questioner.ros.nodes.terminal_teacher import Attend, TerminalTeacher, login_name
+from al_questioner.ros.parameters import declare, refuse_unknown
+from al_questioner.ros.running import run_nodes
+from al_questioner.ros.setting import Value
+from al_questioner.ros.settings import TEACHER_MODES, TEACHER_SETTINGS, all_names
+from al_questioner.ros.worlds import check_world, declare_world
+from al_questioner.simulation import ScriptedTeacher, WorldChoice
+from al_questioner.terminal.attending import attend
+
+LONGEST_NAME = 100
+
+
+class TeacherNode(QuestionerNode):
+    """Answers every query once, and repeats the answer until the learner acknowledges it.
+
+    Args:
+        attend: lets a person answer, if the parameter `mode` says so.
+        node_arguments: of the node.
+    """
+
+    def __init__(self, attend: Attend = attend, **node_arguments: Any) -> None:
+        super().__init__('teacher', **node_arguments)
+        choice = declare_world(self)
+        given = declare(self, TEACHER_SETTINGS)
+        refuse_unknown(self, all_names())
+        mode, teacher_id = str(given['mode']), str(given['teacher_id'])
+        if mode not in TEACHER_MODES:
+            raise InputError(f'parameter mode: unknown mode {mode!r}; known: {", ".join(TEACHER_MODES)}')
+        if len(teacher_id) > LONGEST_NAME:
+            raise InputError(f'parameter teacher_id: at most {LONGEST_NAME} characters, not {len(teacher_id)}')
+        if given['wait_for_recorder']:
+            self.await_recorder('answer')
+        self._teacher: _Script | TerminalTeacher
+        if mode == 'terminal':
+            self._teacher = TerminalTeacher(self, teacher_id or login_name(), attend)
+        else:
+            self._teacher = _Script(self, choice, given)
+
+    @property
+    def unacknowledged(self) -> Answer | None:
+        """The answer that is on its way."""
+        return self._teacher.delivery.unacknowledged
+
+    @property
+    def failure(self) -> Exception | None:
+        """Why a person can answer no more."""
+        return self._teacher.failure
+
+    def destroy_node(self) -> None:
+        """Give the terminal back, then stop."""
+        self._teacher.close()
+        super().destroy_node()
+
+
+class _Script:
+    """Answers from the truth of a world of its own."""
+
+    failure = None
+
+    def __init__(self, node: QuestionerNode, choice: WorldChoice, given: Mapping[str, Value]) -> None:
+        self._node = node
+        self._choice = choice
+        self._world = choice.open()
+        self._teacher = ScriptedTeacher(
+            choice.task.symbols,
+            choice.task.relevant_groups,
+            choice.seed,
+            float(given['wrong_rate']),
+            float(given['unknown_rate']),
+            str(given['teacher_id']) or 'scripted',
+            bool(given['repeat_shown']),
+        )
+        self._delay = float(given['delay'])
+        self.delivery = Delivery(node, self._acknowledged)
+        node.on_document('query', self._consider)
+        node.does('waiting for a query')
+
+    def close(self) -> None:
+        """Nothing is held."""
+
+    def _consider(self, document: Document) -> None:
+        check_world(document, self._choice)
+        query = documents.query_of(document)
+        if document['episode_id'] != self._node.episode_id:
+            self._node.episode_id = document['episode_id']
+            # What was named in another episode is nothing that this learner knows.
+            self._teacher = dataclasses.replace(self._teacher)
+        answer = self._teacher.answer(query, self._world.truth(query.turn))
+        self._node.does(f'{query.query_id}: {query.text}')
+        self.delivery.send(answer, self._delay)
+
+    def _acknowledged(self, _: Answer, __: Document) -> None:
+        self._node.does('waiting for a query')
+
+
+def main(arguments: Sequence[str]) -> int:
+    """Run the node.
+
+    Raises:
+        InputError: a parameter that cannot be used.
+        EpisodeError: the terminal could not be used any more.
+    """
+    made: list[TeacherNode] = []
+
+    def make() -> TeacherNode:
+        made.append(TeacherNode())
+        return made[0]
+
+    status = run_nodes([make], arguments)
+    if made and made[0].failure is not None:
+        raise EpisodeError(f'the terminal failed: {type(made[0].failure).__name__}: {made[0].failure}')
+    return status

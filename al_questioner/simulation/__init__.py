@@ -1,0 +1,72 @@
+"""Worlds to learn in without a robot: tasks, the simulated table, datasets, a scripted teacher, and whole episodes.
+
+What a name stands for is imported when it is asked for.
+"""
+
+from typing import TYPE_CHECKING
+
+from al_questioner.support.lazy_names import lazy_names
+
+if TYPE_CHECKING:
+    from al_questioner.simulation.episodes import (
+        EpisodeResult,
+        Evaluation,
+        PerceivedWorld,
+        TurnWatcher,
+        WorldChoice,
+        accuracy,
+        episode_settings,
+        play,
+        run_episode,
+        turns,
+    )
+    from al_questioner.simulation.opening import make_world
+    from al_questioner.simulation.rgbd_dataset.dataset import DatasetWorld
+    from al_questioner.simulation.scripted_teacher import ScriptedTeacher
+    from al_questioner.simulation.task import Task, load_task
+    from al_questioner.simulation.task_reading import Interval
+    from al_questioner.simulation.world import SimulatedWorld, World
+
+__all__ = [
+    'DatasetWorld',
+    'EpisodeResult',
+    'Evaluation',
+    'Interval',
+    'PerceivedWorld',
+    'ScriptedTeacher',
+    'SimulatedWorld',
+    'Task',
+    'TurnWatcher',
+    'World',
+    'WorldChoice',
+    'accuracy',
+    'episode_settings',
+    'load_task',
+    'make_world',
+    'play',
+    'run_episode',
+    'turns',
+]
+
+_HOMES = {
+    'Task': 'task',
+    'load_task': 'task',
+    'Interval': 'task_reading',
+    'SimulatedWorld': 'world',
+    'World': 'world',
+    'make_world': 'opening',
+    'DatasetWorld': 'rgbd_dataset.dataset',
+    'ScriptedTeacher': 'scripted_teacher',
+    'EpisodeResult': 'episodes',
+    'Evaluation': 'episodes',
+    'PerceivedWorld': 'episodes',
+    'TurnWatcher': 'episodes',
+    'WorldChoice': 'episodes',
+    'accuracy': 'episodes',
+    'episode_settings': 'episodes',
+    'play': 'episodes',
+    'run_episode': 'episodes',
+    'turns': 'episodes',
+}
+
+__getattr__ = lazy_names(__name__, _HOMES)

@@ -1,0 +1,1 @@
+"""The procedural kitchen table: what lies on it, where, how it is drawn, and what its sensors read."""

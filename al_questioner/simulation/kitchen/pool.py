@@ -1,0 +1,233 @@
+"""The observations of a sample: which things, in which states, seen from where. Rendered when they are looked at."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from al_questioner.domain import NO_SYMBOL, Observation, View, generator
+from al_questioner.simulation.kitchen.drawing.rendering import draw_lighting, draw_pose, render
+from al_questioner.simulation.kitchen.layout import Place, places
+from al_questioner.simulation.kitchen.sensors import REFRIGERATOR, read_sensors
+from al_questioner.simulation.kitchen.things.catalogue import kinds_by_symbol
+from al_questioner.simulation.kitchen.things.kinds import Kind
+from al_questioner.simulation.kitchen.things.vessels import Look
+from al_questioner.simulation.task import Task
+
+_PLACES_PER_OBJECT = 3
+"""Among so many places an object that stays is moved about: its location is not to give away what it is."""
+
+
+@dataclass(frozen=True)
+class Thing:
+    """One physical object.
+
+    Attributes:
+        kind: what it is.
+        look: what is peculiar to it.
+        heft: factor of its weight.
+        slot: which of the objects of a scene it is, or, where objects are replaced, may be.
+        places: where on the table it is put, as indices of `places`; no two slots share a place.
+    """
+
+    kind: Kind
+    look: Look
+    heft: float
+    slot: int
+    places: tuple[int, ...]
+
+
+@dataclass(frozen=True)
+class Sight:
+    """One observation before it is made: a thing in a state.
+
+    Attributes:
+        key: names the random stream of the observation, unique within the sample.
+        thing: what is seen.
+        state: index of its state.
+        place: index of its place on the table.
+    """
+
+    key: str
+    thing: Thing
+    state: int
+    place: int
+
+    @property
+    def symbol(self) -> str:
+        """The true symbol, or 'none'."""
+        return self.thing.kind.symbol
+
+
+@dataclass(frozen=True)
+class Sample:
+    """Training and test sights of a task; no sight is in both.
+
+    Attributes:
+        training: T sights, the pool that scenes are drawn from.
+        test: held-out sights, each of some symbol.
+    """
+
+    training: tuple[Sight, ...]
+    test: tuple[Sight, ...]
+
+
+KindsBySymbol = Mapping[str, Sequence[Kind]]
+
+
+def make_sample(task: Task, sample: int, there_are: KindsBySymbol | None = None) -> Sample:
+    """The sample of this number: the same for every seed of the scenes.
+
+    Where objects change their state, training and test show the same objects in the same states, seen anew. Where
+    objects are replaced, every sight is of an object of its own.
+
+    Args:
+        task: how many things of what.
+        sample: its number.
+        there_are: the kinds of things of each symbol, and of 'none'; those of the task's catalogue if not given.
+    """
+    rng = generator(sample, 'world/sample')
+    scenes = task.scenes
+    kinds = _some_kinds(task, there_are, rng)
+    shares = task.class_frequencies
+    if scenes.turnover == 'state':
+        kinds_of_objects = _kinds(kinds, apportion(shares, scenes.objects), rng)
+        things = _things(kinds_of_objects, task, rng)
+        return Sample(_sights(things, scenes.training_size, 'training'), _elsewhere(things, task, rng, 'test'))
+    clutter = round(scenes.clutter_share * scenes.training_size)
+    wanted = {**apportion(shares, scenes.training_size - clutter), NO_SYMBOL: clutter}
+    training = _things(_kinds(kinds, wanted, rng), task, rng)
+    return Sample(_sights(training, len(training), 'training'), _held_out(kinds, task, rng, 'test'))
+
+
+def make_validation(task: Task, sample: int, there_are: KindsBySymbol | None = None) -> tuple[Sight, ...]:
+    """A second draw of test sights, like those of `make_sample` but none of them, and drawn independently."""
+    of_sample, rng = generator(sample, 'world/sample'), generator(sample, 'world/validation')
+    kinds = _some_kinds(task, there_are, of_sample)
+    if task.scenes.turnover != 'state':
+        return _held_out(kinds, task, rng, 'validation')
+    counts = apportion(task.class_frequencies, task.scenes.objects)
+    return _elsewhere(_things(_kinds(kinds, counts, of_sample), task, of_sample), task, rng, 'validation')
+
+
+def observe(sight: Sight, task: Task, sample: int, object_id: int) -> Observation:
+    """Make the observation: render the view and read the sensors. The same sight looks the same whatever its id."""
+    rng = generator(sample, f'world/observation/{sight.key}')
+    position = position_of(sight, task, rng)
+    state = sight.thing.kind.states[sight.state]
+    sensors = read_sensors(rng, position, sight.thing.heft * state.weight_kg, task.sensors)
+    return Observation(object_id, position, _view(sight, task, rng), sensors)
+
+
+def apportion(shares: Mapping[str, float], total: int) -> dict[str, int]:
+    """Whole numbers in proportion to the shares that sum to the total, by the method of largest remainders."""
+    exact = {name: share * total for name, share in shares.items()}
+    counts = {name: int(value + 1e-9) for name, value in exact.items()}
+    by_remainder = sorted(exact, key=lambda name: counts[name] - exact[name])
+    for name in by_remainder[: total - sum(counts.values())]:
+        counts[name] += 1
+    return counts
+
+
+def _some_kinds(task: Task, there_are: KindsBySymbol | None, rng: np.random.Generator) -> dict[str, list[Kind]]:
+    """As many kinds of each symbol, and of clutter, as the task asks for."""
+    chosen = {}
+    for symbol, kinds in (kinds_by_symbol(task) if there_are is None else there_are).items():
+        looks = task.appearance
+        wanted = looks.kinds_of_clutter if symbol == NO_SYMBOL else looks.kinds_per_symbol
+        chosen[symbol] = [kinds[i] for i in rng.permutation(len(kinds))[: wanted or None]]
+    return chosen
+
+
+def _kinds(kinds: Mapping[str, Sequence[Kind]], counts: Mapping[str, int], rng: np.random.Generator) -> list[Kind]:
+    """So many kinds of each symbol, every kind of a symbol about equally often, in random order."""
+    chosen: list[Kind] = []
+    for symbol, count in counts.items():
+        while count > 0:
+            order = rng.permutation(len(kinds[symbol]))[:count]
+            chosen += [kinds[symbol][i] for i in order]
+            count -= len(order)
+    return [chosen[i] for i in rng.permutation(len(chosen))]
+
+
+def _things(kinds: Sequence[Kind], task: Task, rng: np.random.Generator) -> list[Thing]:
+    """Things of these kinds, dealt out evenly over the places of the table."""
+    looks = task.appearance
+    things = []
+    for index, owned in enumerate(_deal_places(kinds, task, rng)):
+        look = Look(
+            size=float(np.exp(rng.normal(0, looks.size_spread))),
+            hue_deg=float(rng.normal(0, looks.hue_spread)),
+            tone=float(np.exp(rng.normal(0, looks.tone_spread))),
+            variant=float(rng.random()),
+        )
+        heft = float(np.exp(rng.normal(0, looks.weight_spread)))
+        slot = index if task.scenes.turnover == 'state' else owned[0]
+        things.append(Thing(kinds[index], look, heft, slot, owned))
+    return things
+
+
+def _deal_places(kinds: Sequence[Kind], task: Task, rng: np.random.Generator) -> list[tuple[int, ...]]:
+    """Places of each thing: random, but nearer the refrigerator for cold things with the strength `cold_pull`."""
+    spots = _grid(task)
+    nearest = sorted(
+        range(len(spots)), key=lambda i: np.hypot(spots[i].x - REFRIGERATOR[0], spots[i].y - REFRIGERATOR[1])
+    )
+    owners = [i for i in range(len(kinds)) for _ in range(len(spots) // task.scenes.objects)]
+    pull = task.sensors.cold_pull
+    warmth = [(1 - pull) * rng.random() + pull * (not kinds[i].cold) for i in owners]
+    dealt: list[list[int]] = [[] for _ in kinds]
+    for rank, claim in enumerate(sorted(range(len(owners)), key=warmth.__getitem__)):
+        dealt[owners[claim]].append(nearest[rank * len(spots) // len(owners)])
+    return [tuple(owned) for owned in dealt]
+
+
+def _sights(things: Sequence[Thing], count: int, split: str) -> tuple[Sight, ...]:
+    """So many sights, evenly over the things and, of each thing, over its states and places."""
+    sights = []
+    for i in range(count):
+        view, thing = i // len(things), things[i % len(things)]
+        states = len(thing.kind.states)
+        place = thing.places[(view + view // states) % len(thing.places)]
+        sights.append(Sight(f'{split}/{i}', thing, view % states, place))
+    return tuple(sights)
+
+
+def _held_out(
+    kinds: Mapping[str, Sequence[Kind]], task: Task, rng: np.random.Generator, split: str
+) -> tuple[Sight, ...]:
+    """Held-out sights, each of a thing of its own."""
+    scenes = task.scenes
+    equal = {symbol: 1 / len(task.symbols) for symbol in task.symbols}
+    counts = apportion(equal if scenes.test_balance == 'classes' else task.class_frequencies, scenes.test_size)
+    return _elsewhere(_things(_kinds(kinds, counts, rng), task, rng), task, rng, split)
+
+
+def _elsewhere(things: Sequence[Thing], task: Task, rng: np.random.Generator, split: str) -> tuple[Sight, ...]:
+    """Held-out sights, anywhere on the table: where a thing lay in training says nothing about where it lies later."""
+    sights = _sights(things, task.scenes.test_size, split)
+    if task.sensors.cold_pull > 0:
+        return sights
+    return tuple(replace(sight, place=int(rng.integers(len(_grid(task))))) for sight in sights)
+
+
+def _grid(task: Task) -> tuple[Place, ...]:
+    """The places on the table: one for each object of a scene, or several where the objects stay but are moved."""
+    copies = _PLACES_PER_OBJECT if task.scenes.turnover == 'state' else 1
+    return places(task.scenes.table_m, copies * task.scenes.objects)
+
+
+def position_of(sight: Sight, task: Task, rng: np.random.Generator) -> tuple[float, float, float]:
+    """Where a thing is seen on the table, in metres."""
+    place = _grid(task)[sight.place]
+    jitter = rng.uniform(-1, 1, 2) * place.slack
+    return float(place.x + jitter[0]), float(place.y + jitter[1]), 0.0
+
+
+def _view(sight: Sight, task: Task, rng: np.random.Generator) -> View:
+    look = sight.thing.look
+    solid = sight.thing.kind.states[sight.state].draw(look, rng)
+    pose = draw_pose(rng, solid, look.size, task.camera)
+    return render(solid, pose, draw_lighting(rng, task.appearance), task.camera, rng)

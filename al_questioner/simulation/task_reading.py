@@ -1,0 +1,193 @@
+"""Reading a section of a task file into a frozen dataclass whose fields say what they accept."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Mapping
+from dataclasses import MISSING, field, fields
+from types import MappingProxyType
+from typing import Any, NamedTuple, TypeVar
+
+from al_questioner.domain import Costs, InputError, QueryKind, SettingsError
+from al_questioner.domain.names import check_names, composed
+from al_questioner.questioning.strategies.names import check_strategy
+
+Reader = Callable[[Any, str], Any]
+Section = TypeVar('Section')
+
+
+class Interval(NamedTuple):
+    """The ends of a uniform distribution."""
+
+    low: float
+    high: float
+
+
+def setting(reader: Reader, default: Any = MISSING) -> Any:
+    """A dataclass field that `read_section` fills: `reader(value, where)` returns the value or raises InputError."""
+    if isinstance(default, Mapping):
+        return field(default_factory=lambda: default, metadata={'reader': reader})
+    return field(default=default, metadata={'reader': reader})
+
+
+def read_section(section: type[Section], content: Any, where: str) -> Section:
+    """An instance of the dataclass `section` from the mapping that a YAML file holds.
+
+    Args:
+        section: a frozen dataclass all of whose fields were made by `setting`.
+        content: what the file holds.
+        where: file and key, named in errors.
+
+    Raises:
+        InputError: not a mapping, an unknown key, a missing key, or a value that a field does not accept.
+    """
+    content = mapping(content, where)
+    readers = {f.name: f for f in fields(section)}  # type: ignore[arg-type]
+    for key in content:
+        if key not in readers:
+            raise InputError(f'{where}: unknown key {key!r}; known: {", ".join(readers)}')
+    for name, entry in readers.items():
+        if name not in content and entry.default is MISSING and entry.default_factory is MISSING:
+            raise InputError(f'{where}: key {name!r} is missing')
+    return section(**{key: readers[key].metadata['reader'](value, f'{where}: {key}') for key, value in content.items()})
+
+
+def mapping(content: Any, where: str) -> Mapping[str, Any]:
+    """The content, if it is a mapping with names as keys.
+
+    Raises:
+        InputError: it is none.
+    """
+    if not isinstance(content, Mapping):
+        raise InputError(f'{where}: expected a mapping, found {content!r}')
+    for key in content:
+        if not isinstance(key, str):
+            raise InputError(f'{where}: expected names as keys, found {key!r}')
+    return content
+
+
+def number(low: float = -math.inf, high: float = math.inf) -> Reader:
+    """Accepts a finite number within [low, high]."""
+
+    def read(value: Any, where: str) -> float:
+        if isinstance(value, bool) or not isinstance(value, (int, float)) or not math.isfinite(value):
+            raise InputError(f'{where}: expected a finite number, found {value!r}')
+        if not low <= value <= high:
+            raise InputError(f'{where}: {value} is outside [{low:g}, {high:g}]')
+        return float(value)
+
+    return read
+
+
+def whole(low: int, high: int) -> Reader:
+    """Accepts a whole number within [low, high]."""
+
+    def read(value: Any, where: str) -> int:
+        if isinstance(value, bool) or not isinstance(value, int):
+            raise InputError(f'{where}: expected a whole number, found {value!r}')
+        if not low <= value <= high:
+            raise InputError(f'{where}: {value} is outside [{low}, {high}]')
+        return value
+
+    return read
+
+
+def interval(low: float = -math.inf, high: float = math.inf) -> Reader:
+    """Accepts [a, b] with low <= a <= b <= high."""
+
+    def read(value: Any, where: str) -> Interval:
+        if not isinstance(value, (list, tuple)) or len(value) != 2:
+            raise InputError(f'{where}: expected [lowest, highest], found {value!r}')
+        ends = Interval(*(number(low, high)(end, where) for end in value))
+        if ends.low > ends.high:
+            raise InputError(f'{where}: the lowest value {ends.low:g} is above the highest {ends.high:g}')
+        return ends
+
+    return read
+
+
+def choice(*known: str) -> Reader:
+    """Accepts one of some names."""
+
+    def read(value: Any, where: str) -> str:
+        if value not in known:
+            raise InputError(f'{where}: unknown {value!r}; known: {", ".join(known)}')
+        return str(value)
+
+    return read
+
+
+def text(value: Any, where: str) -> str:
+    """Accepts a name or a sentence, and composes its Unicode.
+
+    Raises:
+        InputError: anything else, or an empty text.
+    """
+    if not isinstance(value, str) or not value.strip():
+        raise InputError(f'{where}: expected a text, found {value!r}')
+    return composed(value)
+
+
+def names_of(what: str, has_key: bool = True) -> Reader:
+    """Accepts a list of names that people can say, see `check_names`."""
+
+    def read(value: Any, where: str) -> tuple[str, ...]:
+        if not isinstance(value, list) or not value:
+            raise InputError(f'{where}: expected a list of names, found {value!r}')
+        for name in value:
+            text(name, where)
+        if len(set(value)) < len(value):
+            raise InputError(f'{where}: a name occurs twice in {value}')
+        try:
+            check_names(value, what, has_key)
+        except InputError as error:
+            raise InputError(f'{where}: {error}') from error
+        return tuple(value)
+
+    return read
+
+
+def unless_empty(reader: Reader, default: Any) -> Reader:
+    """Accepts what `reader` accepts, and nothing at all, which stands for the default."""
+    return lambda value, where: default if value in (None, '', []) else reader(value, where)
+
+
+def table_of(reader: Reader) -> Reader:
+    """Accepts a mapping from names, whose Unicode it composes, to what `reader` accepts."""
+
+    def read(value: Any, where: str) -> Mapping[str, Any]:
+        found = {composed(k): reader(v, f'{where}: {k}') for k, v in mapping(value, where).items()}
+        if len(found) < len(value):
+            raise InputError(f'{where}: a name occurs twice in {list(value)}')
+        return MappingProxyType(found)
+
+    return read
+
+
+def costs(value: Any, where: str) -> Costs:
+    """Accepts some of the members of `Costs`: prices of kinds of queries, and shares that are charged of them."""
+    kinds = {kind.value for kind in QueryKind}
+    members = mapping(value, where)
+    known = [member.name for member in fields(Costs)]
+    for name in members:
+        if name not in known:
+            raise InputError(f'{where}: unknown key {name!r}; known: {", ".join(known)}')
+    return Costs(
+        **{
+            name: number(0, math.inf if name in kinds else 1)(given, f'{where}: {name}')
+            for name, given in members.items()
+        }
+    )
+
+
+def strategy(value: Any, where: str) -> str:
+    """Accepts the name of a questioning strategy, of ours or of an installed package."""
+    try:
+        return check_strategy(text(value, where))
+    except SettingsError as error:
+        raise InputError(f'{where}: {error}') from error
+
+
+def section_of(section: type[Any]) -> Reader:
+    """Accepts a mapping that `read_section` can turn into the dataclass."""
+    return lambda value, where: read_section(section, value, where)

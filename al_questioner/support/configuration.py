@@ -1,0 +1,95 @@
+"""Where the YAML files that ship with the package lie, and how one is read."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from functools import lru_cache
+from pathlib import Path
+from typing import Any
+
+import yaml
+
+import al_questioner
+from al_questioner.domain import InputError
+from al_questioner.support import strict_yaml
+
+
+@lru_cache(maxsize=1)
+def config_dir() -> Path:
+    """The folder that holds `tasks/`, `weights/` and `params/`.
+
+    A source checkout keeps it beside the package; pip, colcon and Debian install it as `share/al_questioner/config`
+    somewhere above the package.
+
+    Raises:
+        InputError: neither place exists.
+    """
+    package = Path(al_questioner.__file__).resolve().parent
+    installed = (parent / 'share' / 'al_questioner' / 'config' for parent in package.parents)
+    for candidate in (package.parent / 'config', *installed):
+        if (candidate / 'tasks').is_dir():
+            return candidate
+    raise InputError(f'the configuration of al_questioner is not installed: no config/tasks found above {package}')
+
+
+def named_file(folder: str, name_or_path: str, what: str) -> Path:
+    """The YAML file of a name that ships in `config/FOLDER`, or of a path that the user gives.
+
+    Raises:
+        InputError: neither exists; the text lists the known names.
+    """
+    shipped = config_dir() / folder / f'{name_or_path}.yaml'
+    if shipped.is_file():
+        return shipped
+    path = Path(name_or_path).expanduser()
+    if path.suffix in ('.yaml', '.yml'):
+        if path.is_file():
+            return path
+        raise InputError(f'{what} file {name_or_path} does not exist')
+    if path.is_file():
+        raise InputError(f'{name_or_path} is no {what} file: the name of one ends in .yaml')
+    known = ', '.join(shipped_names(folder))
+    raise InputError(f'unknown {what} {name_or_path!r}; known: {known}, or the path of a YAML file')
+
+
+def named_bag(name_or_path: str) -> Path:
+    """The bag at a path, or else the one of that name that ships, in the folder `bags` beside `config`.
+
+    Raises:
+        InputError: there is none.
+    """
+    path, shipped = Path(name_or_path), config_dir().parent / 'bags' / name_or_path
+    if path.exists():
+        return path
+    if not (shipped / 'metadata.yaml').is_file():
+        raise InputError(f'{path}: there is no such bag')
+    return shipped
+
+
+def shipped_names(folder: str) -> list[str]:
+    """The names in `config/FOLDER`."""
+    return sorted(path.stem for path in (config_dir() / folder).glob('*.yaml'))
+
+
+def read_yaml(path: Path) -> Mapping[str, Any]:
+    """The mapping that a YAML file holds.
+
+    Raises:
+        InputError: the file cannot be read, is no YAML, holds something else than a mapping, or a value or key that
+            cannot be relied on, see `strict_yaml`; the text names the file and, where there is one, the line.
+    """
+    try:
+        with path.open('rb') as file:
+            content = strict_yaml.parse(file.read(strict_yaml.MOST_BYTES + 1))
+    except OSError as error:
+        raise InputError(f'{path}: cannot be read ({error.strerror})') from error
+    except yaml.MarkedYAMLError as error:
+        mark = error.problem_mark or error.context_mark
+        line = f', line {mark.line + 1}' if mark else ''
+        reason = ' '.join(', '.join(part for part in (error.context, error.problem) if part).split())
+        fault = reason if isinstance(error, strict_yaml.RefusedYAMLError) else f'not valid YAML ({reason})'
+        raise InputError(f'{path}{line}: {fault}') from error
+    if not isinstance(content, Mapping):
+        found = 'nothing' if content is None else type(content).__name__
+        raise InputError(f'{path}: expected a mapping of settings, found {found}')
+    return content

@@ -1,0 +1,85 @@
+"""What all figures share: a style fit to print, and a colour for each kind of query."""
+
+from __future__ import annotations
+
+import io
+from collections.abc import Sequence
+from pathlib import Path
+from typing import Any
+
+import matplotlib
+
+matplotlib.use('Agg')
+
+from matplotlib import pyplot as plt
+from matplotlib.artist import Artist
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+
+from al_questioner.domain import Outcome, QueryKind, QueryRecord
+from al_questioner.support.files import write_bytes
+
+KIND_COLOURS = {
+    QueryKind.LABEL: '#2c6fbb',
+    QueryKind.DEMONSTRATION: '#d1622b',
+    QueryKind.FEATURE_SUBSET: '#3a923a',
+}
+STYLE: dict[Any, Any] = {
+    'axes.spines.top': False,
+    'axes.spines.right': False,
+    'axes.grid': True,
+    'grid.alpha': 0.25,
+    'font.size': 11,
+    'figure.constrained_layout.use': True,
+}
+DPI = 150
+LEGEND_MARGIN_POINTS = 6
+"""Between the panels and a legend that stands below them."""
+
+
+def kind_name(kind: QueryKind) -> str:
+    """A kind of query in words."""
+    return kind.value.replace('_', ' ')
+
+
+def mark_changes(axes: Axes, change_turns: tuple[int, ...] | list[int]) -> None:
+    """A grey line before each turn that begins with a scene change."""
+    for change in change_turns:
+        axes.axvline(change - 0.5, color='gray', linewidth=0.9, alpha=0.7, zorder=1)
+
+
+def mark_query(axes: Axes, record: QueryRecord, height: float) -> None:
+    """A dot in the colour of the query's kind at its turn, hollow if it got no answer."""
+    colour = KIND_COLOURS[record.kind]
+    face = colour if record.outcome is Outcome.ANSWERED else 'white'
+    axes.scatter(record.turn, height, s=52, facecolor=face, edgecolor=colour, linewidth=1.4, zorder=3)
+
+
+def put_legend_below(
+    figure: Figure, columns: int, handles: Sequence[Artist], labels: Sequence[str], **look: Any
+) -> None:
+    """Put a legend below all panels, in fewer columns than these where they would not fit."""
+    while True:
+        legend = figure.legend(handles, labels, loc='lower center', ncols=columns, frameon=False, **look)
+        extent = legend.get_window_extent()
+        # How wide it is depends on the names, which other packages choose, too.
+        if columns == 1 or extent.width <= figure.bbox.width:
+            break
+        legend.remove()
+        columns -= 1
+    # What `outside lower center` does, which matplotlib 3.6 does not know.
+    bottom = (extent.height + LEGEND_MARGIN_POINTS * figure.dpi / 72) / figure.bbox.height
+    figure.set_layout_engine('constrained', rect=(0, bottom, 1, 1 - bottom))
+
+
+def save(figure: Figure, path: Path) -> Path:
+    """Write a figure, in the format that the name ends in, and forget it.
+
+    Raises:
+        InputError: it cannot be written.
+    """
+    content = io.BytesIO()
+    figure.savefig(content, dpi=DPI, format=path.suffix.removeprefix('.'))
+    plt.close(figure)
+    write_bytes(path, content.getvalue())
+    return path

@@ -1,0 +1,48 @@
+"""A person at the terminal of this process, from the first question to the last words."""
+
+from __future__ import annotations
+
+import os
+import sys
+import threading
+
+from al_questioner.terminal.board import Phase
+from al_questioner.terminal.by_line import ByLine, LineReader
+from al_questioner.terminal.sentences import farewell
+from al_questioner.terminal.session import Session
+
+SECONDS_TO_SETTLE = 3.0
+"""For which one who quits waits for an answer that is on its way."""
+
+
+def attend(session: Session, stopped: threading.Event) -> None:
+    """Have the person at stdin and stdout answer: by keys if both are a terminal, else line by line.
+
+    Returns when the episode is over, the person quits, the input ends, or `stopped` is set.
+    """
+    keys = _is_terminal()
+    if keys:
+        from al_questioner.terminal.by_key import ByKey
+
+        ByKey(session, stopped).run()
+    else:
+        ByLine(session, LineReader(_stdin()), sys.stdout, sys.stderr, stopped).run()
+    if not stopped.is_set():
+        session.wait_for(lambda board: stopped.is_set() or board.phase is not Phase.SENDING, SECONDS_TO_SETTLE)
+    print(farewell(session.board()), file=sys.stdout if keys else sys.stderr, flush=True)
+
+
+def _is_terminal() -> bool:
+    try:
+        both = sys.stdin.isatty() and sys.stdout.isatty()
+    except (AttributeError, ValueError):
+        # None at all, or a closed one.
+        return False
+    return both and os.environ.get('TERM', 'dumb') != 'dumb'
+
+
+def _stdin() -> int | None:
+    try:
+        return sys.stdin.fileno()
+    except (AttributeError, ValueError, OSError):
+        return None

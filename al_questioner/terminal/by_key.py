@@ -1,0 +1,216 @@
+"""The whole screen of a terminal, redrawn as things change, and single keys."""
+
+from __future__ import annotations
+
+import asyncio
+import contextlib
+import os
+import signal
+import sys
+import tempfile
+import threading
+import time
+from collections.abc import Iterator
+
+from prompt_toolkit.application import Application, run_in_terminal
+from prompt_toolkit.data_structures import Size
+from prompt_toolkit.formatted_text import ANSI
+from prompt_toolkit.key_binding import KeyBindings, KeyPressEvent
+from prompt_toolkit.keys import Keys
+from prompt_toolkit.layout import FormattedTextControl, Layout, Window
+from prompt_toolkit.output import ColorDepth
+from rich.console import Console
+
+from al_questioner.domain import AnswerError
+from al_questioner.terminal.board import Phase
+from al_questioner.terminal.commands import Command, Explain, Say, Wish
+from al_questioner.terminal.keypad import Pad, about, press
+from al_questioner.terminal.look import Look, look_of
+from al_questioner.terminal.safe_text import printable
+from al_questioner.terminal.screen import screen
+from al_questioner.terminal.session import Session
+
+NAMES = {
+    Keys.Enter: 'enter',
+    Keys.ControlJ: 'enter',
+    Keys.Backspace: 'backspace',
+    Keys.Delete: 'backspace',
+    Keys.Escape: 'escape',
+    Keys.Up: 'up',
+    Keys.Down: 'down',
+    Keys.Left: 'left',
+    Keys.Right: 'right',
+    Keys.Tab: 'tab',
+}
+DEPTHS = {
+    'truecolor': ColorDepth.DEPTH_24_BIT,
+    '256': ColorDepth.DEPTH_8_BIT,
+    'standard': ColorDepth.DEPTH_4_BIT,
+    None: ColorDepth.DEPTH_1_BIT,
+}
+LOOK_PERIOD = 0.1
+"""Seconds between two looks at whether to end, and at the size of the terminal."""
+SUSPENSION_PERIOD = 0.01
+"""Seconds between two looks at whether the signal to stop has been taken."""
+MOST_HELD_BACK = 20_000
+"""Bytes of the messages that are shown after the screen has gone."""
+
+
+class ByKey:
+    """A screen with keys; `run` it in a thread of its own.
+
+    Args:
+        session: what is asked and said.
+        stopped: ends it.
+    """
+
+    def __init__(self, session: Session, stopped: threading.Event) -> None:
+        self._session = session
+        self._stopped = stopped
+        self._look = look_of(Console())
+        self._pad = Pad()
+        self._in_help = False
+        self._size = Size(rows=0, columns=0)
+
+    def run(self) -> None:
+        """Show and heed until nothing is left to say, the person quits, or it is stopped; then all is as it was."""
+        control = FormattedTextControl(lambda: ANSI(self._drawn()), focusable=True, show_cursor=False)
+        application: Application[None] = Application(
+            layout=Layout(Window(control, always_hide_cursor=True)),
+            key_bindings=self._bindings(),
+            full_screen=True,
+            color_depth=ColorDepth.DEPTH_1_BIT if self._look.monochrome else DEPTHS[self._look.colors],
+            min_redraw_interval=0.05,
+            # Its own way misses a change right after the start.
+            terminal_size_polling_interval=None,
+        )
+
+        async def end_in_time() -> None:
+            while not self._stopped.is_set() and not self._nothing_left():
+                await asyncio.sleep(LOOK_PERIOD)
+                # That no reply comes is nothing that anybody tells.
+                waits = self._session.board().phase is Phase.SENDING
+                if waits or application.output.get_size() != self._size:
+                    application.invalidate()
+            if not application.is_done:
+                application.exit()
+
+        def watch() -> None:
+            application.create_background_task(end_in_time())
+
+        self._application = application
+        self._session.on_change = application.invalidate
+        try:
+            with _held_back_errors():
+                application.run(pre_run=watch, set_exception_handler=False)
+        finally:
+            self._session.on_change = lambda: None
+
+    def _nothing_left(self) -> bool:
+        board = self._session.board()
+        return board.phase is Phase.OVER and not board.can_undo
+
+    def _drawn(self) -> str:
+        size = self._size = self._application.output.get_size()
+        look = Look(size.columns, size.rows, self._look.colors, self._look.monochrome, self._look.unicode)
+        board = self._session.board()
+        pad = self._pad if self._pad.about == about(board) else Pad()
+        try:
+            return look.written(screen(board, pad, look, self._in_help))
+        except Exception as error:  # noqa: BLE001 - whatever a message may hold, the person can go on
+            return printable(f'This cannot be shown ({type(error).__name__}: {error}); q quits.')
+
+    def _bindings(self) -> KeyBindings:
+        bindings = KeyBindings()
+
+        @bindings.add('c-c')
+        @bindings.add('c-d')
+        def _(event: KeyPressEvent) -> None:
+            event.app.exit()
+
+        @bindings.add('c-z')
+        def _(event: KeyPressEvent) -> None:
+            run_in_terminal(_suspend)
+
+        @bindings.add('c-l')
+        def _(event: KeyPressEvent) -> None:
+            event.app.renderer.clear()
+
+        @bindings.add(Keys.BracketedPaste)
+        def _(event: KeyPressEvent) -> None:
+            # What is pasted elsewhere than into a word was hardly meant as keys.
+            if self._pad.in_words:
+                for character in event.data.strip():
+                    self._press(character)
+
+        @bindings.add(Keys.Any)
+        def _(event: KeyPressEvent) -> None:
+            key = event.key_sequence[0].key
+            name = NAMES.get(key, key.value) if isinstance(key, Keys) else key
+            if not name.startswith('<'):
+                self._press(name)
+
+        return bindings
+
+    def _press(self, key: str) -> None:
+        if self._in_help:
+            self._in_help = False
+            return
+        self._pad, command = press(key, self._pad, self._session.board())
+        if command is not None:
+            self._follow(command)
+
+    def _follow(self, command: Command) -> None:
+        if command is Wish.QUIT:
+            self._application.exit()
+        elif command is Wish.HELP:
+            self._in_help = True
+        elif isinstance(command, Explain):
+            self._explain(command.text)
+        else:
+            try:
+                if isinstance(command, Say):
+                    self._session.say(command.text)
+                else:
+                    self._session.undo()
+            except AnswerError as error:
+                self._explain(str(error))
+
+    def _explain(self, text: str) -> None:
+        self._pad = self._pad.explained(text)
+
+
+def _suspend() -> None:
+    """Stop this process and those that it was started with, as Ctrl-Z does in a shell, until they are continued.
+
+    Another thread may be the one that takes the signal. Until then nothing may be drawn, nor the terminal changed.
+    """
+    before = signal.pthread_sigmask(signal.SIG_BLOCK, {signal.SIGTSTP})
+    try:
+        os.kill(0, signal.SIGTSTP)
+        while signal.SIGTSTP in signal.sigpending():
+            time.sleep(SUSPENSION_PERIOD)
+    finally:
+        signal.pthread_sigmask(signal.SIG_SETMASK, before)
+
+
+@contextlib.contextmanager
+def _held_back_errors() -> Iterator[None]:
+    """Keep what the process writes to stderr off the screen, and show it afterwards but for what only informs."""
+    if not os.isatty(2):
+        yield
+        return
+    with tempfile.TemporaryFile() as file:
+        sys.stderr.flush()
+        before = os.dup(2)
+        os.dup2(file.fileno(), 2)
+        try:
+            yield
+        finally:
+            sys.stderr.flush()
+            os.dup2(before, 2)
+            os.close(before)
+            file.seek(max(0, file.seek(0, os.SEEK_END) - MOST_HELD_BACK))
+            for line in file.read().decode(errors='replace').splitlines():
+                if not line.startswith('[INFO]'):
+                    sys.stderr.write(f'{line}\n')

@@ -1,0 +1,160 @@
+"""Questions and answers line by line, for scripts and for terminals that can do no more."""
+
+from __future__ import annotations
+
+import codecs
+import os
+import select
+import threading
+import time
+from collections import deque
+from typing import TextIO
+
+from al_questioner.domain import AnswerError
+from al_questioner.terminal.board import Phase
+from al_questioner.terminal.commands import Command, Explain, Wish, read_line
+from al_questioner.terminal.keypad import about, choices_of
+from al_questioner.terminal.safe_text import printable
+from al_questioner.terminal.sentences import HELP, question_line
+from al_questioner.terminal.session import Session
+
+LOOK_PERIOD = 0.1
+"""Seconds between two looks at input and board."""
+PATIENCE_AT_THE_END = 10.0
+"""Seconds from the end of the input within which the robot may still say that the episode is over, or what is open."""
+LONGEST_LINE = 10_000
+"""Characters; what is longer is taken for several lines."""
+
+
+class LineReader:
+    """Lines of a file descriptor, without ever blocking for longer than is asked for."""
+
+    def __init__(self, descriptor: int | None) -> None:
+        self._descriptor = descriptor
+        self._decode = codecs.getincrementaldecoder('utf-8')('replace').decode
+        self._lines: deque[str] = deque()
+        self._rest = ''
+        self._closed = descriptor is None
+
+    @property
+    def ended(self) -> bool:
+        """Whether there is nothing more to come."""
+        return self._closed and not self._lines
+
+    def peek(self, seconds: float) -> str | None:
+        """The next line, which stays the next one; None if there is none so far."""
+        if not self._lines and not self._closed:
+            self._read(seconds)
+        return self._lines[0] if self._lines else None
+
+    def take(self) -> None:
+        """Be done with the line that was peeked at."""
+        self._lines.popleft()
+
+    def _read(self, seconds: float) -> None:
+        if self._descriptor is None or not select.select([self._descriptor], [], [], seconds)[0]:
+            return
+        try:
+            content = os.read(self._descriptor, 4096)
+        except OSError:
+            # A terminal that has gone away.
+            content = b''
+        *lines, self._rest = (self._rest + self._decode(content, not content)).split('\n')
+        self._lines.extend(lines)
+        self._closed = not content
+        if self._rest and (self._closed or len(self._rest) > LONGEST_LINE):
+            self._lines.append(self._rest)
+            self._rest = ''
+
+
+class ByLine:
+    """A conversation in lines: a question a line on `out`, everything else on `err`.
+
+    Args:
+        session: what is asked and said.
+        lines: what the person types.
+        out, err: where to write.
+        stopped: ends the conversation.
+    """
+
+    def __init__(self, session: Session, lines: LineReader, out: TextIO, err: TextIO, stopped: threading.Event) -> None:
+        self._session = session
+        self._lines = lines
+        self._out = out
+        self._err = err
+        self._stopped = stopped
+        self._asked = ''
+        self._noticed = ''
+
+    def run(self) -> None:
+        """Talk until the episode is over, the person quits, the input ends, or it is stopped."""
+        ended_at = None
+        while not self._stopped.is_set():
+            board = self._session.board()
+            if board.notice != self._noticed:
+                self._noticed = board.notice
+                self._tell(board.notice)
+            if board.phase is Phase.OVER and not (board.can_undo and self._takes_back()):
+                return
+            here = about(board)
+            if here and board.moment is not None and here != self._asked:
+                self._asked = here
+                self._write(
+                    self._out, question_line(board.moment.query, board.phase is Phase.CORRECTING, board.progress)
+                )
+            line = self._lines.peek(LOOK_PERIOD)
+            command = None if line is None else read_line(line, choices_of(board))
+            if command is not None and self._is_due(command, here, board.phase):
+                self._lines.take()
+                if not self._follow(command):
+                    return
+            elif self._lines.ended:
+                if here or board.phase is Phase.ALONE:
+                    return
+                ended_at = ended_at or time.monotonic()
+                if time.monotonic() > ended_at + PATIENCE_AT_THE_END:
+                    return
+                self._stopped.wait(LOOK_PERIOD)
+            elif line is not None:
+                self._stopped.wait(LOOK_PERIOD)
+
+    @staticmethod
+    def _is_due(command: Command, here: str, phase: Phase) -> bool:
+        """Whether it is a line's turn: an answer waits for its question, `undo` for the answer that it takes back."""
+        # Were it refused instead, the answer meant to replace that one would be given to the next question.
+        return bool(here) or command in (Wish.HELP, Wish.QUIT) or (command is Wish.UNDO and phase is not Phase.SENDING)
+
+    def _takes_back(self) -> bool:
+        """Whether the next line, if there is one already, takes the last answer of the episode back."""
+        line = self._lines.peek(LOOK_PERIOD)
+        return line is not None and read_line(line) is Wish.UNDO
+
+    def _follow(self, command: Command) -> bool:
+        """Do what a line asks for; whether to go on."""
+        if command is Wish.QUIT:
+            return False
+        # Whatever comes of it, the question that is shown then is asked on a line of its own.
+        self._asked = ''
+        if command is Wish.HELP:
+            for paragraph in HELP:
+                self._tell(paragraph)
+        elif isinstance(command, Explain):
+            self._tell(command.text)
+        else:
+            try:
+                if command is Wish.UNDO:
+                    self._session.undo()
+                else:
+                    self._session.say(command.text)
+                self._noticed = ''
+            except AnswerError as error:
+                self._tell(str(error))
+        return True
+
+    def _tell(self, text: str) -> None:
+        if text:
+            self._write(self._err, printable(text, 2000))
+
+    @staticmethod
+    def _write(file: TextIO, line: str) -> None:
+        print(line, file=file, flush=True)

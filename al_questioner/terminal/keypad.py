@@ -1,0 +1,197 @@
+"""One key a symbol, digits for objects, ticks for feature groups: what a key means at a question."""
+
+from __future__ import annotations
+
+import string
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+
+from al_questioner.domain import NO_SYMBOL, Query, QueryKind
+from al_questioner.domain.names import joined, loosely
+from al_questioner.terminal.board import Board, Phase
+from al_questioner.terminal.commands import Command, Explain, Say, Wish, read_line
+from al_questioner.terminal.safe_text import printable
+
+COMMANDS: dict[str, Command] = {
+    'n': Say(NO_SYMBOL),
+    '?': Say('?'),
+    'u': Say('?'),
+    's': Say('skip'),
+    'z': Wish.UNDO,
+    'h': Wish.HELP,
+    'q': Wish.QUIT,
+}
+"""Keys that mean the same at every question, and are never the key of a symbol."""
+LONGEST = 80
+"""Characters that can be typed."""
+
+
+@dataclass(frozen=True)
+class Pad:
+    """What was pressed so far at a question.
+
+    Attributes:
+        about: the question that it was pressed at.
+        typed: digits, or a word.
+        in_words: whether a word is typed, after a colon.
+        ticked: positions of feature groups.
+        cursor: position of the group that space ticks.
+        doubted: the last key, if it is to be pressed again to count.
+        notice: why the last key did nothing.
+    """
+
+    about: str = ''
+    typed: str = ''
+    in_words: bool = False
+    ticked: frozenset[int] = frozenset()
+    cursor: int = 0
+    doubted: str = ''
+    notice: str = ''
+
+    def explained(self, notice: str) -> Pad:
+        """The same, with an explanation."""
+        return replace(self, notice=notice)
+
+
+def about(board: Board) -> str:
+    """Tells the questions that are shown apart; empty where none can be answered."""
+    if board.moment is None or board.phase not in (Phase.ASKED, Phase.CORRECTING):
+        return ''
+    return f'{board.phase.name}/{board.moment.query.query_id}'
+
+
+def choices_of(board: Board) -> tuple[str, ...]:
+    """The choices of the question that can be answered; none if there is none."""
+    return board.moment.query.choices if board.moment is not None and about(board) else ()
+
+
+def letters(symbols: Sequence[str]) -> dict[str, str]:
+    """The key of each symbol: the first letter of its name, else another free one of it, else the first free key.
+
+    First letters go first, so that no key says another name than the one that begins with it, as far as there are keys.
+    A symbol beyond the last key has none, and is typed after a colon.
+    """
+    free = [
+        key for key in string.ascii_lowercase + string.digits + string.ascii_uppercase if key.lower() not in COMMANDS
+    ]
+    keys: dict[str, str] = {}
+    for symbol in symbols:
+        first = loosely(symbol)[:1]
+        if first in free:
+            keys[symbol] = first
+            free.remove(first)
+    for symbol in symbols:
+        if symbol not in keys and free:
+            keys[symbol] = next((letter for letter in loosely(symbol) if letter in free), free[0])
+            free.remove(keys[symbol])
+    return keys
+
+
+def press(key: str, pad: Pad, board: Board) -> tuple[Pad, Command | None]:
+    """What a key does.
+
+    Args:
+        key: a character, or 'enter', 'backspace', 'escape', 'up', 'down', 'left', 'right', 'tab'.
+        pad: what was pressed before.
+        board: what is shown.
+
+    Returns:
+        What has been pressed so far, and what is to be done, if anything.
+    """
+    here, doubted = about(board), pad.doubted
+    pad = replace(pad, notice='', doubted='') if pad.about == here else Pad(here)
+    if board.moment is None or not here:
+        command = COMMANDS.get(key.lower())
+        return pad, command if isinstance(command, Wish) else None
+    query = board.moment.query
+    if pad.in_words or (key == ':' and not pad.typed):
+        return _typed_word(key, pad, query)
+    if key == 'escape':
+        return (Pad(here), None) if pad != Pad(here) else (pad, Wish.UNDO if board.corrected is not None else None)
+    if key == 'backspace' and not pad.typed:
+        return pad, Wish.UNDO
+    if query.action.kind is QueryKind.LABEL:
+        return _at_label(key, pad, query, doubted)
+    if key.lower() in COMMANDS and not pad.typed:
+        return pad, COMMANDS[key.lower()]
+    if query.action.kind is QueryKind.DEMONSTRATION:
+        return _at_demonstration(key, pad)
+    return _at_feature_subset(key, pad, query)
+
+
+def _typed_word(key: str, pad: Pad, query: Query) -> tuple[Pad, Command | None]:
+    if not pad.in_words:
+        return replace(pad, in_words=True), None
+    if key == 'enter':
+        return Pad(pad.about), read_line(pad.typed, query.choices)
+    if key == 'escape' or (key == 'backspace' and not pad.typed):
+        return Pad(pad.about), None
+    if key == 'backspace':
+        return replace(pad, typed=pad.typed[:-1]), None
+    return _append(key, pad), None
+
+
+def _at_label(key: str, pad: Pad, query: Query, doubted: str) -> tuple[Pad, Command | None]:
+    keys = letters(query.choices)
+    for symbol, letter in keys.items():
+        if key == letter:
+            return pad, Say(symbol)
+    # A name may begin with a capital: both cases mean a letter, unless there are so many names that one is another's.
+    for symbol, letter in keys.items():
+        if key.lower() == letter:
+            return pad, Say(symbol)
+    command = COMMANDS.get(key.lower())
+    if command is None:
+        return pad, Explain(f'{_named(key)} is the key of no answer; h explains')
+    alike = next((symbol for symbol in query.choices if loosely(symbol).startswith(key.lower())), None)
+    if alike is None or command is Wish.HELP or doubted == key.lower():
+        return pad, command
+    # Who presses the first letter of a name means that name, and would otherwise have said something else unawares.
+    other = f'press {keys[alike]}' if alike in keys else 'type it after a colon'
+    explained = f'{_named(key)} means {_meaning(command)} here: press it again for that; for {alike} {other}'
+    return replace(pad, doubted=key.lower()), Explain(explained)
+
+
+def _meaning(command: Command) -> str:
+    if isinstance(command, Wish):
+        return command.value
+    return {'?': 'unknown'}.get(command.text, command.text)
+
+
+def _at_demonstration(key: str, pad: Pad) -> tuple[Pad, Command | None]:
+    if key == 'enter':
+        if not pad.typed:
+            return pad, Explain("type an object's number before Enter, or n for none")
+        return Pad(pad.about), Say(pad.typed)
+    if key == 'backspace':
+        return replace(pad, typed=pad.typed[:-1]), None
+    if len(key) == 1 and key in string.digits:
+        return _append(key, pad), None
+    return pad, Explain(f"{_named(key)} is no digit; type an object's number and Enter; h explains")
+
+
+def _at_feature_subset(key: str, pad: Pad, query: Query) -> tuple[Pad, Command | None]:
+    count = len(query.choices)
+    if key == 'enter':
+        if not pad.ticked:
+            return pad, Explain('tick what matters with space before Enter, or press u if you do not know')
+        # Beside a name with a comma those without one could be read as parts of it.
+        quotes = any(',' in choice for choice in query.choices)
+        return Pad(pad.about), Say(joined((query.choices[position] for position in sorted(pad.ticked)), quotes))
+    steps = {'right': 1, 'down': 1, 'tab': 1, 'left': -1, 'up': -1}
+    if key in steps and count:
+        return replace(pad, cursor=(pad.cursor + steps[key]) % count), None
+    position = pad.cursor if key == ' ' else string.digits.find(key) - 1 if len(key) == 1 else -1
+    if 0 <= position < count:
+        return replace(pad, ticked=pad.ticked ^ {position}, cursor=position), None
+    return pad, Explain(f'{_named(key)} ticks nothing; use numbers, or arrows and space; h explains')
+
+
+def _append(key: str, pad: Pad) -> Pad:
+    """With one more character, as long as it is one that can be shown and there is room."""
+    fits = len(key) == 1 and key.isprintable() and len(pad.typed) < LONGEST
+    return replace(pad, typed=pad.typed + key) if fits else pad
+
+
+def _named(key: str) -> str:
+    return f'"{printable(key, 20)}"'

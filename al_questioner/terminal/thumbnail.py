@@ -1,0 +1,65 @@
+"""A picture in the characters of a terminal, and the part of the scene's picture that shows one object."""
+
+from __future__ import annotations
+
+import cv2
+import numpy as np
+from rich.color import Color
+from rich.style import Style
+from rich.text import Text
+
+from al_questioner.domain import Scene
+from al_questioner.simulation.kitchen.table_image import Projection
+from al_questioner.terminal.board import Picture
+from al_questioner.terminal.look import Look
+
+SHOWN_M = 0.08
+"""What is shown of the table to every side of an object, in metres."""
+RAMP = ' .:-=+*#%@'
+"""From dark to bright."""
+
+
+def thumbnail(picture: Picture, columns: int, rows: int, look: Look) -> list[Text]:
+    """The picture in at most so many columns and rows; half a character is about square.
+
+    Two colours in a character where there are colours, else one of a few characters by brightness.
+    """
+    height, width = picture.shape[:2]
+    zoom = min(columns / width, 2 * rows / height)
+    columns, rows = max(1, round(width * zoom)), max(1, round(height * zoom / 2))
+    if look.in_color and look.unicode:
+        pixels = _resized(picture, columns, 2 * rows)
+        return [_colored(upper, lower) for upper, lower in zip(pixels[0::2], pixels[1::2], strict=True)]
+    brightness = cv2.cvtColor(_resized(picture, columns, rows), cv2.COLOR_RGB2GRAY).astype(np.float64)
+    low, high = brightness.min(), brightness.max()
+    steps = (brightness - low) / max(1.0, high - low) * (len(RAMP) - 1)
+    return [Text(''.join(RAMP[round(step)] for step in row)) for row in steps]
+
+
+def cut_out(picture: Picture, scene: Scene, object_id: int) -> Picture | None:
+    """The object in the scene's picture.
+
+    None if it is not known where: the picture is not one of the table as perception draws it, but perhaps a camera's,
+    whose projection nobody tells; or the object lies beyond its rim.
+    """
+    projection = Projection(width_px=picture.shape[1])
+    if object_id not in scene.object_ids or picture.shape[0] != projection.height_px:
+        return None
+    x, y = (float(value) for value in scene.positions[scene.index_of(object_id), :2])
+    column, row = projection.pixel(x, y)
+    if not (0 <= column < picture.shape[1] and 0 <= row < picture.shape[0]):
+        return None
+    reach = max(4, round(SHOWN_M * projection.scale))
+    return picture[max(0, row - reach) : row + reach, max(0, column - reach) : column + reach]
+
+
+def _resized(picture: Picture, width: int, height: int) -> Picture:
+    resized = cv2.resize(picture, (width, height), interpolation=cv2.INTER_AREA)
+    return resized.astype(np.uint8)
+
+
+def _colored(upper: Picture, lower: Picture) -> Text:
+    line = Text()
+    for top, bottom in zip(upper.tolist(), lower.tolist(), strict=True):
+        line.append('▀', Style(color=Color.from_rgb(*top), bgcolor=Color.from_rgb(*bottom)))
+    return line

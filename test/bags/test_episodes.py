@@ -1,0 +1,422 @@
+"""Episodes in bags: whole ones as they were lived, and each way of not being one."""
+
+from __future__ import annotations
+
+import dataclasses
+from pathlib import Path
+
+import numpy as np
+import pytest
+import yaml
+
+from al_questioner.bags import (
+    BagError,
+    BagMessage,
+    BagWriter,
+    LeftOut,
+    Topic,
+    deserialize,
+    read_bag,
+    read_sessions,
+    repair,
+)
+from al_questioner.bags.reading import typestore
+from al_questioner.bags.rerun import first_divergence
+from al_questioner.bags.topics import CLOUD, STRING
+from al_questioner.imitation.bags import read_demonstrations
+
+
+@pytest.mark.parametrize('storage', ['mcap', 'sqlite3'])
+def test_a_session_is_what_was_lived(bags, tmp_path, storage):
+    """The expert's scenes, choices and answers would be others than those learnt from."""
+    lived = bags.write_episode(tmp_path / 'b', storage)
+    (session,) = read_sessions(tmp_path / 'b')
+    assert session.settings == lived.settings
+    assert session.world['task'] == 'prepare_lunch'
+    assert session.change_turns == (5,) or session.change_turns == ()
+    assert [turn.record for turn in session.turns if turn.record] == list(lived.episode.records)
+    for turn in session.turns:
+        np.testing.assert_array_equal(turn.scene.features, lived.world.scene(turn.turn).features)
+    assert first_divergence(session) is None
+
+
+def test_another_learner_diverges_and_the_turn_is_named(bags, tmp_path):
+    """A check that finds nothing would be worth nothing."""
+    bags.write_episode(tmp_path / 'b', strategy='random_fsq')
+    (session,) = read_sessions(tmp_path / 'b')
+    assert first_divergence(session) is None
+    other = first_divergence(dataclasses.replace(session, seed=session.seed + 1))
+    assert other is not None
+    assert other.turn >= 2
+    assert 'was recorded' in other.what
+    changed = dataclasses.replace(session, settings=dataclasses.replace(session.settings, strategy='farthest_fsq'))
+    assert first_divergence(changed) is not None
+
+
+@pytest.mark.parametrize(('change', 'found'), [(1e-6, 'the features differ by up to 1e-06'), (1e-11, None)])
+def test_features_of_another_look_are_a_divergence_and_rounding_is_none(bags, tmp_path, change, found):
+    """The same choice for other reasons is not the same decision; but processors differ in their last digits."""
+    bags.write_episode(tmp_path / 'b')
+    (session,) = read_sessions(tmp_path / 'b')
+    first = session.turns[0]
+    decision = dataclasses.replace(first.decision, features=first.decision.features + change)
+    turns = (dataclasses.replace(first, decision=decision), *session.turns[1:])
+    divergence = first_divergence(dataclasses.replace(session, turns=turns))
+    assert (divergence and divergence.turn) == (found and 1)
+    assert (divergence and divergence.what) == found
+
+
+@pytest.mark.parametrize('accepted', [True, False])
+def test_without_a_turns_state_nobody_knows_since_when_an_answer_is_corrected(bags, tmp_path, accepted):
+    """A decision would be replayed with what was not known then."""
+
+    def then(writing, _):
+        stamp = bags.START + 2 * 10**9
+        answer = {'query_id': 'q1', 'answer_id': 'a2', 'teacher_id': 'anna', 'outcome': 'answered', 'content': 'snack'}
+        writing.send('answer', typestore().types[bags.STRING]('{"no": "answer"'), stamp + 1)
+        writing.say('answer', answer | {'replaces': 'a1'}, stamp + 2)
+        ack = {'query_id': 'q1', 'answer_id': 'a2', 'accepted': accepted, 'reason': ''}
+        writing.say('answer_ack', ack, stamp + 3)
+
+    bags.write_episode(tmp_path / 'b', missing=[('learner_state', 4)], then=then)
+    if accepted:
+        with pytest.raises(BagError, match='b: turn 4 was recorded without its learner_state'):
+            read_sessions(tmp_path / 'b')
+    else:
+        assert len(read_sessions(tmp_path / 'b')) == 1
+
+
+def test_an_episode_without_a_whole_turn_is_told_of_beside_others(bags, tmp_path):
+    """What was recorded before it would be as good as lost; or its loss go unnoticed."""
+
+    def then(writing, episode):
+        stamp = bags.START + 2 * 10**9
+        told = {'sec': stamp // 10**9, 'nanosec': 0}
+        writing.say('turn', {'turn': 1, 'stamp': told, 'world': episode['world']}, stamp, 'e2')
+        writing.say('episode', episode, stamp + 1, 'e2')
+
+    bags.write_episode(tmp_path / 'b', then=then)
+    with pytest.raises(BagError, match='ended before the first turn of episode e2'):
+        read_sessions(tmp_path / 'b')
+    left_out: list[LeftOut] = []
+    (session,) = read_sessions(tmp_path / 'b', left_out)
+    assert (session.episode_id, [what for what, _ in left_out]) == ('e1', ['e2'])
+
+
+def test_an_unfinished_recording_counts_as_far_as_it_goes(bags, tmp_path):
+    """A killed recording of a person's half hour would be lost; repaired, it trains."""
+    bags.write_episode(tmp_path / 'b', close=False)
+    with pytest.raises(BagError, match='record --repair'):
+        read_sessions(tmp_path / 'b')
+    repair(tmp_path / 'b')
+    (demonstration,) = read_demonstrations([tmp_path / 'b'])
+    assert len(demonstration.steps) == 8
+
+
+@pytest.mark.parametrize(
+    ('missing', 'reason'),
+    [
+        ([('turn', 3)], 'turn 3 of 8 was not recorded'),
+        (
+            [('decision', 4)],
+            'turn 4 of 8 was recorded without its decision; if the learner kept a session, `session DIR',
+        ),
+        ([('objects', 8)], 'turn 8 of 8 was recorded without its objects'),
+        ([('objects', 4)], 'turn 4 of 8 was recorded without its objects'),
+        ([('episode', 1)], 'no episode was recorded'),
+        ([('learner_state', turn) for turn in range(1, 9)], 'ended before the first turn'),
+    ],
+)
+def test_what_is_missing_is_named(bags, tmp_path, missing, reason):
+    """An episode with holes would be learnt from as if the expert had done nothing."""
+    bags.write_episode(tmp_path / 'b', missing=missing)
+    with pytest.raises(BagError, match=reason):
+        read_sessions(tmp_path / 'b')
+
+
+def test_other_message_types_are_named(bags, tmp_path):
+    """A bag of another program with topics of the same name."""
+    writing = bags.Writing(tmp_path / 'b', types={**bags.TYPES, 'turn': 'sensor_msgs/msg/PointCloud2'})
+    writing.say('episode', {}, bags.START)
+    writing.bag.close()
+    with pytest.raises(BagError, match=r'topic /robot/turn holds sensor_msgs/msg/PointCloud2, expected std_msgs'):
+        read_sessions(tmp_path / 'b')
+
+
+def test_documents_that_are_none_are_named(bags, tmp_path):
+    """A bag of another version, or of nobody's."""
+    writing = bags.Writing(tmp_path / 'b')
+    writing.say('episode', {'symbols': ['a', 'b']}, bags.START)
+    writing.bag.close()
+    with pytest.raises(BagError, match=r'/robot/episode: .*is a required property'):
+        read_sessions(tmp_path / 'b')
+
+
+def test_objects_with_other_features_than_announced_are_named(bags, tmp_path, monkeypatch):
+    """The decision would belong to another scene."""
+    original = bags.Writing.say
+
+    def renamed(self, name, members, stamp, episode_id='e1'):
+        if name == 'episode':
+            members = {**members, 'feature_names': members['feature_names'][:-1]}
+        original(self, name, members, stamp, episode_id)
+
+    monkeypatch.setattr(bags.Writing, 'say', renamed)
+    bags.write_episode(tmp_path / 'b')
+    with pytest.raises(BagError, match='the objects of turn 1 have other features than the episode announces'):
+        read_sessions(tmp_path / 'b')
+
+
+def test_decisions_without_features_cannot_be_learnt_from(bags, tmp_path):
+    """A control weighs nothing: its bag is no demonstration for the decision features."""
+    bags.write_episode(tmp_path / 'b', strategy='random_fsq')
+    with pytest.raises(BagError, match='strategy random_fsq: turn 1: the decision carries no decision features'):
+        read_demonstrations([tmp_path / 'b'])
+
+
+def test_what_latched_topics_tell_of_an_earlier_episode_is_left_out(tmp_path):
+    """A learner that is done and still up would make the bag of the next episode unreadable."""
+    shipped = Path(__file__).resolve().parents[2] / 'bags'
+    old, new = (read_bag(shipped / name) for name in ('expert_0', 'expert_1'))
+    topics = [dataclasses.replace(topic, name=f'/r/{last_part(topic.name)}') for topic in new.topics]
+    left_over = [
+        next(m for m in reversed(old.messages) if last_part(m.topic) == name)
+        for name in ('turn', 'episode', 'learner_state')
+    ]
+    with BagWriter(tmp_path / 'b', topics) as bag:
+        for message in (*left_over, *new.messages):
+            bag.write(f'/r/{last_part(message.topic)}', message.data, message.stamp)
+    (session,) = read_sessions(tmp_path / 'b')
+    assert session.seed == 1
+    assert len(session.turns) == 30
+
+
+def last_part(topic):
+    return topic.rsplit('/', 1)[-1]
+
+
+SHIPPED = Path(__file__).resolve().parents[2] / 'bags'
+HOUR = 3600 * 10**9
+
+
+def written(path, messages, storage='mcap'):
+    """A bag of these messages, in this order."""
+    known = {message.topic: Topic(message.topic, message.type, True) for message in messages}
+    with BagWriter(path, list(known.values()), storage) as bag:
+        for message in messages:
+            bag.write(message.topic, message.data, message.stamp)
+    return path
+
+
+def stepped(messages, at, by):
+    """The messages as a recorder would have stamped them whose clock was put forward or back before one of them."""
+    return [
+        dataclasses.replace(message, stamp=message.stamp + (by if place >= at else 0))
+        for place, message in enumerate(messages)
+    ]
+
+
+@pytest.mark.parametrize('storage', ['mcap', 'sqlite3'])
+@pytest.mark.parametrize(('at', 'by'), [(54, -HOUR), (54, HOUR), (100, -5 * 10**8), (160, -HOUR)])
+@pytest.mark.parametrize('is_sorted', [False, True], ids=['as recorded', 'sorted since'])
+def test_a_clock_that_was_put_back_hides_nothing(tmp_path, storage, at, by, is_sorted):
+    """Of thirty decisions ten would be checked and learnt from, and nobody told."""
+    messages = stepped(read_bag(SHIPPED / 'expert_0').messages, at, by)
+    if is_sorted:
+        messages.sort(key=lambda message: message.stamp)
+    (session,) = read_sessions(written(tmp_path / 'b', messages, storage=storage))
+    (before,) = read_sessions(SHIPPED / 'expert_0')
+    assert len(session.turns) == 30
+    assert session.records == before.records
+    assert first_divergence(session) is None
+
+
+@pytest.mark.parametrize(
+    'arranged',
+    [
+        lambda messages: [dataclasses.replace(message, stamp=0) for message in messages],
+        lambda messages: sorted(messages, key=lambda message: message.topic),
+        lambda messages: list(reversed(messages)),
+        lambda messages: [*messages, *messages],
+        lambda messages: [*messages, *stepped(messages, 0, HOUR)],
+    ],
+    ids=['without stamps', 'topic after topic', 'backwards', 'looped on a looping clock', 'looped'],
+)
+def test_the_order_of_a_file_is_not_that_of_the_episode(tmp_path, arranged):
+    """Whatever rewrites a bag has an order of its own."""
+    (session,) = read_sessions(written(tmp_path / 'b', arranged(read_bag(SHIPPED / 'expert_0').messages)))
+    assert len(session.turns) == 30
+    assert first_divergence(session) is None
+
+
+@pytest.mark.parametrize('later', [HOUR, -HOUR], ids=['later', 'on a clock that began anew'])
+def test_two_runs_under_one_episode_id_stay_apart(bags, tmp_path, later):
+    """The turns of one learner would be taken for those of the next, which was started with the same parameters."""
+    bags.write_episode(tmp_path / 'long', n_turns=8)
+    bags.write_episode(tmp_path / 'short', n_turns=4, strategy='random_fsq', start=bags.START + later)
+    first, second = (read_bag(tmp_path / name).messages for name in ('long', 'short'))
+    sessions = read_sessions(written(tmp_path / 'b', [*first, *second]))
+    assert [session.settings.strategy for session in sessions] == ['expert', 'random_fsq']
+    assert [len(session.turns) for session in sessions] == [8, 4]
+    assert [first_divergence(session) for session in sessions] == [None, None]
+
+
+def test_two_episodes_of_the_same_stamps_stay_apart(bags, tmp_path):
+    """A simulation that is started anew gives every learner the same times."""
+    bags.write_episode(tmp_path / 'one', n_turns=4)
+    bags.write_episode(tmp_path / 'other', n_turns=4, strategy='random_fsq')
+    first, second = (read_bag(tmp_path / name).messages for name in ('one', 'other'))
+    renamed = [
+        dataclasses.replace(message, data=message.data.replace(b'"episode_id":"e1"', b'"episode_id":"e2"'))
+        for message in second
+    ]
+    sessions = read_sessions(written(tmp_path / 'b', [*first, *renamed]))
+    assert [session.settings.strategy for session in sessions] == ['expert', 'random_fsq']
+    assert [first_divergence(session) for session in sessions] == [None, None]
+
+
+@pytest.mark.parametrize(
+    ('name', 'type_', 'data'),
+    [
+        ('/zed/objects', 'vision_msgs/msg/Detection2DArray', None),
+        ('/zed/objects', CLOUD, 'cloud of others'),
+        ('/chat/turn', STRING, 'your turn'),
+        ('/chat/episode', STRING, '{"episode": 4}'),
+        ('/shop/query', 'sensor_msgs/msg/PointCloud2', None),
+        ('/robot/turn', STRING, 'your turn'),
+        ('/robot/episode', STRING, '[1, 2]'),
+        ('/robot/learner_state', STRING, '{"turn": 99, "episode_id": "e1"}'),
+        ('/robot/objects', CLOUD, 'cloud of others'),
+        ('/robot/decision', CLOUD, 'cloud of others'),
+    ],
+)
+def test_what_other_nodes_say_on_such_names_is_passed_over(bags, tmp_path, name, type_, data):
+    """A whole robot is recorded: the topic of another node would make the bag unreadable, or be learnt from."""
+    bags.write_episode(tmp_path / 'ours')
+    messages = list(read_bag(tmp_path / 'ours').messages)
+    if data == 'cloud of others':
+        content = cloud_of_others(bags, messages)
+    elif data is not None:
+        content = bytes(typestore().serialize_cdr(typestore().types[STRING](data), STRING))
+    if data is not None:
+        others = [BagMessage(name, type_, message.stamp - 1, content) for message in messages[::3]]
+        messages = sorted([*messages, *others], key=lambda message: message.stamp)
+    path = written(tmp_path / 'b', messages)
+    if data is None:
+        add_topic(path, name, type_)
+    left_out: list[LeftOut] = []
+    (session,) = read_sessions(path, left_out)
+    assert (len(session.turns), left_out) == (8, [])
+    assert first_divergence(session) is None
+
+
+def cloud_of_others(bags, messages):
+    """What a camera publishes: points without the ids of objects, stamped like the first turn."""
+    store = typestore()
+    field, header = store.types['sensor_msgs/msg/PointField'], store.types['std_msgs/msg/Header']
+    begin = next(message.stamp for message in messages if last_part(message.topic) == 'turn')
+    stamp = store.types['builtin_interfaces/msg/Time'](begin // 10**9, begin % 10**9)
+    fields = [field(name, 4 * place, 7, 1) for place, name in enumerate('xyz')]
+    points = np.zeros(24, np.uint8)
+    cloud = store.types[CLOUD](header(stamp, 'camera'), 1, 2, fields, False, 12, 24, points, True)
+    return bytes(store.serialize_cdr(cloud, CLOUD))
+
+
+def add_topic(path, name, type_):
+    """Announce another topic in a bag's metadata, of any type at all, without a message."""
+    metadata = yaml.safe_load((path / 'metadata.yaml').read_text())
+    topics = metadata['rosbag2_bagfile_information']['topics_with_message_count']
+    described = {**topics[0]['topic_metadata'], 'name': name, 'type': type_}
+    topics.append({'message_count': 0, 'topic_metadata': described})
+    (path / 'metadata.yaml').write_text(yaml.safe_dump(metadata))
+
+
+def test_what_could_not_be_used_beside_others_is_told(bags, tmp_path):
+    """The decisions that were not checked would be taken for checked ones."""
+    missing_from = {
+        'a': (),
+        'b': [('objects', 3)],
+        'c': [('turn', 1)],
+        'd': [('learner_state', turn) for turn in range(3, 9)],
+        'e': [('episode', 1)],
+    }
+    messages: list[BagMessage] = []
+    for name, missing in missing_from.items():
+        bags.write_episode(tmp_path / name, missing=missing)
+        recorded = read_bag(tmp_path / name).messages
+        messages += [dataclasses.replace(m, topic=f'/{name}/{last_part(m.topic)}') for m in recorded]
+    path = written(tmp_path / 'all', messages)
+    left_out: list[LeftOut] = []
+    sessions = read_sessions(path, left_out)
+    assert [len(session.turns) for session in sessions] == [8, 2]
+    told = sorted(reason for _, reason in left_out)
+    beginnings = [
+        'no episode was recorded for its turns (/e/episode)',
+        'turn 1 of 8 was not recorded',
+        'turn 3 of 8 was recorded without its objects',
+        'turns 4 to 8: what was answered before was not recorded',
+    ]
+    assert [text[: len(beginning)] for text, beginning in zip(told, beginnings, strict=True)] == beginnings
+    with pytest.raises(BagError, match='all: turn 3 of 8 was recorded without its objects'):
+        read_sessions(path)
+
+
+def test_the_last_decision_of_a_recording_that_ended_early_is_checked(bags, tmp_path):
+    """It would be left out without a word."""
+    bags.write_episode(tmp_path / 'b', missing=[('learner_state', 8)])
+    (session,) = read_sessions(tmp_path / 'b')
+    assert (len(session.turns), session.begun and session.begun.turn) == (7, 8)
+    assert first_divergence(session) is None
+    decision = dataclasses.replace(session.begun.decision, features=session.begun.decision.features + 1)
+    other = dataclasses.replace(session, begun=dataclasses.replace(session.begun, decision=decision))
+    assert first_divergence(other).turn == 8
+
+
+def test_the_scenes_of_a_camera_whose_clock_went_back_are_found(bags, tmp_path):
+    """Whoever records in a simulation that loops would be told that nothing was seen."""
+
+    def earlier(message):
+        cloud = deserialize(message)
+        if last_part(message.topic) != 'objects' or cloud.header.stamp.nanosec < 500_000_000:
+            return message
+        cloud.header.stamp.sec -= 100
+        cloud.header.stamp.nanosec += 1
+        return dataclasses.replace(message, data=bytes(typestore().serialize_cdr(cloud, CLOUD)))
+
+    bags.write_episode(tmp_path / 'whole')
+    messages = [
+        earlier(message) if message.type == CLOUD else message for message in read_bag(tmp_path / 'whole').messages
+    ]
+    (session,) = read_sessions(written(tmp_path / 'b', messages))
+    assert len(session.turns) == 8
+    assert first_divergence(session) is None
+
+
+def test_what_a_camera_with_a_fast_clock_showed_before_the_turn_is_not_its_scene(bags, tmp_path):
+    """The learner waited for none yet; the scene before a change would be taken for the one after it."""
+    lived = bags.write_episode(tmp_path / 'whole', n_turns=12)
+    messages, before = [], None
+    for message in read_bag(tmp_path / 'whole').messages:
+        if last_part(message.topic) == 'turn' and before is not None:
+            cloud = deserialize(before)
+            seconds, nanoseconds = divmod(message.stamp + 5, 10**9)
+            cloud.header.stamp.sec, cloud.header.stamp.nanosec = seconds, nanoseconds
+            data = bytes(typestore().serialize_cdr(cloud, CLOUD))
+            messages.append(dataclasses.replace(before, data=data, stamp=message.stamp))
+        before = message if last_part(message.topic) == 'objects' else before
+        messages.append(message)
+    (session,) = read_sessions(written(tmp_path / 'b', messages))
+    assert session.change_turns == (11,)
+    for turn in session.turns:
+        np.testing.assert_array_equal(turn.scene.features, lived.world.scene(turn.turn).features)
+
+
+def test_the_scene_of_the_next_learner_is_not_taken_for_one_that_is_missing(bags, tmp_path):
+    """The end of an episode would be learnt from with things in view that were not there."""
+    bags.write_episode(tmp_path / 'first', missing=[('objects', 8)])
+    bags.write_episode(tmp_path / 'second', start=bags.START + HOUR)
+    first, second = (read_bag(tmp_path / name).messages for name in ('first', 'second'))
+    left_out: list[LeftOut] = []
+    (session,) = read_sessions(written(tmp_path / 'b', [*first, *second]), left_out)
+    assert len(session.turns) == 8
+    assert [reason[:47] for _, reason in left_out] == ['turn 8 of 8 was recorded without its objects; i']

@@ -1,0 +1,45 @@
+"""What stands above the pictures of an episode."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import pytest
+from matplotlib import pyplot as plt
+
+from al_questioner.commands.demo import pictures
+from al_questioner.domain import QueryKind
+from al_questioner.simulation import (
+    PerceivedWorld,
+    ScriptedTeacher,
+    WorldChoice,
+    episode_settings,
+    load_task,
+    run_episode,
+)
+
+
+@pytest.mark.parametrize('strategy', ['random_fsq', 'rarest_demo'])
+def test_the_caption_of_the_scene_counts_every_query(
+    tmp_path: Path, strategy: str, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """What is about no single object would be left out, and the numbers not add up to the budget that was spent."""
+    task = load_task('prepare_lunch')
+    choice = WorldChoice(task, 4, 4)
+    world = PerceivedWorld(choice.open())
+    settings = episode_settings(task, strategy, 12.0, 7)
+    result = run_episode(choice, settings, ScriptedTeacher(task.symbols, task.relevant_groups, 4), world=world)
+    titles = {}
+
+    def keep(figure: plt.Figure, path: Path) -> Path:
+        titles[path.stem] = figure.axes[0].get_title(loc='left')
+        plt.close(figure)
+        return path
+
+    monkeypatch.setattr(pictures, 'save', keep)
+    pictures.draw_pictures(result, world, tmp_path)
+    kinds = [record.kind for record in result.queries]
+    assert kinds.count(QueryKind.FEATURE_SUBSET) == 1
+    for kind in set(kinds):
+        words = f'{kind.value.replace("_", " ")} quer{"y" if kinds.count(kind) == 1 else "ies"}'
+        assert f'{kinds.count(kind)} {words}' in titles['scene']

@@ -1,0 +1,391 @@
+"""A session that goes on after whatever happened: nothing is lost, nothing counts twice, and the same is asked."""
+
+from __future__ import annotations
+
+import dataclasses
+import json
+import subprocess
+import sys
+from pathlib import Path
+from types import SimpleNamespace
+
+import numpy as np
+import pytest
+
+from al_questioner.domain import Answer, AnswerError, Decision, LateAnswerError, Outcome, SettingsError
+from al_questioner.event_log.durable_episode import DurableEpisode, Replay, ReplayError
+from al_questioner.event_log.events import (
+    Begun,
+    Decided,
+    Encoder,
+    KeptLate,
+    Passed,
+    Refused,
+    Seen,
+    Told,
+    Tuned,
+    decoded,
+)
+from al_questioner.event_log.log import LogWriteError, SessionLog, SessionLogError, read_log
+from al_questioner.questioning import Situation
+from al_questioner.questioning.strategies import human
+from al_questioner.simulation import PerceivedWorld, ScriptedTeacher, WorldChoice, episode_settings, load_task
+
+TASK = load_task('prepare_lunch')
+TEACHER = ScriptedTeacher(TASK.symbols, TASK.relevant_groups, 4)
+WORLD = {'task': 'prepare_lunch', 'seed': 4, 'sample': 4, 'dataset': None}
+DRIVER = Path(__file__).with_name('session_driver.py')
+
+
+def begun(**changes: object) -> Begun:
+    settings = episode_settings(TASK, 'u_sampling_fsq', 8.0, 6, tune_every=2)
+    return dataclasses.replace(Begun('e1', settings, 4, 1e-3, WORLD, '1'), **changes)
+
+
+@pytest.fixture(scope='module')
+def world() -> PerceivedWorld:
+    return PerceivedWorld(WorldChoice(TASK, 4, 4).open())
+
+
+def started(folder: Path | None, **changes: object) -> DurableEpisode:
+    session = DurableEpisode(begun(**changes), None if folder is None else SessionLog(folder))
+    session.start()
+    return session
+
+
+def ask(session: DurableEpisode, world: PerceivedWorld) -> Decision:
+    turn = session.episode.turn + 1
+    return session.ask(Seen(turn, turn * 1000, 'table', world.scene(turn)))
+
+
+def answer(session: DurableEpisode, world: PerceivedWorld) -> Answer:
+    query = session.episode.pending
+    assert query is not None
+    return TEACHER.answer(query, world.truth(query.turn))
+
+
+def play_turns(session: DurableEpisode, world: PerceivedWorld, n: int) -> list[Answer]:
+    """Some whole turns, and the answers."""
+    said = []
+    for _ in range(n):
+        if ask(session, world).query is not None:
+            said.append(answer(session, world))
+            assert session.take(said[-1])
+        session.tune()
+    return said
+
+
+def events(folder: Path) -> list[object]:
+    found, fault = decoded(read_log(folder))
+    assert fault is None
+    return list(found)
+
+
+def drive(*arguments: object) -> dict[str, object]:
+    done = subprocess.run(
+        [sys.executable, str(DRIVER), *map(str, arguments)], capture_output=True, text=True, timeout=280, check=False
+    )
+    assert done.returncode == 0, done.stderr
+    return json.loads(done.stdout)
+
+
+@pytest.mark.slow
+def test_killed_at_every_write_point(tmp_path: Path) -> None:
+    """An answer that was acknowledged would be lost, or counted twice, or what is asked next would be another thing."""
+    result = drive('points', tmp_path)
+    assert result['problems'] == []
+    assert result['kills'] > 80
+    kinds = {'answer', 'correction', 'late', 'passed', 'tune', 'decision', 'scene', 'episode'}
+    assert kinds == set(result['kinds'])
+
+
+@pytest.mark.slow
+def test_killed_at_random_moments(tmp_path: Path) -> None:
+    """What no list of write points foresees would lose an answer."""
+    result = drive('random', tmp_path, 200, 1)
+    assert result['problems'] == []
+    assert result['kills'] >= 200
+
+
+def test_a_log_that_does_not_tell_what_was_known_is_gone_on_with(tmp_path: Path, world: PerceivedWorld) -> None:
+    """Sessions of earlier versions would be lost."""
+    of_demonstrations = begun(settings=episode_settings(TASK, 'rarest_demo', 20.0, 8))
+    session = DurableEpisode(of_demonstrations, SessionLog(tmp_path))
+    session.start()
+    play_turns(session, world, 5)
+    session.close()
+    replay, asked = Replay(of_demonstrations), []
+    for event in events(tmp_path)[1:]:
+        earlier = event
+        if isinstance(event, Decided) and event.query is not None:
+            asked.append(event.query)
+            earlier = dataclasses.replace(event, query=dataclasses.replace(event.query, known=None))
+        replay.play(earlier)
+    assert any(query.known for query in asked)
+    assert replay.episode.records == session.episode.records
+
+
+def test_the_same_state_after_resuming(tmp_path: Path, world: PerceivedWorld) -> None:
+    """The robot would believe other things than before, and so ask others."""
+    session = started(tmp_path)
+    play_turns(session, world, 3)
+    ask(session, world)
+    session.close()
+    resumed = started(tmp_path)
+    ours, theirs = session.episode, resumed.episode
+    assert (ours.turn, ours.spent, ours.pending, ours.records) == (
+        theirs.turn,
+        theirs.spent,
+        theirs.pending,
+        theirs.records,
+    )
+    scene = world.scene(1).features
+    np.testing.assert_array_equal(ours.knowledge.predict_proba(scene), theirs.knowledge.predict_proba(scene))
+    assert ours._rng.bit_generator.state == theirs._rng.bit_generator.state
+    assert (resumed.seen.turn, resumed.seen.stamp, resumed.seen.frame_id) == (4, 4000, 'table')
+    np.testing.assert_array_equal(session.decision.utilities, resumed.decision.utilities)
+
+
+def test_an_answer_counts_once(tmp_path: Path, world: PerceivedWorld) -> None:
+    """A resent answer would teach twice, or be refused so that the teacher despairs; before and after a crash."""
+    session = started(tmp_path)
+    (said, _, _) = play_turns(session, world, 3)
+    for _ in range(2):
+        assert not session.take(said)
+        with pytest.raises(AnswerError, match='was taken already'):
+            session.take(dataclasses.replace(said, outcome=Outcome.SKIP, content=None))
+        session.close()
+        session = started(tmp_path)
+    assert len(session.episode.records) == 3
+    assert sum(isinstance(event, Told) for event in events(tmp_path)) == 3
+    session.close()
+
+
+def test_a_late_answer_is_kept_with_its_own_question(tmp_path: Path, world: PerceivedWorld) -> None:
+    """What the second teacher said of one thing would be learnt of another, or be forgotten."""
+    session = started(tmp_path)
+    (first, *_) = play_turns(session, world, 2)
+    pending = ask(session, world).query
+    with pytest.raises(AnswerError, match='a feature subset is some of'):
+        session.take(Answer(first.query_id, 'b0', 'bert', Outcome.ANSWERED, 'snack'))
+    late = Answer(first.query_id, 'b1', 'bert', Outcome.ANSWERED, ('size',))
+    for _ in range(2):
+        with pytest.raises(LateAnswerError, match=f"query 'q1' was answered already, by '{first.answer_id}'"):
+            session.take(late)
+        assert session.episode.pending is pending
+        session.close()
+        session = started(tmp_path)
+        pending = session.episode.pending
+    assert [event.answer for event in events(tmp_path) if isinstance(event, KeptLate)] == [late]
+    session.close()
+
+
+def test_a_correction_is_kept_beside_what_it_corrects(tmp_path: Path, world: PerceivedWorld) -> None:
+    """Undo would rewrite the past, or not survive."""
+    session = started(tmp_path)
+    said = play_turns(session, world, 3)
+    label = next(a for a in said if isinstance(a.content, str))
+    undo = Answer(label.query_id, 'c1', 'scripted', Outcome.UNKNOWN, replaces=label.answer_id)
+    assert session.take(undo)
+    assert not session.take(undo)
+    with pytest.raises(AnswerError, match="no answer 'c9' to query"):
+        session.take(dataclasses.replace(undo, answer_id='c2', replaces='c9'))
+    session.close()
+    told = [event.answer for event in events(tmp_path) if isinstance(event, Told)]
+    assert told == [*said, undo]
+    resumed = started(tmp_path)
+    assert resumed.episode.records == session.episode.records
+    assert Outcome.UNKNOWN in {record.outcome for record in resumed.episode.records}
+    resumed.close()
+
+
+def test_refused_texts_are_kept_once(tmp_path: Path, world: PerceivedWorld) -> None:
+    """Nobody could tell why a person's answer had not been taken; or a stuck sender would fill the disk."""
+    session = started(tmp_path)
+    for _ in range(3):
+        session.note_refused('x' * 5000, 'nonsense')
+    session.close()
+    assert events(tmp_path)[1:] == [Refused('x' * 1000, 'nonsense')]
+    started(tmp_path).close()
+
+
+def test_a_flood_of_refused_texts_is_counted(
+    tmp_path: Path, world: PerceivedWorld, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Whoever sends garbage could fill the disk, and nothing would be left for the answers."""
+    now = 0.0
+    monkeypatch.setattr('al_questioner.support.rate_limiter.time', SimpleNamespace(monotonic=lambda: now))
+    session = started(tmp_path)
+    for number in range(1000):
+        session.note_refused(str(number), 'nonsense')
+    now = 61.0
+    for number in range(1012):
+        session.note_refused(f'{number} again', 'nonsense')
+    session.close()
+    refused = [event for event in events(tmp_path) if isinstance(event, Refused)]
+    assert [event.text for event in refused[:10]] == list(map(str, range(10)))
+    assert refused[10] == Refused('', '990 more, too many to keep', 990)
+    assert len(refused) == 22
+    assert sum(event.count for event in refused) == 2012
+
+
+def test_of_late_answers_to_one_query_so_many_are_kept(tmp_path: Path, world: PerceivedWorld) -> None:
+    """The same with answers that come too late."""
+    session = started(tmp_path)
+    (first,) = play_turns(session, world, 1)
+    for number in range(120):
+        with pytest.raises(LateAnswerError):
+            session.take(dataclasses.replace(first, answer_id=f'late {number}'))
+    assert sum(isinstance(event, KeptLate) for event in events(tmp_path)) == 100
+    session.close()
+
+
+def test_tuning_is_on_the_disk(tmp_path: Path, world: PerceivedWorld) -> None:
+    """A resumed learner would tune once more, or not at all."""
+    session = started(tmp_path)
+    play_turns(session, world, 2)
+    session.close()
+    resumed = started(tmp_path)
+    assert not resumed.episode.tune_is_due
+    assert resumed.episode.knowledge.kernel == session.episode.knowledge.kernel
+    resumed.close()
+    assert sum(isinstance(event, Tuned) for event in events(tmp_path)) == 1
+
+
+@pytest.mark.parametrize(
+    ('changes', 'difference'),
+    [
+        ({'seed': 5}, 'seed 4, not 5'),
+        ({'view_tolerance': 0.5}, 'view_tolerance 0.001, not 0.5'),
+        ({'world': {**WORLD, 'sample': 9}}, 'world.sample 4, not 9'),
+        ({'episode_id': 'e2'}, "episode_id 'e1', not 'e2'"),
+        ({'settings': dataclasses.replace(begun().settings, budget=9.0)}, 'budget 8.0, not 9.0'),
+        ({'world': None}, "world.task 'prepare_lunch', not None"),
+    ],
+)
+def test_a_session_of_other_settings_is_refused(tmp_path: Path, changes: dict[str, object], difference: str) -> None:
+    """Two episodes would be mixed."""
+    started(tmp_path).close()
+    with SessionLog(tmp_path) as log, pytest.raises(SessionLogError, match=difference):
+        DurableEpisode(begun(**changes), log)
+    resumed = started(tmp_path, episode_id='', version='2')
+    assert resumed.begun == begun()
+    resumed.close()
+
+
+def test_a_log_with_a_fixed_view_tolerance_goes_on_with_it_where_none_is_asked_for(tmp_path: Path) -> None:
+    """Sessions that were begun before the tolerance was estimated could not be gone on with."""
+    started(tmp_path, view_tolerance=0.25).close()
+    resumed = started(tmp_path, view_tolerance='auto')
+    assert resumed.begun.view_tolerance == 0.25
+    resumed.close()
+
+
+def test_a_log_that_leads_elsewhere_is_an_error(tmp_path: Path, world: PerceivedWorld) -> None:
+    """A robot of another version would go on as if it had asked what it never asks."""
+    session = started(tmp_path)
+    play_turns(session, world, 2)
+    session.close()
+    found = events(tmp_path)
+    replay = Replay(begun(settings=dataclasses.replace(begun().settings, strategy='rarest_demo')))
+
+    def play_all() -> None:
+        for event in found[1:]:
+            replay.play(event)
+
+    with pytest.raises(ReplayError, match=r'turn \d: .* is chosen, .* was recorded'):
+        play_all()
+    first = found[0]
+    assert isinstance(first, Begun)
+    for odd, reason in ((first, 'another episode begins'), (found[2], 'not about the scene of the next turn')):
+        with pytest.raises(ReplayError, match=reason):
+            Replay(begun()).play(odd)
+    for odd, reason in (
+        (Told(Answer('q1', 'a1', 'x', Outcome.SKIP)), 'turn 0: told: no query is pending'),
+        (Tuned(7, 3), 'recorded were version 3 and turn 7'),
+    ):
+        with pytest.raises(ReplayError, match=reason):
+            Replay(begun()).play(odd)
+
+
+def test_what_cannot_be_written_is_not_taken(tmp_path: Path, world: PerceivedWorld) -> None:
+    """An answer would be learnt, and acknowledged, that is gone after the next start."""
+    session = started(tmp_path)
+    play_turns(session, world, 2)
+    ask(session, world)
+    said = answer(session, world)
+    session._log._database.execute('PRAGMA query_only=1')
+    for _ in range(2):
+        with pytest.raises(LogWriteError, match='cannot be written'):
+            session.take(said)
+    assert len(session.episode.records) == 2
+    session.close()
+    resumed = started(tmp_path)
+    assert resumed.take(said)
+    resumed.close()
+
+
+def test_without_a_log_answers_count_once_too(world: PerceivedWorld) -> None:
+    """A learner without a session would have other rules."""
+    session = started(None)
+    (said, *_) = play_turns(session, world, 2)
+    assert not session.take(said)
+    with pytest.raises(LateAnswerError):
+        session.take(dataclasses.replace(said, answer_id='other'))
+    session.close()
+
+
+def test_a_scene_without_its_decision_is_passed_over(tmp_path: Path, world: PerceivedWorld) -> None:
+    """A log that was cut off within a turn could not be gone on with."""
+    session = started(tmp_path)
+    play_turns(session, world, 1)
+    session.close()
+    with SessionLog(tmp_path) as log:
+        log.append(Encoder().encode(Seen(2, 2000, 'table', world.scene(2))))
+    resumed = started(tmp_path)
+    assert resumed.episode.turn == 1
+    play_turns(resumed, world, 2)
+    resumed.close()
+    again = started(tmp_path)
+    assert again.episode.turn == 3
+    again.close()
+
+
+def test_an_unknown_strategy_is_named(tmp_path: Path) -> None:
+    """A strategy that is not installed any more would end in a traceback."""
+    unknown = dataclasses.replace(begun().settings, strategy='clever')
+    with pytest.raises(SettingsError, match='unknown strategy'):
+        Replay(begun(settings=unknown))
+
+
+def test_a_persons_choices_are_not_asked_for_again(
+    tmp_path: Path, world: PerceivedWorld, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Whoever shows how to ask would have to show it all again after a crash."""
+    asked = []
+
+    def person(situation: Situation) -> int:
+        asked.append(situation.turn)
+        return situation.turn % len(situation.candidates)
+
+    monkeypatch.setattr(human, 'at_terminal', lambda: person)
+    settings = dataclasses.replace(begun().settings, strategy='human')
+    session = started(tmp_path, settings=settings)
+    play_turns(session, world, 3)
+    queries = session.episode.records
+    session.close()
+    again = started(tmp_path, settings=settings)
+    assert asked == [1, 2, 3]
+    assert again.episode.records == queries
+    play_turns(again, world, 1)
+    assert asked == [1, 2, 3, 4]
+    again.close()
+
+
+def test_a_turn_that_passed_without_waiting_is_named(tmp_path: Path, world: PerceivedWorld) -> None:
+    """A log that was tampered with would be gone on with."""
+    session = started(tmp_path)
+    query = ask(session, world).query
+    replay = Replay(session.begun)
+    with pytest.raises(ReplayError, match='q1 does not wait for an answer'):
+        replay.play(Passed(1, query.query_id))

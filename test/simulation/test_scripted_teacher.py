@@ -1,0 +1,132 @@
+"""The scripted teacher must tell the truth, err exactly as often as told, and answer alike after a restart."""
+
+from __future__ import annotations
+
+import dataclasses
+from collections import Counter
+
+import pytest
+
+from al_questioner.domain import NO_SYMBOL, Action, Outcome, Query, QueryKind, SettingsError
+from al_questioner.simulation import ScriptedTeacher
+
+SYMBOLS = ('fruit', 'snack', 'beverage')
+TRUTH = {1: 'fruit', 2: 'snack', 3: 'snack', 4: NO_SYMBOL}
+GROUPS = ('colour', 'size', 'base', 'noise')
+
+
+def query(kind: QueryKind, number: int = 1, object_id: int | None = None, symbol: str | None = None) -> Query:
+    return Query(f'q{number}', 1, Action(kind, object_id, symbol), GROUPS, 1.0, 9.0, 9, 0, 'What?')
+
+
+def teacher(**rates: float | bool) -> ScriptedTeacher:
+    return ScriptedTeacher(SYMBOLS, ('size', 'colour', 'shape'), seed=3, **rates)
+
+
+@pytest.mark.parametrize('object_id', list(TRUTH))
+def test_labels_are_true(object_id: int) -> None:
+    """The learner would be taught wrong labels although no errors were asked for."""
+    answer = teacher().answer(query(QueryKind.LABEL, object_id=object_id), TRUTH)
+    assert (answer.outcome, answer.content) == (Outcome.ANSWERED, TRUTH[object_id])
+
+
+def test_demonstrations_show_every_example_and_no_other() -> None:
+    """A demonstration would show another thing, or always the same."""
+    shown = {teacher().answer(query(QueryKind.DEMONSTRATION, n, symbol='snack'), TRUTH).content for n in range(60)}
+    assert shown == {2, 3}
+
+
+MANY = dict.fromkeys(range(10, 16), 'snack') | {1: 'fruit'}
+
+
+def test_what_is_known_is_not_shown_while_there_are_others() -> None:
+    """Two units of the budget would be spent for what was said before."""
+    asked = query(QueryKind.DEMONSTRATION, symbol='snack')
+    for number in range(20):
+        some = dataclasses.replace(asked, query_id=f'q{number}', known=(1, 10, 11, 13, 99))
+        assert teacher().answer(some, MANY).content in (12, 14, 15)
+        everything = dataclasses.replace(some, known=tuple(MANY))
+        assert teacher().answer(everything, MANY).content in range(10, 16)
+        assert teacher(wrong_rate=1.0).answer(dataclasses.replace(some, known=(2,)), TRUTH).content in (1, 4)
+    assert {
+        teacher(repeat_shown=True).answer(dataclasses.replace(some, query_id=f'q{number}'), MANY).content
+        for number in range(60)
+    } == set(range(10, 16))
+
+
+def test_what_it_named_is_not_shown_where_nothing_is_told_of_what_is_known() -> None:
+    """Beside a learner of another make, it would show the same thing again."""
+    one = teacher()
+    one.answer(query(QueryKind.LABEL, 1, object_id=12), MANY)
+    asked = [query(QueryKind.DEMONSTRATION, number, symbol='snack') for number in range(2, 7)]
+    shown = [one.answer(each, MANY).content for each in asked]
+    assert set(shown) == {10, 11, 13, 14, 15}
+    assert [one.answer(each, MANY).content for each in asked] == shown, 'asked again, it says the same'
+    assert one.answer(query(QueryKind.DEMONSTRATION, 7, symbol='snack'), MANY).content in range(10, 16)
+
+
+def test_what_is_not_here_cannot_be_shown() -> None:
+    """A class that is not on the table would be made up."""
+    assert teacher().answer(query(QueryKind.DEMONSTRATION, symbol='beverage'), TRUTH).content == NO_SYMBOL
+
+
+def test_feature_groups_are_those_the_learner_has() -> None:
+    """The learner would be told of a feature that it does not have."""
+    assert teacher().answer(query(QueryKind.FEATURE_SUBSET), TRUTH).content == ('colour', 'size')
+
+
+def test_a_question_without_choices_is_not_understood() -> None:
+    """A strange query on the topic would put a teacher that errs into its error state for good."""
+    asked = dataclasses.replace(query(QueryKind.FEATURE_SUBSET), choices=())
+    for rate in (0.0, 1.0):
+        assert teacher(wrong_rate=rate).answer(asked, TRUTH).outcome is Outcome.UNKNOWN
+
+
+def test_object_that_has_gone_is_unknown() -> None:
+    """The teacher would fail on, or guess, a thing that it does not see."""
+    assert teacher().answer(query(QueryKind.LABEL, object_id=99), TRUTH).outcome is Outcome.UNKNOWN
+
+
+def test_rates_of_errors_are_kept() -> None:
+    """Studies of teacher error would state another rate than the one that was simulated."""
+    erring = teacher(wrong_rate=0.3, unknown_rate=0.2)
+    n = 2000
+    answers = [erring.answer(query(QueryKind.LABEL, number, object_id=1), TRUTH) for number in range(n)]
+    unknown = sum(answer.outcome is Outcome.UNKNOWN for answer in answers)
+    wrong = Counter(answer.content for answer in answers if answer.outcome is Outcome.ANSWERED)
+    four_deviations = 4 * (0.3 * 0.7 * n) ** 0.5
+    assert abs(unknown - 0.2 * n) < four_deviations
+    assert abs(n - unknown - wrong['fruit'] - 0.3 * n) < four_deviations
+    assert set(wrong) == {*SYMBOLS, NO_SYMBOL}
+
+
+def test_wrong_demonstrations_and_groups_are_wrong() -> None:
+    """A teacher who always errs would be right about demonstrations or feature groups."""
+    erring = teacher(wrong_rate=1.0)
+    for number in range(30):
+        assert erring.answer(query(QueryKind.DEMONSTRATION, number, symbol='snack'), TRUTH).content in (1, 4)
+        groups = erring.answer(query(QueryKind.FEATURE_SUBSET, number), TRUTH).content
+        assert len({'colour', 'size'} ^ set(groups)) == 1
+
+
+def test_restarted_teacher_answers_alike() -> None:
+    """A teacher that died and came back would tell another story."""
+    asked = [query(QueryKind.LABEL, number, object_id=2) for number in range(50)]
+    once = [teacher(wrong_rate=0.5).answer(each, TRUTH) for each in asked]
+    again = [teacher(wrong_rate=0.5).answer(each, TRUTH) for each in reversed(asked)]
+    assert once == again[::-1]
+
+
+@pytest.mark.parametrize(
+    'rates',
+    [
+        {'wrong_rate': -0.1},
+        {'unknown_rate': 1.1},
+        {'wrong_rate': float('nan')},
+        {'wrong_rate': 0.6, 'unknown_rate': 0.6},
+    ],
+)
+def test_impossible_rates_are_refused(rates: dict[str, float]) -> None:
+    """A mistyped rate would be simulated as something else."""
+    with pytest.raises(SettingsError, match='rate'):
+        teacher(**rates)

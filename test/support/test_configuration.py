@@ -1,0 +1,66 @@
+"""What ships in config/ must load, and a name that does not ship must be refused with those that do."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import pytest
+
+from al_questioner.domain import InputError
+from al_questioner.support.configuration import config_dir, named_bag, named_file, read_yaml
+
+
+def test_unknown_name_lists_the_known_ones() -> None:
+    """A user who mistypes a task would be left alone with it."""
+    with pytest.raises(InputError, match=r"unknown task 'prepare_luch'; known: .*prepare_lunch"):
+        named_file('tasks', 'prepare_luch', 'task')
+
+
+def test_missing_file_is_named(tmp_path: Path) -> None:
+    """The path of a file that does not exist would be taken for a name."""
+    with pytest.raises(InputError, match=r'mine\.yaml does not exist'):
+        named_file('tasks', str(tmp_path / 'mine.yaml'), 'task')
+
+
+def test_a_bag_at_a_path_comes_before_one_that_ships(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """People would train on our expert instead of theirs, or have to know where ours lies."""
+    monkeypatch.chdir(tmp_path)
+    assert (named_bag('expert_0') / 'metadata.yaml').is_file()
+    with pytest.raises(InputError, match=r'^expert_7: there is no such bag$'):
+        named_bag('expert_7')
+    Path('expert_0').mkdir()
+    assert named_bag('expert_0') == Path('expert_0')
+
+
+def test_own_file_is_taken(tmp_path: Path) -> None:
+    """Users could not bring a task of their own."""
+    own = tmp_path / 'mine.yaml'
+    own.write_text('a: 1\n')
+    assert named_file('tasks', str(own), 'task') == own
+
+
+@pytest.mark.parametrize(
+    ('content', 'reason'),
+    [(b'a: [', 'not valid YAML'), (b'- 1', 'found list'), (b'\xff\xfe\xff', 'not valid YAML'), (b'', 'found nothing')],
+)
+def test_broken_yaml_is_one_line(tmp_path: Path, content: bytes, reason: str) -> None:
+    """A broken file would end in a traceback."""
+    path = tmp_path / 'broken.yaml'
+    path.write_bytes(content)
+    with pytest.raises(InputError, match=reason) as caught:
+        read_yaml(path)
+    assert '\n' not in str(caught.value)
+
+
+def test_a_file_that_is_no_yaml_is_told_from_an_unknown_name() -> None:
+    """Whoever gives the path of a file that is there would be told that it is not known."""
+    with pytest.raises(InputError, match=r'^/etc/passwd is no task file: the name of one ends in .yaml$'):
+        named_file('tasks', '/etc/passwd', 'task')
+    with pytest.raises(InputError, match=r'^/no/such.yaml: cannot be read \(No such file or directory\)$'):
+        read_yaml(Path('/no/such.yaml'))
+
+
+def test_every_task_has_parameters_for_its_nodes() -> None:
+    """`ros2 launch` would find no parameter file for a task."""
+    tasks = {path.name for path in (config_dir() / 'tasks').glob('*.yaml')}
+    assert {path.name for path in (config_dir() / 'params').glob('*.yaml')} == tasks

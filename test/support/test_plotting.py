@@ -1,0 +1,26 @@
+"""What all figures share."""
+
+from __future__ import annotations
+
+from matplotlib import pyplot as plt
+
+from al_questioner.support.plotting import STYLE, put_legend_below
+
+
+def test_a_legend_stands_below_the_panels_and_inside_the_picture() -> None:
+    """It would hide an axis, or be cut off: how wide and high it is depends on the names."""
+    with plt.rc_context(STYLE):
+        for count in (1, 3, 12):
+            figure, axes = plt.subplots(2, 1, figsize=(5, 4))
+            for number in range(count):
+                axes[0].plot([0, 1], [0, number], label=f'strategy number {number}')
+            axes[1].set_xlabel('turn')
+            put_legend_below(figure, 4, *axes[0].get_legend_handles_labels())
+            figure.canvas.draw()
+            (legend,) = figure.legends
+            extent = legend.get_window_extent()
+            assert len(legend.get_texts()) == count
+            assert extent.y0 >= 0
+            assert 0 <= extent.x0 < extent.x1 <= figure.bbox.width
+            assert extent.y1 <= min(panel.get_tightbbox().y0 for panel in axes)
+            plt.close(figure)

@@ -1,0 +1,38 @@
+"""How often something may happen, on a clock that only the test moves."""
+
+from __future__ import annotations
+
+from types import SimpleNamespace
+
+import pytest
+
+from al_questioner.support.rate_limiter import RepeatThrottle
+
+
+@pytest.fixture
+def now(monkeypatch: pytest.MonkeyPatch) -> SimpleNamespace:
+    result = SimpleNamespace(seconds=0.0)
+    monkeypatch.setattr(
+        'al_questioner.support.rate_limiter.time', SimpleNamespace(monotonic=lambda: float(result.seconds))
+    )
+    return result
+
+
+def test_each_kind_passes_once_in_a_period(now: SimpleNamespace) -> None:
+    """One fault ten times a second would fill the log, or hide another one."""
+    throttle = RepeatThrottle(5, 1.0)
+    passed = []
+    for tick in range(30):
+        now.seconds = tick / 10
+        passed += [(kind, now.seconds) for kind in 'ab' if throttle.passes(kind)]
+    assert passed == [(kind, at) for at in (0.0, 1.0, 2.0) for kind in 'ab']
+    assert throttle.held_back() == 60 - 6
+    assert throttle.held_back() == 0
+
+
+def test_no_more_than_so_many_kinds_pass_in_a_period(now: SimpleNamespace) -> None:
+    """A flood of garbage, each in its own way, would fill log and memory."""
+    throttle = RepeatThrottle(5, 1.0)
+    assert sum(throttle.passes(str(number)) for number in range(1000)) == 5
+    now.seconds = 1.0
+    assert throttle.passes('999')

@@ -1,0 +1,198 @@
+"""What keys mean."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from al_questioner.domain import AnswerError
+from al_questioner.questioning import read_plain_answer
+from al_questioner.terminal.commands import Explain, Say, Wish, read_line
+from al_questioner.terminal.keypad import COMMANDS, Pad, letters, press
+
+KEYS = [
+    *COMMANDS,
+    'enter',
+    'backspace',
+    'escape',
+    'up',
+    'down',
+    'left',
+    'right',
+    'tab',
+    ' ',
+    ':',
+    '1',
+    '7',
+    'f',
+    'é',
+    'f1',
+]
+
+
+def pressed(board: Any, *keys: str) -> list[object]:
+    """What these keys ask for, one after another."""
+    pad, found = Pad(), []
+    for key in keys:
+        pad, command = press(key, pad, board)
+        if command is not None:
+            found.append(command)
+    return found
+
+
+def test_a_symbol_has_the_first_free_letter_of_its_name() -> None:
+    """People could not guess the keys, or one key would have two meanings."""
+    assert letters(['snack', 'fruit', 'salad', 'frog', 'nnn']) == {
+        'snack': 'a',
+        'fruit': 'f',
+        'salad': 'l',
+        'frog': 'r',
+        'nnn': 'b',
+    }
+
+
+def test_no_key_says_another_name_than_the_one_that_begins_with_it() -> None:
+    """Whoever presses the first letter of an apple would say that it is a snack."""
+    assert letters(['snack', 'apple', 'Äpfel']) == {'snack': 'c', 'apple': 'a', 'Äpfel': 'p'}
+
+
+@pytest.mark.parametrize(
+    ('symbols', 'key', 'alike', 'command'),
+    [
+        (('screwdriver', 'cup'), 's', 'for screwdriver press r', Say('skip')),
+        (('Screwdriver', 'cup'), 'S', 'for Screwdriver press r', Say('skip')),
+        (('nut', 'cup'), 'n', 'for nut press t', Say('none')),
+        (('unit', 'cup'), 'u', 'for unit press i', Say('?')),
+        (('quiche', 'cup'), 'q', 'for quiche press i', Wish.QUIT),
+        (('zucchini', 'cup'), 'z', 'for zucchini press i', Wish.UNDO),
+    ],
+)
+def test_the_first_letter_of_a_name_is_a_command_only_if_it_is_pressed_twice(
+    person: Any, made: Any, symbols: tuple[str, ...], key: str, alike: str, command: object
+) -> None:
+    """Whoever presses s for a screwdriver would skip the question, pay for it, and not know why."""
+    board = person.asked(made.label(1, symbols=symbols))
+    (explained,) = pressed(board, key)
+    assert isinstance(explained, Explain)
+    assert alike in explained.text
+    assert pressed(board, key, key) == [explained, command]
+    assert pressed(board, key, 'c', key) == [explained, Say('cup'), explained]
+    assert pressed(board, key, 'h', key) == [explained, Wish.HELP, explained]
+    # Elsewhere no name is said by a letter.
+    assert pressed(person.asked(made.demonstration(2)), key) == [command]
+
+
+@settings(deadline=None)
+@given(st.lists(st.text(min_size=1, max_size=8), unique=True, max_size=80))
+def test_keys_are_distinct_and_no_commands(symbols: list[str]) -> None:
+    """A key would answer when the person wants to quit, or say one of two things."""
+    keys = letters(symbols)
+    assert len(set(keys.values())) == len(keys) >= min(len(symbols), 20)
+    assert not {key.lower() for key in keys.values()} & COMMANDS.keys()
+
+
+@pytest.mark.parametrize(
+    ('key', 'word'), [('f', 'fruit'), ('F', 'fruit'), ('n', 'none'), ('?', '?'), ('u', '?'), ('a', 'snack')]
+)
+def test_one_key_answers_a_label_query(person: Any, made: Any, key: str, word: str) -> None:
+    """A person would have to type a hundred names."""
+    assert pressed(person.asked(made.label(1)), key) == [Say(word)]
+
+
+def test_digits_and_enter_answer_a_demonstration_query(person: Any, made: Any) -> None:
+    """The first digit of a number would be taken for all of it."""
+    board = person.asked(made.demonstration(1))
+    assert pressed(board, '1', '7', 'backspace', '2', 'enter') == [Say('12')]
+    assert pressed(board, 'n') == [Say('none')]
+    assert pressed(board, 'backspace') == [Wish.UNDO]
+    assert isinstance(pressed(board, 'enter')[0], Explain)
+    assert isinstance(pressed(board, '1', 'f')[0], Explain)
+
+
+def test_ticks_and_enter_answer_a_feature_subset_query(person: Any, made: Any) -> None:
+    """More than one property could not be named, or a slip not be taken back."""
+    board = person.asked(made.feature_subset(1))
+    assert pressed(board, '1', '3', '3', '9', ' ', 'right', ' ', 'enter') == [Say('colour,weight')]
+    assert pressed(board, 'left', ' ', 'enter') == [Say('weight')]
+    assert isinstance(pressed(board, 'enter')[0], Explain)
+
+
+def test_groups_with_a_comma_can_be_ticked(person: Any, made: Any) -> None:
+    """What is ticked would be read as other groups, or be refused."""
+    query = made.feature_subset(1, ('x', 'y', 'x,y', 'size'))
+    for keys, groups in (('12', ('x', 'y')), ('3', ('x,y',)), ('34', ('x,y', 'size'))):
+        (said,) = pressed(person.asked(query), *keys, 'enter')
+        assert isinstance(said, Say)
+        assert read_plain_answer(said.text, query).content == groups
+
+
+@pytest.mark.parametrize('kind', ['label', 'demonstration', 'feature_subset'])
+def test_commands_are_the_same_at_every_question(person: Any, made: Any, kind: str) -> None:
+    """A person could not quit or get help at some question."""
+    board = person.asked(made.QUERIES[kind](1))
+    for key, wish in {'z': Wish.UNDO, 'backspace': Wish.UNDO, 'h': Wish.HELP, 'q': Wish.QUIT}.items():
+        assert pressed(board, key) == [wish]
+    assert pressed(board, ':', 's', 'k', 'i', 'x', 'backspace', 'p', 'enter') == [Say('skip')]
+    assert pressed(board, ':', 'q', 'escape') == []
+
+
+def test_between_questions_keys_answer_nothing(person: Any, made: Any) -> None:
+    """A second press would answer a question that nobody has seen."""
+    board = person.session.board()
+    assert pressed(board, 'f', 'n', '?', 'enter') == []
+    assert pressed(board, 'h', 'q') == [Wish.HELP, Wish.QUIT]
+
+
+def test_what_was_typed_at_one_question_is_not_carried_to_the_next(person: Any, made: Any) -> None:
+    """Digits that were meant for another question would be part of an answer."""
+    pad, _ = press('1', Pad(), person.asked(made.demonstration(1)))
+    pad, command = press('2', pad, person.asked(made.demonstration(2)))
+    assert (pad.typed, command) == ('2', None)
+
+
+@settings(deadline=None)
+@given(st.sampled_from(['label', 'demonstration', 'feature_subset']), st.lists(st.sampled_from(KEYS) | st.characters()))
+def test_no_keys_fail_and_every_answer_of_the_keypad_is_one(made: Any, kind: str, keys: list[str]) -> None:
+    """A cat on the keyboard would end the session, or say what the robot cannot read."""
+    board = made.Person().asked(made.QUERIES[kind](1))
+    for command in pressed(board, *(key for key in keys if key != ':')):
+        if isinstance(command, Say) and command.text in board.moment.query.choices:
+            assert read_plain_answer(command.text, board.moment.query).content is not None
+    pressed(board, *keys)
+
+
+@settings(deadline=None)
+@given(st.text(max_size=40), st.sampled_from(['label', 'demonstration', 'feature_subset']))
+def test_every_line_is_an_answer_or_is_explained(made: Any, line: str, kind: str) -> None:
+    """A script or a person would see a traceback, or nothing at all."""
+    person = made.Person()
+    query = person.asked(made.QUERIES[kind](1)).moment.query
+    command = read_line(line)
+    if isinstance(command, Explain):
+        assert command.text
+    if isinstance(command, Say):
+        try:
+            expected = read_plain_answer(line, query, 'anna')
+        except AnswerError:
+            with pytest.raises(AnswerError, match='expected one of'):
+                person.session.say(command.text)
+        else:
+            person.session.say(command.text)
+            answer = person.sent[0][1]
+            assert (answer.outcome, answer.content) == (expected.outcome, expected.content)
+
+
+@pytest.mark.parametrize(('line', 'wish'), [(' Undo ', Wish.UNDO), ('help', Wish.HELP), ('QUIT', Wish.QUIT)])
+def test_commands_can_be_typed(line: str, wish: Wish) -> None:
+    """A script could neither correct nor end itself."""
+    assert read_line(line) is wish
+
+
+def test_a_line_that_is_exactly_a_choice_is_that_choice() -> None:
+    """A robot whose symbols no task file has ruled out could not be told of one."""
+    assert read_line('undo', ('undo', 'cup')) == Say('undo')
+    assert read_line('Undo', ('undo', 'cup')) is Wish.UNDO
+    assert read_line('ｕｎｄｏ') is Wish.UNDO
