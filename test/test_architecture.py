@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import ast
+import subprocess
+import sys
 from collections.abc import Iterator
 from pathlib import Path
 from xml.etree import ElementTree
@@ -15,14 +17,14 @@ ROOT = Path(__file__).resolve().parent.parent
 PACKAGE = 'al_questioner'
 
 LAYERS = (
-    {'domain', 'interrupts', 'late', 'strict_yaml'},
-    {'files', 'missing', 'strategy_names'},
-    {'arguments', 'configuration', 'differences', 'plotting', 'throttle', 'wording'},
-    {'concepts', 'messages', 'perception', 'world'},
-    {'questioning', 'recording', 'teaching'},
-    {'rerun', 'resuming', 'simulation', 'telling'},
-    {'experiments', 'imitation', 'ros', 'session'},
-    {'demo'},
+    {'domain'},
+    {'support'},
+    {'concepts', 'messages', 'perception'},
+    {'questioning'},
+    {'event_log', 'simulation'},
+    {'bags', 'terminal'},
+    {'imitation', 'experiments', 'ros'},
+    {'commands'},
     {'cli'},
     {'__main__'},
 )
@@ -90,6 +92,24 @@ def test_every_folder_is_a_package() -> None:
     assert [str(folder) for folder in sorted(folders) if not (folder / '__init__.py').is_file()] == []
 
 
+def test_no_module_stands_loose() -> None:
+    """A newcomer sees from the folders where a thing lives."""
+    assert {path.name for path in (ROOT / PACKAGE).glob('*.py')} == {'__init__.py', '__main__.py', 'cli.py'}
+
+
+def test_the_learner_loads_no_simulated_kitchen() -> None:
+    """A robot would wait for the drawing of foods that it never sees."""
+    program = (
+        'import sys, al_questioner.ros.node_arguments as arguments\n'
+        "try:\n    arguments.learner(['--help'])\nexcept SystemExit:\n    pass\n"
+        "print(*(name for name in sys.modules if name.startswith('al_questioner.simulation.')), file=sys.stderr)"
+    )
+    ended = subprocess.run([sys.executable, '-c', program], capture_output=True, text=True, check=True, cwd=ROOT)
+    assert 'al_questioner.simulation.task' in ended.stderr
+    assert 'kitchen' not in ended.stderr
+    assert 'rgbd_dataset' not in ended.stderr
+
+
 def test_every_room_has_its_place_in_the_order() -> None:
     rooms = {module_name(path).split('.')[1] for path in (ROOT / PACKAGE).rglob('*.py') if module_name(path) != PACKAGE}
     assert rooms <= RANK.keys(), f'say in LAYERS where these belong: {sorted(rooms - RANK.keys())}'
@@ -104,9 +124,9 @@ def test_every_room_has_its_place_in_the_order() -> None:
         ('al_questioner.concepts.models', 'from .. import questioning'),
         ('al_questioner.concepts.models', 'def late():\n    import al_questioner.questioning.episode'),
         ('al_questioner.concepts.models', "importlib.import_module('al_questioner.questioning')"),
-        ('al_questioner.simulation.scenes', 'from al_questioner.perception import extract'),
-        ('al_questioner.simulation.scenes', 'from ..concepts.models import ConceptModels'),
-        ('al_questioner.domain', 'from al_questioner import configuration'),
+        ('al_questioner.simulation.scenes', 'from al_questioner.event_log import log'),
+        ('al_questioner.perception.scene', 'from ..concepts.models import ConceptModels'),
+        ('al_questioner.domain', 'from al_questioner import support'),
         ('al_questioner.messages.clouds', 'from sensor_msgs.msg import PointCloud2'),
         ('al_questioner.commands.demo.progress', 'if True:\n    import rclpy.node'),
         ('al_questioner.bags.reading', "__import__('rcl_interfaces.msg')"),

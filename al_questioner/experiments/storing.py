@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import csv
-import hashlib
 import io
 import json
 import os
@@ -16,27 +15,13 @@ from typing import Any
 import numpy as np
 import scipy
 
-import al_questioner
 from al_questioner import __version__
 from al_questioner.domain import InputError, SettingsError
 from al_questioner.experiments.plan import Cell, Plan, task_label
 from al_questioner.experiments.playing import EPISODE_COLUMNS, TURN_COLUMNS, Played, Row
+from al_questioner.experiments.semantics import SEMANTICS, semantics_of
 from al_questioner.support.differences import differences
 from al_questioner.support.files import make_folder, write_text
-
-DECIDING = (
-    'domain',
-    'concepts',
-    'perception',
-    'questioning',
-    'teaching',
-    'world',
-    'simulation.py',
-    'experiments/ceilings.py',
-    'experiments/plan.py',
-    'experiments/playing.py',
-)
-"""The parts of the package that decide what an episode is."""
 
 
 class Store:
@@ -49,7 +34,7 @@ class Store:
 
     Raises:
         InputError: the folder cannot be written to, or holds an experiment that cannot be gone on with: of another
-            version or code, or with other variations or worlds.
+            version of the method, or with other variations or worlds.
     """
 
     def __init__(self, folder: Path, plan: Plan, dataset: str = '') -> None:
@@ -64,7 +49,7 @@ class Store:
             json.dumps(
                 {
                     'version': __version__,
-                    'code': code_digest(),
+                    'semantics': SEMANTICS,
                     'dataset': dataset,
                     **plan.document(),
                     'seeds': list(plan.samples),
@@ -117,17 +102,6 @@ class Store:
         )
 
 
-def code_digest() -> str:
-    """A hash of the source that decides what an episode is: with other code the finished ones are no longer right."""
-    package = Path(al_questioner.__file__).parent
-    digest = hashlib.sha256()
-    for part in DECIDING:
-        paths = sorted((package / part).rglob('*.py')) if (package / part).is_dir() else [package / part]
-        for path in paths:
-            digest.update(path.relative_to(package).as_posix().encode() + b'\0' + path.read_bytes())
-    return digest.hexdigest()[:16]
-
-
 def _read_manifest(path: Path) -> dict[str, Any]:
     try:
         found = json.loads(path.read_text(encoding='utf-8'))
@@ -143,7 +117,8 @@ def _check_same(folder: Path, before: Mapping[str, Any], now: Mapping[str, Any])
     tasks = before.get('worlds', {}).keys() & now['worlds'].keys()
     theirs, ours = (
         {
-            **{name: document.get(name) for name in ('version', 'code', 'dataset')},
+            'semantics': semantics_of(document),
+            'dataset': document.get('dataset'),
             **document.get('variation', {}),
             **{name: document['worlds'][name] for name in sorted(tasks)},
         }

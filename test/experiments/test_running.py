@@ -156,12 +156,12 @@ def test_a_folder_in_which_nothing_was_played_is_free(tmp_path: Path) -> None:
         Store(tmp_path, PLAN, '/some/crops')
 
 
-def test_other_code_or_another_world_is_not_mixed_in(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_another_method_or_world_is_not_mixed_in(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     """Half of the table would be from before a change that decides what an episode is."""
     a_cell_is_finished(Store(tmp_path, PLAN))
     Store(tmp_path, dataclasses.replace(PLAN, tasks=('pack_lunchbox',)))
-    monkeypatch.setattr(storing, 'code_digest', lambda: 'other')
-    with pytest.raises(SettingsError, match=r"with code '\w+', not 'other': choose"):
+    monkeypatch.setattr(storing, 'SEMANTICS', 2)
+    with pytest.raises(SettingsError, match=r'with semantics 1, not 2: choose'):
         Store(tmp_path, PLAN)
     monkeypatch.undo()
     monkeypatch.setattr(Plan, 'task_document', lambda plan, name: {'objects': 4})

@@ -1,0 +1,1 @@
+"""The `experiment` executable: plays, tests and draws comparisons."""

@@ -1,0 +1,1 @@
+"""The `train_weights` executable: learns the weights from an expert's bags."""
