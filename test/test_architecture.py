@@ -12,8 +12,8 @@ from xml.etree import ElementTree
 import pytest
 
 import al_questioner
+from checkout import ROOT
 
-ROOT = Path(__file__).resolve().parent.parent
 PACKAGE = 'al_questioner'
 
 LAYERS = (

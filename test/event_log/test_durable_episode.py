@@ -30,11 +30,12 @@ from al_questioner.event_log.log import LogWriteError, SessionLog, SessionLogErr
 from al_questioner.questioning import Situation
 from al_questioner.questioning.strategies import human
 from al_questioner.simulation import PerceivedWorld, ScriptedTeacher, WorldChoice, episode_settings, load_task
+from checkout import ROOT
 
 TASK = load_task('prepare_lunch')
 TEACHER = ScriptedTeacher(TASK.symbols, TASK.relevant_groups, 4)
 WORLD = {'task': 'prepare_lunch', 'seed': 4, 'sample': 4, 'dataset': None}
-DRIVER = Path(__file__).with_name('session_driver.py')
+DRIVER = ROOT / 'test' / 'session_driver.py'
 
 
 def begun(**changes: object) -> Begun:
