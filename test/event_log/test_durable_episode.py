@@ -13,7 +13,7 @@ import numpy as np
 import pytest
 
 from al_questioner.domain import Answer, AnswerError, Decision, LateAnswerError, Outcome, SettingsError
-from al_questioner.event_log.durable_episode import DurableEpisode, Replay, ReplayError
+from al_questioner.event_log.durable_episode import DurableEpisode
 from al_questioner.event_log.events import (
     Begun,
     Decided,
@@ -27,6 +27,7 @@ from al_questioner.event_log.events import (
     decoded,
 )
 from al_questioner.event_log.log import LogWriteError, SessionLog, SessionLogError, read_log
+from al_questioner.event_log.replay import Replay, ReplayError
 from al_questioner.questioning import Situation
 from al_questioner.questioning.strategies import human
 from al_questioner.simulation import PerceivedWorld, ScriptedTeacher, WorldChoice, episode_settings, load_task
