@@ -77,6 +77,13 @@ def module_name(path: Path) -> str:
     return '.'.join(path.relative_to(ROOT).with_suffix('').parts).removesuffix('.__init__')
 
 
+def modules_after(program: str) -> list[str]:
+    """The modules that a program leaves loaded."""
+    told = f'{program}\nimport sys; print(*sys.modules, file=sys.stderr)'
+    ended = subprocess.run([sys.executable, '-c', told], capture_output=True, text=True, check=True, cwd=ROOT)
+    return ended.stderr.splitlines()[-1].split()
+
+
 def test_every_import_goes_downwards_and_ros_stays_in_its_room() -> None:
     found = []
     for path in sorted((ROOT / PACKAGE).rglob('*.py')):
@@ -97,17 +104,29 @@ def test_no_module_stands_loose() -> None:
     assert {path.name for path in (ROOT / PACKAGE).glob('*.py')} == {'__init__.py', '__main__.py', 'cli.py'}
 
 
-def test_the_learner_loads_no_simulated_kitchen() -> None:
+LEARNER_HELP = """
+from al_questioner.ros.node_arguments import learner
+try:
+    learner(['--help'])
+except SystemExit:
+    pass"""
+LEARNER_SETTINGS = """
+from al_questioner.simulation import WorldChoice, episode_settings, load_task
+episode_settings(WorldChoice(load_task('kitchen_table'), 0, 0).task)"""
+
+
+@pytest.mark.parametrize('program', [LEARNER_HELP, 'import al_questioner.ros.nodes.learner', LEARNER_SETTINGS])
+def test_the_learner_loads_no_simulated_kitchen(program: str) -> None:
     """A robot would wait for the drawing of foods that it never sees."""
-    program = (
-        'import sys, al_questioner.ros.node_arguments as arguments\n'
-        "try:\n    arguments.learner(['--help'])\nexcept SystemExit:\n    pass\n"
-        "print(*(name for name in sys.modules if name.startswith('al_questioner.simulation.')), file=sys.stderr)"
-    )
-    ended = subprocess.run([sys.executable, '-c', program], capture_output=True, text=True, check=True, cwd=ROOT)
-    assert 'al_questioner.simulation.task' in ended.stderr
-    assert 'kitchen' not in ended.stderr
-    assert 'rgbd_dataset' not in ended.stderr
+    loaded = modules_after(program)
+    assert 'al_questioner.simulation.task' in loaded
+    assert [name for name in loaded if 'kitchen' in name or 'rgbd_dataset' in name] == []
+
+
+def test_the_package_alone_loads_nothing() -> None:
+    """Whoever wants a single name, or only the version, would wait for numpy and scipy."""
+    ours = {name for name in modules_after('import al_questioner') if name.startswith(PACKAGE)}
+    assert ours == {PACKAGE, f'{PACKAGE}.support', f'{PACKAGE}.support.lazy_names'}
 
 
 def test_every_room_has_its_place_in_the_order() -> None:

@@ -25,6 +25,12 @@ def test_the_installed_package_is_what_runs(installation, source, tmp_path):
     assert not module.is_relative_to(ROOT)
 
 
+def test_the_installed_package_has_its_types(installation, tmp_path):
+    """Mypy would take everything that is imported from it for Any."""
+    code = 'from importlib.resources import files; print((files("al_questioner") / "py.typed").is_file())'
+    assert installation.run('python3', '-c', code, cwd=tmp_path).strip() == 'True'
+
+
 def test_manifest_configuration_and_launch_files_are_shared(installation):
     share = installation.prefix / 'share' / 'al_questioner'
     expected = [Path('package.xml'), Path('launch/demo.launch.py')]
