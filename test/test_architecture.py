@@ -99,6 +99,13 @@ def test_every_folder_is_a_package() -> None:
     assert [str(folder) for folder in sorted(folders) if not (folder / '__init__.py').is_file()] == []
 
 
+def test_the_tests_have_the_folders_of_the_package() -> None:
+    """Whoever changes a module would not find its tests."""
+    folders = {path.parent.relative_to(ROOT / 'test') for path in (ROOT / 'test').rglob('test_*.py')}
+    mirrored = {folder for folder in folders if folder.parts[:1] not in ((), ('benchmarks',), ('packaging',))}
+    assert [str(folder) for folder in sorted(mirrored) if not (ROOT / PACKAGE / folder).is_dir()] == []
+
+
 def test_no_module_stands_loose() -> None:
     """A newcomer sees from the folders where a thing lives."""
     assert {path.name for path in (ROOT / PACKAGE).glob('*.py')} == {'__init__.py', '__main__.py', 'cli.py'}
@@ -143,7 +150,7 @@ def test_every_room_has_its_place_in_the_order() -> None:
         ('al_questioner.concepts.models', 'from .. import questioning'),
         ('al_questioner.concepts.models', 'def late():\n    import al_questioner.questioning.episode'),
         ('al_questioner.concepts.models', "importlib.import_module('al_questioner.questioning')"),
-        ('al_questioner.simulation.scenes', 'from al_questioner.event_log import log'),
+        ('al_questioner.simulation.playing', 'from al_questioner.event_log import log'),
         ('al_questioner.perception.scene', 'from ..concepts.models import ConceptModels'),
         ('al_questioner.domain', 'from al_questioner import support'),
         ('al_questioner.messages.clouds', 'from sensor_msgs.msg import PointCloud2'),
