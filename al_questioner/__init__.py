@@ -9,16 +9,7 @@ from al_questioner.support.lazy_names import lazy_names
 
 if TYPE_CHECKING:
     from al_questioner.concepts import ConceptModels
-    from al_questioner.domain import (
-        Answer,
-        Costs,
-        EpisodeSettings,
-        InputError,
-        Outcome,
-        Query,
-        QueryKind,
-        Scene,
-    )
+    from al_questioner.domain import Answer, Costs, EpisodeSettings, InputError, Outcome, Query, QueryKind, Scene
     from al_questioner.questioning import Episode, load_weights, make_strategy
     from al_questioner.simulation import load_task, run_episode
 
