@@ -1,4 +1,4 @@
-"""What to ask next: candidate queries, their expected utility, strategies, and the ask/tell episode."""
+"""What to ask next, and what comes of it: the ask/tell episode, candidates, strategies, and answers in plain words."""
 
 from al_questioner.questioning.episode import Episode
 from al_questioner.questioning.initial_knowledge import new_knowledge

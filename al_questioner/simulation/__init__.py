@@ -1,4 +1,4 @@
-"""Worlds to learn in without a robot: tasks, the simulated table, datasets, a scripted teacher, and whole episodes.
+"""Learning without a robot: tasks, worlds, a scripted teacher, whole episodes, and how well the learner does in them.
 
 What a name stands for is imported when it is asked for.
 """
