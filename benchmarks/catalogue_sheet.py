@@ -18,7 +18,7 @@ from al_questioner.simulation import load_task
 from al_questioner.simulation.kitchen.pool import Sight, Thing, observe
 from al_questioner.simulation.kitchen.things.catalogue import CATALOGUES
 from al_questioner.simulation.kitchen.things.vessels import Look
-from al_questioner.simulation.world import describe
+from al_questioner.simulation.simulated_world import describe
 
 COLUMNS = 9
 

@@ -12,8 +12,8 @@ from xml.etree import ElementTree
 import pytest
 
 import al_questioner
+from checkout import ROOT
 
-ROOT = Path(__file__).resolve().parent.parent
 PACKAGE = 'al_questioner'
 
 LAYERS = (
@@ -77,6 +77,13 @@ def module_name(path: Path) -> str:
     return '.'.join(path.relative_to(ROOT).with_suffix('').parts).removesuffix('.__init__')
 
 
+def modules_after(program: str) -> list[str]:
+    """The modules that a program leaves loaded."""
+    told = f'{program}\nimport sys; print(*sys.modules, file=sys.stderr)'
+    ended = subprocess.run([sys.executable, '-c', told], capture_output=True, text=True, check=True, cwd=ROOT)
+    return ended.stderr.splitlines()[-1].split()
+
+
 def test_every_import_goes_downwards_and_ros_stays_in_its_room() -> None:
     found = []
     for path in sorted((ROOT / PACKAGE).rglob('*.py')):
@@ -92,22 +99,41 @@ def test_every_folder_is_a_package() -> None:
     assert [str(folder) for folder in sorted(folders) if not (folder / '__init__.py').is_file()] == []
 
 
+def test_the_tests_have_the_folders_of_the_package() -> None:
+    """Whoever changes a module would not find its tests."""
+    folders = {path.parent.relative_to(ROOT / 'test') for path in (ROOT / 'test').rglob('test_*.py')}
+    mirrored = {folder for folder in folders if folder.parts[:1] not in ((), ('benchmarks',), ('packaging',))}
+    assert [str(folder) for folder in sorted(mirrored) if not (ROOT / PACKAGE / folder).is_dir()] == []
+
+
 def test_no_module_stands_loose() -> None:
     """A newcomer sees from the folders where a thing lives."""
     assert {path.name for path in (ROOT / PACKAGE).glob('*.py')} == {'__init__.py', '__main__.py', 'cli.py'}
 
 
-def test_the_learner_loads_no_simulated_kitchen() -> None:
+LEARNER_HELP = """
+from al_questioner.ros.node_arguments import learner
+try:
+    learner(['--help'])
+except SystemExit:
+    pass"""
+LEARNER_SETTINGS = """
+from al_questioner.simulation import WorldChoice, episode_settings, load_task
+episode_settings(WorldChoice(load_task('kitchen_table'), 0, 0).task)"""
+
+
+@pytest.mark.parametrize('program', [LEARNER_HELP, 'import al_questioner.ros.nodes.learner', LEARNER_SETTINGS])
+def test_the_learner_loads_no_simulated_kitchen(program: str) -> None:
     """A robot would wait for the drawing of foods that it never sees."""
-    program = (
-        'import sys, al_questioner.ros.node_arguments as arguments\n'
-        "try:\n    arguments.learner(['--help'])\nexcept SystemExit:\n    pass\n"
-        "print(*(name for name in sys.modules if name.startswith('al_questioner.simulation.')), file=sys.stderr)"
-    )
-    ended = subprocess.run([sys.executable, '-c', program], capture_output=True, text=True, check=True, cwd=ROOT)
-    assert 'al_questioner.simulation.task' in ended.stderr
-    assert 'kitchen' not in ended.stderr
-    assert 'rgbd_dataset' not in ended.stderr
+    loaded = modules_after(program)
+    assert 'al_questioner.simulation.task' in loaded
+    assert [name for name in loaded if 'kitchen' in name or 'rgbd_dataset' in name] == []
+
+
+def test_the_package_alone_loads_nothing() -> None:
+    """Whoever wants a single name, or only the version, would wait for numpy and scipy."""
+    ours = {name for name in modules_after('import al_questioner') if name.startswith(PACKAGE)}
+    assert ours == {PACKAGE, f'{PACKAGE}.support', f'{PACKAGE}.support.lazy_names'}
 
 
 def test_every_room_has_its_place_in_the_order() -> None:
@@ -124,7 +150,7 @@ def test_every_room_has_its_place_in_the_order() -> None:
         ('al_questioner.concepts.models', 'from .. import questioning'),
         ('al_questioner.concepts.models', 'def late():\n    import al_questioner.questioning.episode'),
         ('al_questioner.concepts.models', "importlib.import_module('al_questioner.questioning')"),
-        ('al_questioner.simulation.scenes', 'from al_questioner.event_log import log'),
+        ('al_questioner.simulation.playing', 'from al_questioner.event_log import log'),
         ('al_questioner.perception.scene', 'from ..concepts.models import ConceptModels'),
         ('al_questioner.domain', 'from al_questioner import support'),
         ('al_questioner.messages.clouds', 'from sensor_msgs.msg import PointCloud2'),

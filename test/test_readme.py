@@ -3,11 +3,12 @@
 from __future__ import annotations
 
 import re
-from pathlib import Path
 
 import numpy as np
 
-README = (Path(__file__).resolve().parent.parent / 'README.md').read_text(encoding='utf-8')
+from checkout import ROOT
+
+README = (ROOT / 'README.md').read_text(encoding='utf-8')
 SNIPPETS = re.findall(r'```python\n(.*?)```', README, flags=re.DOTALL)
 
 

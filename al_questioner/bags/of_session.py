@@ -11,8 +11,8 @@ import numpy as np
 from al_questioner.bags.reading import BagError, Topic, typestore
 from al_questioner.bags.topics import CLOUD, STRING, TYPES
 from al_questioner.bags.writing import BagWriter
-from al_questioner.event_log.durable_episode import Replay
 from al_questioner.event_log.events import Decided, KeptLate, Seen, SessionEvent, Told
+from al_questioner.event_log.replay import Replay
 from al_questioner.event_log.reports import episode_members, state_members
 from al_questioner.event_log.summary import Account
 from al_questioner.messages import documents

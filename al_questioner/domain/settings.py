@@ -25,10 +25,13 @@ DECISION_FEATURES = (
 
 
 VALUE_FEATURES = ('gain', 'chance', 'price', 'ahead', 'silence')
-"""The features of what a question is worth, see `questioning.value`, in the order of every weight vector of theirs."""
+"""The features of what a question is worth, in the order of every weight vector of theirs.
+
+See `questioning.strategies.value_per_cost`.
+"""
 
 VALUE_CONSTANTS = ('reach', 'doubt', 'decline', 'pace')
-"""What a weights file may set of `questioning.value` beside its weights."""
+"""What a weights file may set of `questioning.strategies.value_per_cost` beside its weights."""
 
 
 WEIGHED = (*DECISION_FEATURES, *VALUE_FEATURES, *VALUE_CONSTANTS)

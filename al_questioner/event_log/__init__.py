@@ -1,1 +1,1 @@
-"""The events of an episode: their encoding, the durable log, replaying it, and the episode that is written down."""
+"""The events of an episode: encoding, durable log, replay, the episode that is written down, and what is told of it."""

@@ -6,9 +6,9 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from al_questioner.domain import Answer, Query
-from al_questioner.event_log.durable_episode import Replay, ReplayError
 from al_questioner.event_log.events import Begun, Decided, KeptLate, Refused, Seen, SessionEvent, Told, decoded
 from al_questioner.event_log.log import LogContents, SessionLogError
+from al_questioner.event_log.replay import Replay, ReplayError
 from al_questioner.questioning import Episode
 
 

@@ -27,9 +27,10 @@ from al_questioner.domain import (
 )
 from al_questioner.questioning.answers import AnswerBook, content_of
 from al_questioner.questioning.candidates import choices, question_text
+from al_questioner.questioning.initial_knowledge import new_knowledge
 from al_questioner.questioning.reliability import TeacherRecord, label_beliefs, teacher_records
 from al_questioner.questioning.strategies.choice import Strategy, ask_nothing
-from al_questioner.questioning.strategies.registry import make_strategy, new_knowledge
+from al_questioner.questioning.strategies.registry import make_strategy
 from al_questioner.questioning.turn_context import Situation
 
 

@@ -1,1 +1,1 @@
-"""The only room that knows ROS: quality of service, parameters, and one thin node a file."""
+"""The only folder that knows ROS: what all nodes need, and in `nodes` one node a file."""

@@ -1,4 +1,4 @@
-"""Worlds to learn in without a robot: tasks, the simulated table, datasets, a scripted teacher, and whole episodes.
+"""Learning without a robot: tasks, worlds, a scripted teacher, whole episodes, and how well the learner does in them.
 
 What a name stands for is imported when it is asked for.
 """
@@ -8,24 +8,18 @@ from typing import TYPE_CHECKING
 from al_questioner.support.lazy_names import lazy_names
 
 if TYPE_CHECKING:
-    from al_questioner.simulation.episodes import (
-        EpisodeResult,
-        Evaluation,
-        PerceivedWorld,
-        TurnWatcher,
-        WorldChoice,
-        accuracy,
-        episode_settings,
-        play,
-        run_episode,
-        turns,
-    )
+    from al_questioner.simulation.evaluation import EpisodeResult, Evaluation, accuracy
     from al_questioner.simulation.opening import make_world
+    from al_questioner.simulation.perceived_world import PerceivedWorld
+    from al_questioner.simulation.playing import TurnWatcher, play, run_episode, turns
     from al_questioner.simulation.rgbd_dataset.dataset import DatasetWorld
     from al_questioner.simulation.scripted_teacher import ScriptedTeacher
+    from al_questioner.simulation.settings import episode_settings
+    from al_questioner.simulation.simulated_world import SimulatedWorld
     from al_questioner.simulation.task import Task, load_task
     from al_questioner.simulation.task_reading import Interval
-    from al_questioner.simulation.world import SimulatedWorld, World
+    from al_questioner.simulation.world import World
+    from al_questioner.simulation.world_choice import WorldChoice
 
 __all__ = [
     'DatasetWorld',
@@ -52,21 +46,21 @@ _HOMES = {
     'Task': 'task',
     'load_task': 'task',
     'Interval': 'task_reading',
-    'SimulatedWorld': 'world',
+    'SimulatedWorld': 'simulated_world',
     'World': 'world',
     'make_world': 'opening',
     'DatasetWorld': 'rgbd_dataset.dataset',
     'ScriptedTeacher': 'scripted_teacher',
-    'EpisodeResult': 'episodes',
-    'Evaluation': 'episodes',
-    'PerceivedWorld': 'episodes',
-    'TurnWatcher': 'episodes',
-    'WorldChoice': 'episodes',
-    'accuracy': 'episodes',
-    'episode_settings': 'episodes',
-    'play': 'episodes',
-    'run_episode': 'episodes',
-    'turns': 'episodes',
+    'EpisodeResult': 'evaluation',
+    'Evaluation': 'evaluation',
+    'PerceivedWorld': 'perceived_world',
+    'TurnWatcher': 'playing',
+    'WorldChoice': 'world_choice',
+    'accuracy': 'evaluation',
+    'episode_settings': 'settings',
+    'play': 'playing',
+    'run_episode': 'playing',
+    'turns': 'playing',
 }
 
 __getattr__ = lazy_names(__name__, _HOMES)

@@ -12,8 +12,8 @@ from al_questioner.domain import NO_SYMBOL, Camera, Observation, Scene, View, ge
 from al_questioner.simulation.kitchen.drawing.geometry import Solid
 from al_questioner.simulation.kitchen.pool import Sight, position_of
 from al_questioner.simulation.kitchen.things.kinds import Kind, State
+from al_questioner.simulation.simulated_world import SimulatedWorld
 from al_questioner.simulation.task import Task
-from al_questioner.simulation.world import SimulatedWorld
 
 GROUPS = ('colour', 'size')
 """That matter in a task that does not name any."""

@@ -6,8 +6,9 @@ from pathlib import Path
 
 from al_questioner.domain import InputError
 from al_questioner.simulation.rgbd_dataset.dataset import DatasetWorld
+from al_questioner.simulation.simulated_world import SimulatedWorld
 from al_questioner.simulation.task import Task
-from al_questioner.simulation.world import SimulatedWorld, World
+from al_questioner.simulation.world import World
 
 
 def make_world(task: Task, seed: int, sample: int | None = None, dataset: Path | None = None) -> World:

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import dataclasses
-from pathlib import Path
 
 import numpy as np
 import pytest
@@ -24,6 +23,7 @@ from al_questioner.bags.reading import typestore
 from al_questioner.bags.rerun import first_divergence
 from al_questioner.bags.topics import CLOUD, STRING
 from al_questioner.imitation.bags import read_demonstrations
+from checkout import ROOT
 
 
 @pytest.mark.parametrize('storage', ['mcap', 'sqlite3'])
@@ -176,7 +176,7 @@ def test_decisions_without_features_cannot_be_learnt_from(bags, tmp_path):
 
 def test_what_latched_topics_tell_of_an_earlier_episode_is_left_out(tmp_path):
     """A learner that is done and still up would make the bag of the next episode unreadable."""
-    shipped = Path(__file__).resolve().parents[2] / 'bags'
+    shipped = ROOT / 'bags'
     old, new = (read_bag(shipped / name) for name in ('expert_0', 'expert_1'))
     topics = [dataclasses.replace(topic, name=f'/r/{last_part(topic.name)}') for topic in new.topics]
     left_over = [
@@ -195,7 +195,7 @@ def last_part(topic):
     return topic.rsplit('/', 1)[-1]
 
 
-SHIPPED = Path(__file__).resolve().parents[2] / 'bags'
+SHIPPED = ROOT / 'bags'
 HOUR = 3600 * 10**9
 
 

@@ -6,7 +6,7 @@ import math
 
 import pytest
 
-from al_questioner.domain import NO_SYMBOL
+from al_questioner.domain import NO_SYMBOL, generator
 from al_questioner.questioning import Episode, make_strategy
 from al_questioner.simulation import (
     PerceivedWorld,
@@ -17,7 +17,6 @@ from al_questioner.simulation import (
     load_task,
     turns,
 )
-from al_questioner.simulation.episodes import generator
 
 
 def test_a_gain_is_what_the_label_would_have_changed() -> None:

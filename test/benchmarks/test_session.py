@@ -8,7 +8,9 @@ from pathlib import Path
 
 import pytest
 
-SCRIPT = Path(__file__).resolve().parents[2] / 'benchmarks' / 'session.py'
+from checkout import ROOT
+
+SCRIPT = ROOT / 'benchmarks' / 'session.py'
 
 
 @pytest.mark.slow

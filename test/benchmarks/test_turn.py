@@ -12,7 +12,8 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
-ROOT = Path(__file__).resolve().parents[2]
+from checkout import ROOT
+
 DEADLINE = 280
 TOPICS = ('turn', 'objects', 'query', 'decision', 'scene_markers', 'answer', 'answer_ack', 'learner_state')
 

@@ -12,73 +12,18 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
-from al_questioner.domain import Answer, AnswerError, Decision, LateAnswerError, Outcome, SettingsError
-from al_questioner.event_log.durable_episode import DurableEpisode, Replay, ReplayError
-from al_questioner.event_log.events import (
-    Begun,
-    Decided,
-    Encoder,
-    KeptLate,
-    Passed,
-    Refused,
-    Seen,
-    Told,
-    Tuned,
-    decoded,
-)
-from al_questioner.event_log.log import LogWriteError, SessionLog, SessionLogError, read_log
+from al_questioner.domain import Answer, AnswerError, LateAnswerError, Outcome
+from al_questioner.event_log.durable_episode import DurableEpisode
+from al_questioner.event_log.events import Decided, Encoder, KeptLate, Refused, Seen, Told, Tuned
+from al_questioner.event_log.log import LogWriteError, SessionLog, SessionLogError
+from al_questioner.event_log.replay import Replay
 from al_questioner.questioning import Situation
 from al_questioner.questioning.strategies import human
-from al_questioner.simulation import PerceivedWorld, ScriptedTeacher, WorldChoice, episode_settings, load_task
+from al_questioner.simulation import PerceivedWorld, episode_settings
+from checkout import ROOT
+from durable_sessions import TASK, WORLD, answer, ask, begun, events, play_turns, started
 
-TASK = load_task('prepare_lunch')
-TEACHER = ScriptedTeacher(TASK.symbols, TASK.relevant_groups, 4)
-WORLD = {'task': 'prepare_lunch', 'seed': 4, 'sample': 4, 'dataset': None}
-DRIVER = Path(__file__).with_name('session_driver.py')
-
-
-def begun(**changes: object) -> Begun:
-    settings = episode_settings(TASK, 'u_sampling_fsq', 8.0, 6, tune_every=2)
-    return dataclasses.replace(Begun('e1', settings, 4, 1e-3, WORLD, '1'), **changes)
-
-
-@pytest.fixture(scope='module')
-def world() -> PerceivedWorld:
-    return PerceivedWorld(WorldChoice(TASK, 4, 4).open())
-
-
-def started(folder: Path | None, **changes: object) -> DurableEpisode:
-    session = DurableEpisode(begun(**changes), None if folder is None else SessionLog(folder))
-    session.start()
-    return session
-
-
-def ask(session: DurableEpisode, world: PerceivedWorld) -> Decision:
-    turn = session.episode.turn + 1
-    return session.ask(Seen(turn, turn * 1000, 'table', world.scene(turn)))
-
-
-def answer(session: DurableEpisode, world: PerceivedWorld) -> Answer:
-    query = session.episode.pending
-    assert query is not None
-    return TEACHER.answer(query, world.truth(query.turn))
-
-
-def play_turns(session: DurableEpisode, world: PerceivedWorld, n: int) -> list[Answer]:
-    """Some whole turns, and the answers."""
-    said = []
-    for _ in range(n):
-        if ask(session, world).query is not None:
-            said.append(answer(session, world))
-            assert session.take(said[-1])
-        session.tune()
-    return said
-
-
-def events(folder: Path) -> list[object]:
-    found, fault = decoded(read_log(folder))
-    assert fault is None
-    return list(found)
+DRIVER = ROOT / 'test' / 'session_driver.py'
 
 
 def drive(*arguments: object) -> dict[str, object]:
@@ -281,33 +226,6 @@ def test_a_log_with_a_fixed_view_tolerance_goes_on_with_it_where_none_is_asked_f
     resumed.close()
 
 
-def test_a_log_that_leads_elsewhere_is_an_error(tmp_path: Path, world: PerceivedWorld) -> None:
-    """A robot of another version would go on as if it had asked what it never asks."""
-    session = started(tmp_path)
-    play_turns(session, world, 2)
-    session.close()
-    found = events(tmp_path)
-    replay = Replay(begun(settings=dataclasses.replace(begun().settings, strategy='rarest_demo')))
-
-    def play_all() -> None:
-        for event in found[1:]:
-            replay.play(event)
-
-    with pytest.raises(ReplayError, match=r'turn \d: .* is chosen, .* was recorded'):
-        play_all()
-    first = found[0]
-    assert isinstance(first, Begun)
-    for odd, reason in ((first, 'another episode begins'), (found[2], 'not about the scene of the next turn')):
-        with pytest.raises(ReplayError, match=reason):
-            Replay(begun()).play(odd)
-    for odd, reason in (
-        (Told(Answer('q1', 'a1', 'x', Outcome.SKIP)), 'turn 0: told: no query is pending'),
-        (Tuned(7, 3), 'recorded were version 3 and turn 7'),
-    ):
-        with pytest.raises(ReplayError, match=reason):
-            Replay(begun()).play(odd)
-
-
 def test_what_cannot_be_written_is_not_taken(tmp_path: Path, world: PerceivedWorld) -> None:
     """An answer would be learnt, and acknowledged, that is gone after the next start."""
     session = started(tmp_path)
@@ -351,13 +269,6 @@ def test_a_scene_without_its_decision_is_passed_over(tmp_path: Path, world: Perc
     again.close()
 
 
-def test_an_unknown_strategy_is_named(tmp_path: Path) -> None:
-    """A strategy that is not installed any more would end in a traceback."""
-    unknown = dataclasses.replace(begun().settings, strategy='clever')
-    with pytest.raises(SettingsError, match='unknown strategy'):
-        Replay(begun(settings=unknown))
-
-
 def test_a_persons_choices_are_not_asked_for_again(
     tmp_path: Path, world: PerceivedWorld, monkeypatch: pytest.MonkeyPatch
 ) -> None:
@@ -380,12 +291,3 @@ def test_a_persons_choices_are_not_asked_for_again(
     play_turns(again, world, 1)
     assert asked == [1, 2, 3, 4]
     again.close()
-
-
-def test_a_turn_that_passed_without_waiting_is_named(tmp_path: Path, world: PerceivedWorld) -> None:
-    """A log that was tampered with would be gone on with."""
-    session = started(tmp_path)
-    query = ask(session, world).query
-    replay = Replay(session.begun)
-    with pytest.raises(ReplayError, match='q1 does not wait for an answer'):
-        replay.play(Passed(1, query.query_id))

@@ -91,7 +91,7 @@ def test_the_tables_have_a_row_per_episode_and_per_turn(reference) -> None:
     assert len(turns) == 4 * 4 + 4 * 6
     manifest = json.loads((folder / 'manifest.json').read_text())
     assert manifest['seeds'] == [0, 1]
-    assert {'version', 'code', 'variation', 'conditions', 'worlds', 'runs'} <= set(manifest)
+    assert {'version', 'semantics', 'variation', 'conditions', 'worlds', 'runs'} <= set(manifest)
     results = read_results(folder)
     for row in results.episodes:
         steps = results.turns_of(row.cell)

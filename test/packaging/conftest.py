@@ -14,7 +14,8 @@ from pathlib import Path
 
 import pytest
 
-CHECKOUT = Path(__file__).resolve().parents[2]
+from checkout import ROOT
+
 ROUTES = (
     'pip',
     pytest.param('pip [ros]', marks=pytest.mark.slow),
@@ -73,15 +74,15 @@ def source(tmp_path_factory: pytest.TempPathFactory) -> Path:
     """A copy of all that is shipped, in a folder whose name has a space."""
     copy = tmp_path_factory.mktemp('work space') / 'al_questioner'
     not_shipped = {
-        CHECKOUT: {'build', 'install', 'log', 'out', 'test'},
-        CHECKOUT / 'docs': {path.name for path in (CHECKOUT / 'docs').iterdir()} - {'examples'},
+        ROOT: {'build', 'install', 'log', 'out', 'test'},
+        ROOT / 'docs': {path.name for path in (ROOT / 'docs').iterdir()} - {'examples'},
     }
 
     def ignored(folder: str, names: list[str]) -> set[str]:
         generated = {name for name in names if name.startswith('.') or name.endswith(('__pycache__', '.egg-info'))}
         return generated | not_shipped.get(Path(folder), set())
 
-    shutil.copytree(CHECKOUT, copy, symlinks=True, ignore=ignored)
+    shutil.copytree(ROOT, copy, symlinks=True, ignore=ignored)
     return copy
 
 

@@ -6,15 +6,13 @@ import ast
 import subprocess
 import sys
 from configparser import ConfigParser
-from pathlib import Path
 from xml.etree import ElementTree
 
 import pytest
 from packaging.requirements import Requirement
 
 from al_questioner.support.missing_modules import FOR_BAGS
-
-CHECKOUT = Path(__file__).resolve().parents[2]
+from checkout import ROOT
 
 DISTRIBUTIONS = {
     'cv2': ('opencv-python-headless', 'python3-opencv'),
@@ -43,7 +41,7 @@ def imported_distributions() -> list[str]:
     """Top-level names of all that the package and its launch files import, but the standard library and itself."""
     found = set()
     for folder in ('al_questioner', 'launch'):
-        for path in (CHECKOUT / folder).rglob('*.py'):
+        for path in (ROOT / folder).rglob('*.py'):
             for node in ast.walk(ast.parse(path.read_text(encoding='utf-8'))):
                 if isinstance(node, ast.Import):
                     found |= {alias.name.split('.')[0] for alias in node.names}
@@ -54,13 +52,13 @@ def imported_distributions() -> list[str]:
 
 def rosdep_keys(kind: str = 'exec_depend') -> set[str]:
     """What package.xml asks for, at run time or for the tests."""
-    return {str(element.text) for element in ElementTree.parse(CHECKOUT / 'package.xml').iter(kind)}
+    return {str(element.text) for element in ElementTree.parse(ROOT / 'package.xml').iter(kind)}
 
 
 def requirements(section: str, option: str) -> list[Requirement]:
     """A list of setup.cfg."""
     config = ConfigParser()
-    config.read(CHECKOUT / 'setup.cfg', encoding='utf-8')
+    config.read(ROOT / 'setup.cfg', encoding='utf-8')
     return [Requirement(line) for line in config[section][option].split()]
 
 
@@ -71,7 +69,7 @@ def required_names(section: str, option: str) -> list[str]:
 
 def versions_of_noble() -> dict[str, str]:
     """The versions of Ubuntu 24.04, by PyPI name."""
-    lines = (CHECKOUT / 'test' / 'noble.txt').read_text(encoding='utf-8').splitlines()
+    lines = (ROOT / 'test' / 'noble.txt').read_text(encoding='utf-8').splitlines()
     return dict(line.split('==') for line in lines if not line.startswith('#'))
 
 
@@ -112,7 +110,7 @@ def test_what_ubuntu_has_is_new_enough_and_tested() -> None:
 def test_what_bags_need_is_told_as_it_is_required(module: str) -> None:
     """People would install a version that cannot write bags."""
     assert Requirement(FOR_BAGS[module]) in requirements('options', 'install_requires')
-    assert f"'{FOR_BAGS[module]}'" in (CHECKOUT / 'README.md').read_text(encoding='utf-8')
+    assert f"'{FOR_BAGS[module]}'" in (ROOT / 'README.md').read_text(encoding='utf-8')
 
 
 def without_bags(code: str, *arguments: str) -> subprocess.CompletedProcess[str]:
@@ -123,16 +121,16 @@ def without_bags(code: str, *arguments: str) -> subprocess.CompletedProcess[str]
 
 def test_all_but_bags_works_without_what_bags_need() -> None:
     """A robot has nothing but what rosdep installs."""
-    modules = [
-        f'al_questioner.{name}' for name in ('ros.learner', 'ros.perception', 'ros.teacher', 'ros.terminal_teacher')
-    ]
-    modules += [f'al_questioner.{name}.command' for name in ('demo', 'experiments', 'session')]
+    nodes = ('learner', 'perception', 'teacher', 'terminal_teacher')
+    modules = [f'al_questioner.ros.nodes.{name}' for name in nodes]
+    modules += [f'al_questioner.commands.{name}.command' for name in ('demo', 'experiment', 'session')]
     done = without_bags('from importlib import import_module; [import_module(name) for name in sys.argv[1:]]', *modules)
     assert done.returncode == 0, done.stderr
 
 
 @pytest.mark.parametrize(
-    'arguments', [('replay', 'bag'), ('train_weights', 'bag', '--out', 'w.yaml'), ('record', '--repair', 'bag')]
+    'arguments',
+    [('replay', 'expert_0'), ('train_weights', 'expert_0', '--out', 'w.yaml'), ('record', '--repair', 'expert_0')],
 )
 def test_bags_say_what_they_need(arguments: tuple[str, ...]) -> None:
     """There would be a traceback, or advice that does not help."""

@@ -9,8 +9,7 @@ from pathlib import Path
 import pytest
 
 from al_questioner.cli import EXECUTABLES
-
-CHECKOUT = Path(__file__).resolve().parents[2]
+from checkout import ROOT
 
 
 def test_ament_index_finds_the_package(installation, tmp_path):
@@ -23,13 +22,19 @@ def test_the_installed_package_is_what_runs(installation, source, tmp_path):
     code = 'import al_questioner; print(al_questioner.__file__)'
     module = Path(installation.run('python3', '-c', code, cwd=tmp_path).strip()).resolve()
     assert any(module.is_relative_to(place.resolve()) for place in (installation.prefix, source))
-    assert not module.is_relative_to(CHECKOUT)
+    assert not module.is_relative_to(ROOT)
+
+
+def test_the_installed_package_has_its_types(installation, tmp_path):
+    """Mypy would take everything that is imported from it for Any."""
+    code = 'from importlib.resources import files; print((files("al_questioner") / "py.typed").is_file())'
+    assert installation.run('python3', '-c', code, cwd=tmp_path).strip() == 'True'
 
 
 def test_manifest_configuration_and_launch_files_are_shared(installation):
     share = installation.prefix / 'share' / 'al_questioner'
     expected = [Path('package.xml'), Path('launch/demo.launch.py')]
-    expected += [path.relative_to(CHECKOUT) for path in (CHECKOUT / 'config').rglob('*.yaml')]
+    expected += [path.relative_to(ROOT) for path in (ROOT / 'config').rglob('*.yaml')]
     assert [str(path) for path in expected if not (share / path).is_file()] == []
 
 
@@ -48,14 +53,14 @@ def test_a_bag_that_ships_is_found_by_its_name(installation, tmp_path):
     code = "from al_questioner.support.configuration import named_bag; print(named_bag('expert_0'))"
     bag = Path(installation.run('python3', '-c', code, cwd=tmp_path).strip())
     assert (bag / 'metadata.yaml').is_file()
-    assert not bag.resolve().is_relative_to(CHECKOUT)
+    assert not bag.resolve().is_relative_to(ROOT)
 
 
 def test_the_installed_configuration_is_found(installation, tmp_path):
     code = 'from al_questioner.support.configuration import config_dir; print(config_dir())'
     folder = Path(installation.run('python3', '-c', code, cwd=tmp_path).strip())
     assert (folder / 'tasks' / 'kitchen_table.yaml').is_file()
-    assert not folder.resolve().is_relative_to(CHECKOUT)
+    assert not folder.resolve().is_relative_to(ROOT)
 
 
 def test_every_executable_is_where_ros2_run_looks(installation):

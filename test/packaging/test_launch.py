@@ -11,7 +11,8 @@ from typing import Any
 
 import pytest
 
-CHECKOUT = Path(__file__).resolve().parents[2]
+from checkout import ROOT
+
 DEFAULTS = {
     'namespace': '',
     'params_file': '',
@@ -51,10 +52,10 @@ def load(monkeypatch: pytest.MonkeyPatch) -> Callable[[], list[Recorded]]:
     monkeypatch.setattr(
         sys.modules['ament_index_python.packages'],
         'get_package_share_directory',
-        lambda _: str(CHECKOUT),
+        lambda _: str(ROOT),
         raising=False,
     )
-    path = str(CHECKOUT / 'launch' / 'demo.launch.py')
+    path = str(ROOT / 'launch' / 'demo.launch.py')
     return lambda: runpy.run_path(path)['generate_launch_description']().positional[0]
 
 
@@ -84,7 +85,7 @@ def test_three_nodes_of_this_package_read_the_parameters_of_the_task(description
     for node in nodes.values():
         file, given = node.parameters
         assert node.package == 'al_questioner'
-        assert Path(file) == CHECKOUT / 'config' / 'params' / 'prepare_lunch.yaml'
+        assert Path(file) == ROOT / 'config' / 'params' / 'prepare_lunch.yaml'
         assert given == {'task': 'prepare_lunch'}
 
 

@@ -5,11 +5,11 @@ from __future__ import annotations
 import os
 import shutil
 import subprocess
-from pathlib import Path
 
 import pytest
 
-CHECKOUT = Path(__file__).resolve().parents[2]
+from checkout import ROOT
+
 OF_ROS = {
     'AMENT_PREFIX_PATH': '/opt/ros/jazzy',
     'LD_LIBRARY_PATH': '/opt/ros/jazzy/lib',
@@ -23,7 +23,7 @@ def test_a_ros_that_is_set_up_does_not_mix_with_that_of_the_environment() -> Non
     """`make demo` would load half of its libraries from either."""
     done = subprocess.run(
         ['make', '--silent', '--eval', 'show:; @env', 'show'],
-        cwd=CHECKOUT,
+        cwd=ROOT,
         env=os.environ | OF_ROS,
         capture_output=True,
         text=True,

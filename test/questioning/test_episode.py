@@ -22,6 +22,7 @@ from al_questioner.domain import (
 from al_questioner.questioning import STRATEGIES, Episode, new_knowledge
 from al_questioner.questioning import episode as episode_module
 from al_questioner.questioning.strategies.choice import Choice
+from checkout import ROOT
 
 AUTOMATIC = [name for name in STRATEGIES if name != 'human']
 """The strategies that ask nobody what to ask."""
@@ -143,10 +144,9 @@ def test_same_seed_same_queries_in_another_process(toy):
         '        if query: episode.tell(world.answer(query))\n'
         '    print(name, episode.records)\n'
     )
-    here = Path(__file__).resolve()
     child = subprocess.run(
-        [sys.executable, '-c', program, str(here.parent)],
-        cwd=here.parents[2],
+        [sys.executable, '-c', program, str(Path(__file__).parent)],
+        cwd=ROOT,
         capture_output=True,
         text=True,
         check=True,

@@ -27,8 +27,8 @@ from std_msgs.msg import String
 from al_questioner.ros import qos
 from al_questioner.ros.nodes.learner import LearnerNode
 from al_questioner.ros.nodes.perception import PerceptionNode
+from checkout import ROOT
 
-ROOT = Path(__file__).resolve().parents[2]
 DEADLINE = 90.0
 """Seconds after which a test gives up; far more than anything here takes."""
 

@@ -11,8 +11,8 @@ import pytest
 from al_questioner.bags import read_bag
 from al_questioner.cli import main
 from al_questioner.imitation.bags import read_demonstrations
+from checkout import ROOT
 
-ROOT = Path(__file__).resolve().parents[2]
 CROPS = ROOT.parent / 'shared' / 'data' / 'tabletop_rgbd' / 'crops' / 'rgbd-dataset'
 SMALL = ['--task', 'prepare_lunch', '--budget', '6', '--turns', '7', '--seed', '4']
 PAPER = ['--task', 'prepare_lunch', '--budget', '25', '--turns', '40', '--seed', '7']

@@ -21,7 +21,7 @@ from rclpy.context import Context
 
 from al_questioner.bags import read_bag
 from al_questioner.bags.playback import Playback
-from al_questioner.commands.replay.arguments import parser as replay_parser
+from al_questioner.commands.replay.arguments import parse as parse_replay
 from al_questioner.commands.train_weights.arguments import parser as training_parser
 from al_questioner.ros.node import QuestionerNode
 from al_questioner.ros.nodes.learner import LearnerNode
@@ -29,15 +29,15 @@ from al_questioner.ros.nodes.perception import PerceptionNode
 from al_questioner.ros.nodes.recorder import RecorderNode
 from al_questioner.ros.nodes.replayer import ReplayNode
 from al_questioner.ros.nodes.teacher import TeacherNode
+from checkout import ROOT
 
-ROOT = Path(__file__).resolve().parents[2]
 DOCUMENTS = (ROOT / 'README.md', ROOT / 'CONTRIBUTING.md', *sorted((ROOT / 'docs').rglob('*.md')))
 DEADLINE = 90.0
 
 NODE = 'ours: a node that stays up'
 ENDS = 'ours: ends by itself'
 GENUINE = 'the genuine tools: to be run in a ROS installation'
-ELSEWHERE = 'ours: needs a package of the user, as test_contributed.py has it'
+ELSEWHERE = 'ours: needs a package of the user, as test_plug_ins.py has it'
 PATTERN = 'no command: a letter stands for what is meant'
 
 LINES = {
@@ -159,7 +159,7 @@ def make_node(executable: str, own: list[str], **arguments: Any) -> QuestionerNo
     if executable == 'record' and not own:
         return RecorderNode(**arguments)
     if executable == 'replay':
-        given = replay_parser().parse_args(own)
+        given = parse_replay(own)
         bag = read_bag(given.bag)
         return ReplayNode(bag, Playback(bag.messages, given.rate), 5.0, given.clock, **arguments)
     if executable == 'train_weights':

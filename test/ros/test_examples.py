@@ -13,8 +13,9 @@ from std_msgs.msg import String
 from al_questioner.messages import documents
 from al_questioner.ros import qos
 from al_questioner.ros.nodes.learner import LearnerNode
+from checkout import ROOT
 
-EXAMPLES = Path(__file__).resolve().parents[2] / 'docs' / 'examples'
+EXAMPLES = ROOT / 'docs' / 'examples'
 DEADLINE = 90.0
 
 

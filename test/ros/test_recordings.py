@@ -17,8 +17,8 @@ from al_questioner.bags.storages import storage_files
 from al_questioner.cli import main
 from al_questioner.imitation.bags import read_demonstrations
 from al_questioner.ros.nodes.learner import LearnerNode
+from checkout import ROOT
 
-ROOT = Path(__file__).resolve().parents[2]
 DEADLINE = 90.0
 
 

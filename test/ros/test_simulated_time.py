@@ -6,7 +6,6 @@ import random
 import threading
 import time
 from collections.abc import Iterator
-from pathlib import Path
 from typing import Any
 
 import pytest
@@ -37,8 +36,9 @@ from al_questioner.simulation import (
     load_task,
     run_episode,
 )
+from checkout import ROOT
 
-BAG = Path(__file__).resolve().parents[2] / 'bags' / 'expert_0'
+BAG = ROOT / 'bags' / 'expert_0'
 SIMULATED = {'use_sim_time': True}
 
 

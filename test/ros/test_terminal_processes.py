@@ -9,12 +9,12 @@ import subprocess
 import sys
 import uuid
 from collections.abc import Callable
-from pathlib import Path
 from typing import Any
 
 import pytest
 
-ROOT = Path(__file__).resolve().parents[2]
+from checkout import ROOT
+
 DEADLINE = 120
 EPISODE = {'strategy': 'random_fsq', 'budget': 5.0, 'turns': 6}
 OVER = 'The episode is over: 5 of 5 spent on 4 questions.'

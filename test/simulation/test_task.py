@@ -11,12 +11,13 @@ import yaml
 
 from al_questioner.domain import Costs, InputError
 from al_questioner.simulation import Task, episode_settings, load_task, make_world
+from checkout import ROOT
 
 SIMULATED = ('prepare_lunch', 'pack_lunchbox', 'kitchen_table')
 
 
 def _content(name: str = 'kitchen_table') -> dict[str, Any]:
-    path = Path(__file__).parents[2] / 'config' / 'tasks' / f'{name}.yaml'
+    path = ROOT / 'config' / 'tasks' / f'{name}.yaml'
     content: dict[str, Any] = yaml.safe_load(path.read_text(encoding='utf-8'))
     return content
 

@@ -11,6 +11,7 @@ import yaml
 
 from al_questioner.domain import InputError
 from al_questioner.simulation import Interval, PerceivedWorld, Task, WorldChoice, episode_settings, load_task
+from checkout import ROOT
 
 KITCHENS = 200
 OTHERS = {'change_interval': [4, 20], 'persistence': [0, 1], 'clutter_share': [0, 0.5]}
@@ -79,7 +80,7 @@ def test_an_interval_may_be_fixed_for_all_kitchens(mixed: Task) -> None:
     ],
 )
 def test_unusable_varieties(tmp_path: Path, changes: dict[str, dict[str, object]], reason: str) -> None:
-    folder = Path(__file__).parents[2] / 'config' / 'tasks'
+    folder = ROOT / 'config' / 'tasks'
     content = yaml.safe_load((folder / 'mixed_kitchens.yaml').read_text(encoding='utf-8'))
     for section, values in changes.items():
         content[section] = values if section == 'variety' else {**content[section], **values}

@@ -1,1 +1,1 @@
-"""What to ask next: the strategies, what they weigh, and where they are registered."""
+"""The questioning strategies, one a file, with what they share and weigh; the registry finds them by name."""

@@ -18,9 +18,10 @@ from al_questioner.bags.rerun import decisions_anew, first_divergence
 from al_questioner.cli import main
 from al_questioner.domain import Answer, EpisodeSettings, LateAnswerError, Outcome, Scene, generator
 from al_questioner.event_log import log as session_log
-from al_questioner.event_log.durable_episode import DurableEpisode, learn
+from al_questioner.event_log.durable_episode import DurableEpisode
 from al_questioner.event_log.events import Begun, Encoder, Seen, decoded
 from al_questioner.event_log.log import DATABASE, SessionLog, read_log
+from al_questioner.event_log.replay import learn
 from al_questioner.imitation.bags import read_demonstrations
 from al_questioner.questioning import (
     FEATURE_SETS,

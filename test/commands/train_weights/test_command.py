@@ -21,8 +21,8 @@ from al_questioner.imitation.bags import read_demonstrations
 from al_questioner.imitation.feature_matching import Iteration
 from al_questioner.questioning import FEATURE_SETS
 from al_questioner.simulation import ScriptedTeacher, WorldChoice, episode_settings, load_task, run_episode
+from checkout import ROOT
 
-ROOT = Path(__file__).resolve().parents[2]
 BAGS = [str(ROOT / 'bags' / f'expert_{number}') for number in range(3)]
 SHIPPED = yaml.safe_load((ROOT / 'config' / 'weights' / 'dt_task_env.yaml').read_text())
 

@@ -23,9 +23,9 @@ from al_questioner.questioning import STRATEGIES, Choice, Episode, Situation, kn
 from al_questioner.questioning.strategies import names as strategy_names
 from al_questioner.questioning.strategies.names import SHIPPED, check_strategy
 from al_questioner.simulation import episode_settings, load_task
+from checkout import ROOT
 
-CHECKOUT = Path(__file__).resolve().parents[2]
-EXAMPLE = CHECKOUT / 'docs' / 'examples' / 'own_strategy'
+EXAMPLE = ROOT / 'docs' / 'examples' / 'own_strategy'
 MODULE = """
 class Weighted:
     selector = None
@@ -160,7 +160,7 @@ def installed_example(tmp_path_factory: pytest.TempPathFactory) -> dict[str, str
     pip = (sys.executable, '-m', 'pip', '--disable-pip-version-check', 'install', '--quiet')
     offline = ('--no-deps', '--no-build-isolation', '--no-index')
     run(*pip, *offline, '--target', target, source, environment=dict(os.environ), cwd=place)
-    paths = (str(CHECKOUT), str(target), os.environ.get('PYTHONPATH', ''))
+    paths = (str(ROOT), str(target), os.environ.get('PYTHONPATH', ''))
     return {**os.environ, 'PYTHONPATH': os.pathsep.join(filter(None, paths))}
 
 
@@ -234,7 +234,7 @@ def test_the_example_refuses_weights() -> None:
 
 def test_the_page_shows_the_example_as_it_is() -> None:
     """What people copy from the page would be older than what is tested."""
-    page = (CHECKOUT / 'docs' / 'interfaces.md').read_text(encoding='utf-8')
+    page = (ROOT / 'docs' / 'interfaces.md').read_text(encoding='utf-8')
     section = page.partition('\n## A strategy of your own\n')[2].partition('\n## ')[0]
     for language, name in (('python', 'smallest_margin.py'), ('ini', 'setup.cfg')):
         (shown,) = re.findall(f'```{language}\n(.*?)```', section, flags=re.DOTALL)

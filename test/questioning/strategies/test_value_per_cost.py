@@ -1,7 +1,6 @@
 """What a question is worth: cases solved by hand, the formula written out, and what must never happen."""
 
 import dataclasses
-from pathlib import Path
 
 import numpy as np
 import pytest
@@ -31,8 +30,8 @@ from al_questioner.questioning.strategies.value_per_cost import (
     scarcity,
     value_features,
 )
+from checkout import ROOT
 
-ROOT = Path(__file__).resolve().parents[2]
 SHIPPED = read_weights(ROOT / 'config' / 'weights' / 'value_per_cost.yaml').values
 SUBSET_ASKED = QueryRecord(1, QueryKind.FEATURE_SUBSET, None, None, 2.0, Outcome.ANSWERED, ('size', 'colour'))
 

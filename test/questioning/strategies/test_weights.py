@@ -1,14 +1,14 @@
 """Weights from YAML."""
 
 from dataclasses import replace
-from pathlib import Path
 
 import pytest
 
 from al_questioner.domain import EpisodeSettings, InputError, generator
 from al_questioner.questioning import Episode, load_weights, make_strategy, read_weights
+from checkout import ROOT
 
-SHIPPED = Path(__file__).resolve().parents[2] / 'config' / 'weights'
+SHIPPED = ROOT / 'config' / 'weights'
 
 
 @pytest.mark.parametrize(

@@ -14,11 +14,12 @@ from al_questioner.perception import VIEW_FEATURE_NAMES, perceive
 from al_questioner.simulation import World, load_task, make_world
 from al_questioner.simulation.rgbd_dataset.dataset import DatasetWorld
 from al_questioner.simulation.task import Task
+from checkout import ROOT
 
 if TYPE_CHECKING:
     from conftest import Tree
 
-TABLETOP = Path(__file__).parents[4] / 'shared/data/tabletop_rgbd/crops'
+TABLETOP = ROOT.parent / 'shared/data/tabletop_rgbd/crops'
 SYMBOL_OF = {'apple': 'fruit', 'pear': 'fruit', 'soda_can': 'beverage', 'stapler': NO_SYMBOL}
 
 needs_tabletop = pytest.mark.skipif(not TABLETOP.is_dir(), reason=f'the real crops are not there: {TABLETOP}')

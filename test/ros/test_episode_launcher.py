@@ -12,8 +12,8 @@ import pytest
 
 from al_questioner.bags import read_sessions
 from al_questioner.ros.episode_launcher import Graph
+from checkout import ROOT
 
-ROOT = Path(__file__).resolve().parents[2]
 DEADLINE = 60.0
 WORLD = {'task': 'prepare_lunch', 'seed': 4}
 

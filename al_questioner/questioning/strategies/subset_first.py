@@ -1,4 +1,4 @@
-"""The controls without which no comparison is honest.
+"""What the controls share without which no comparison is honest.
 
 All of them ask for the relevant features once, in the first turn if the budget can pay for a first example as well,
 and never ask about a view that has been labelled.
@@ -20,7 +20,6 @@ from al_questioner.questioning.strategies.choice import (
     rows_of,
     settled_actions,
 )
-from al_questioner.questioning.strategies.decision_features import prediction_entropy
 from al_questioner.questioning.turn_context import Situation
 
 
@@ -65,53 +64,3 @@ class UnlabelledFirst(SubsetFirst):
     @abstractmethod
     def score(self, situation: Situation) -> NDArray[np.float64]:
         """(|X|,) value of labelling each object."""
-
-
-class UncertainUnlabelled(UnlabelledFirst):
-    """u_sampling_fsq: the view of largest prediction entropy."""
-
-    def score(self, situation: Situation) -> NDArray[np.float64]:
-        """(|X|,) entropy of p(y|x)."""
-        return prediction_entropy(situation.probabilities)
-
-
-class RandomLabel(UnlabelledFirst):
-    """random_fsq: any view."""
-
-    def score(self, situation: Situation) -> NDArray[np.float64]:
-        """(|X|,) the same for all."""
-        return np.zeros(len(situation.scene))
-
-
-class Farthest(UnlabelledFirst):
-    """farthest_fsq: the view farthest from all labelled ones, in the chosen features."""
-
-    def score(self, situation: Situation) -> NDArray[np.float64]:
-        """(|X|,) distance to the nearest labelled view."""
-        return situation.knowledge.distance_to_labelled(situation.scene)
-
-
-class RarestDemonstration(SubsetFirst):
-    """rarest_demo: a demonstration of the symbol with the fewest examples, paced over the scenes.
-
-    In a scene it does not ask again
-    for a symbol of which it was shown what it knew already.
-    """
-
-    kind = QueryKind.DEMONSTRATION
-
-    def values(self, situation: Situation) -> NDArray[np.float64]:
-        """(|Y|,) minus the number of examples; NaN for what is exhausted in this scene, or not due yet."""
-        counts = np.array(list(situation.knowledge.positives.values()), dtype=np.float64)
-        if situation.labelled.all() or not is_affordable(situation.costs.demonstration, situation.allowance):
-            return np.full(len(counts), np.nan)
-        times_labelled = situation.knowledge.times_labelled(situation.scene)
-        exhausted = {
-            record.symbol
-            for record in situation.history
-            if record.kind is QueryKind.DEMONSTRATION
-            and record.turn >= situation.scene_turn
-            and record.object_id is not None
-            and times_labelled[situation.scene.index_of(record.object_id)] > 1
-        }
-        return np.where([symbol in exhausted for symbol in situation.symbols], np.nan, -counts)

@@ -48,7 +48,7 @@ def test_another_process_sees_the_same_world(small: Task) -> None:
     """A node and an offline run are two processes; a dependence on hash() or set order would part them."""
     program = (
         'import sys; from dataclasses import replace; sys.path.insert(0, sys.argv[1])\n'
-        'from test_world import digest\n'
+        'from test_simulated_world import digest\n'
         'from al_questioner.simulation import SimulatedWorld, load_task\n'
         "task = load_task('kitchen_table')\n"
         'scenes = replace(task.scenes, objects=6, training_size=24, test_size=8, clutter_share=0.5)\n'

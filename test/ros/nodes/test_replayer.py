@@ -25,8 +25,9 @@ from al_questioner.ros.nodes.learner import LearnerNode
 from al_questioner.ros.nodes.replayer import ReplayNode, common_namespace
 from al_questioner.ros.nodes.teacher import TeacherNode
 from al_questioner.simulation import ScriptedTeacher, WorldChoice, episode_settings, load_task, run_episode
+from checkout import ROOT
 
-BAG = Path(__file__).resolve().parents[2] / 'bags' / 'expert_0'
+BAG = ROOT / 'bags' / 'expert_0'
 DEADLINE = 60.0
 
 

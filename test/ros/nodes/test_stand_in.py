@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from pathlib import Path
 from typing import Any
 
 from rcl_interfaces.msg import Log
@@ -18,8 +17,9 @@ from al_questioner.ros.nodes.perception import PerceptionNode
 from al_questioner.ros.nodes.stand_in import StandInNode
 from al_questioner.ros.nodes.teacher import TeacherNode
 from al_questioner.simulation import ScriptedTeacher, WorldChoice, episode_settings, load_task, run_episode
+from checkout import ROOT
 
-BAG = Path(__file__).resolve().parents[2] / 'bags' / 'expert_0'
+BAG = ROOT / 'bags' / 'expert_0'
 
 
 def stand_in(graph: Any) -> StandInNode:

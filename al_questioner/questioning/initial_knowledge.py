@@ -1,0 +1,32 @@
+"""What a learner knows before anybody has told it anything."""
+
+from __future__ import annotations
+
+from al_questioner.concepts import VIEW_TOLERANCE, Knowledge
+from al_questioner.domain import EpisodeSettings
+from al_questioner.questioning.strategies.choice import Strategy
+from al_questioner.questioning.strategies.registry import make_strategy
+
+
+def new_knowledge(
+    settings: EpisodeSettings, view_tolerance: float = VIEW_TOLERANCE, strategy: Strategy | None = None
+) -> Knowledge:
+    """What a learner with these settings knows before the first turn.
+
+    Args:
+        settings: of the episode.
+        view_tolerance: see `Knowledge`.
+        strategy: who decides, and selects features, in the place of the strategy that the settings name.
+
+    Raises:
+        SettingsError: an unknown strategy, or weights that do not fit it.
+    """
+    if strategy is None:
+        strategy = make_strategy(settings.strategy, settings.weights)
+    return Knowledge(
+        settings.symbols,
+        settings.amplitude,
+        settings.length_scale,
+        strategy.selector,
+        view_tolerance,
+    )

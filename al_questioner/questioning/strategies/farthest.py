@@ -1,0 +1,17 @@
+"""`farthest_fsq`: labels that are spread over the feature space."""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+
+from al_questioner.questioning.strategies.subset_first import UnlabelledFirst
+from al_questioner.questioning.turn_context import Situation
+
+
+class Farthest(UnlabelledFirst):
+    """The view farthest from all labelled ones, in the chosen features."""
+
+    def score(self, situation: Situation) -> NDArray[np.float64]:
+        """(|X|,) distance to the nearest labelled view."""
+        return situation.knowledge.distance_to_labelled(situation.scene)

@@ -1,0 +1,36 @@
+"""`rarest_demo`: examples of each symbol alike."""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+
+from al_questioner.domain import QueryKind
+from al_questioner.questioning.candidates import is_affordable
+from al_questioner.questioning.strategies.subset_first import SubsetFirst
+from al_questioner.questioning.turn_context import Situation
+
+
+class RarestDemonstration(SubsetFirst):
+    """A demonstration of the symbol with the fewest examples, paced over the scenes.
+
+    In a scene it does not ask again for a symbol of which it was shown what it knew already.
+    """
+
+    kind = QueryKind.DEMONSTRATION
+
+    def values(self, situation: Situation) -> NDArray[np.float64]:
+        """(|Y|,) minus the number of examples; NaN for what is exhausted in this scene, or not due yet."""
+        counts = np.array(list(situation.knowledge.positives.values()), dtype=np.float64)
+        if situation.labelled.all() or not is_affordable(situation.costs.demonstration, situation.allowance):
+            return np.full(len(counts), np.nan)
+        times_labelled = situation.knowledge.times_labelled(situation.scene)
+        exhausted = {
+            record.symbol
+            for record in situation.history
+            if record.kind is QueryKind.DEMONSTRATION
+            and record.turn >= situation.scene_turn
+            and record.object_id is not None
+            and times_labelled[situation.scene.index_of(record.object_id)] > 1
+        }
+        return np.where([symbol in exhausted for symbol in situation.symbols], np.nan, -counts)

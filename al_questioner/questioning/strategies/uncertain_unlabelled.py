@@ -1,0 +1,18 @@
+"""`u_sampling_fsq`: uncertainty sampling with the feature subset query that the paper does not give it."""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+
+from al_questioner.questioning.strategies.decision_features import prediction_entropy
+from al_questioner.questioning.strategies.subset_first import UnlabelledFirst
+from al_questioner.questioning.turn_context import Situation
+
+
+class UncertainUnlabelled(UnlabelledFirst):
+    """The view of largest prediction entropy."""
+
+    def score(self, situation: Situation) -> NDArray[np.float64]:
+        """(|X|,) entropy of p(y|x)."""
+        return prediction_entropy(situation.probabilities)

@@ -1,0 +1,38 @@
+"""`u_sampling`: the baseline of the paper."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from al_questioner.concepts import Selector, select_features
+from al_questioner.domain import QueryKind
+from al_questioner.questioning.strategies.choice import Choice, choose_best, nothing_considered
+from al_questioner.questioning.strategies.decision_features import prediction_entropy
+from al_questioner.questioning.turn_context import Situation
+
+
+class UncertaintySampling:
+    """Label the object of largest prediction entropy, every turn until the budget is gone.
+
+    As in the paper it has no feature subset query, so features are selected computationally. How, and whether it may
+    ask again, the paper leaves open.
+
+    Args:
+        selector: of the features; None for none.
+        repeats: whether it may ask about a view that has been labelled.
+    """
+
+    def __init__(self, selector: Selector | None = select_features, repeats: bool = True) -> None:
+        self.selector = selector
+        self._repeats = repeats
+
+    def choose(self, situation: Situation, rng: np.random.Generator) -> Choice:
+        """The affordable label query of largest entropy; nothing if there is none."""
+        utilities = nothing_considered(situation)
+        entropy = prediction_entropy(situation.probabilities)
+        for row, action in enumerate(situation.candidates):
+            if action.kind is QueryKind.LABEL and action.object_id is not None:
+                index = situation.scene.index_of(action.object_id)
+                if self._repeats or not situation.labelled[index]:
+                    utilities[row] = entropy[index]
+        return choose_best(situation, utilities, rng)

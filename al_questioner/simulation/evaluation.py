@@ -1,0 +1,154 @@
+"""How well the learner does while an episode lasts.
+
+Accuracy is measured from outside: models of what the learner was told are held against observations that it never
+sees. A learner in another process is followed with models of the evaluation's own, which are the same to the last bit.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from fractions import Fraction
+
+import numpy as np
+from numpy.typing import NDArray
+
+from al_questioner.concepts import Kernel, Knowledge
+from al_questioner.domain import EpisodeSettings, QueryRecord
+from al_questioner.questioning import new_knowledge
+from al_questioner.simulation.perceived_world import PerceivedWorld
+from al_questioner.simulation.world_choice import WorldChoice
+
+
+def accuracy(probabilities: NDArray[np.float64], labels: Sequence[str], symbols: Sequence[str]) -> float:
+    """Share of observations whose most probable symbol is the true one.
+
+    Args:
+        probabilities: (k, |Y|) q_y(x).
+        labels: the k true symbols.
+        symbols: the |Y| symbols in the order of the columns.
+
+    Returns:
+        A number in [0, 1]; where several symbols are the most probable, the true one among them counts as the share
+        that guessing among them would get, so that a learner that knows nothing is at chance.
+    """
+    truth = np.array([symbols.index(label) for label in labels])
+    probabilities = np.asarray(probabilities)
+    largest = probabilities == probabilities.max(axis=1, keepdims=True)
+    tied = largest.sum(axis=1)[largest[np.arange(len(truth)), truth]]
+    # In fractions: thirds would add up to one number or another, by the order of the observations.
+    hits = sum(Fraction(int(count), ties) for ties, count in enumerate(np.bincount(tied)) if count)
+    return float(Fraction(hits) / len(truth))
+
+
+@dataclass(frozen=True)
+class EpisodeResult:
+    """How an episode went.
+
+    Attributes:
+        choice, settings: what was played.
+        queries: every query, in order.
+        accuracy: on the held-out observations, after each turn.
+        test_size: number of held-out observations.
+        kernel: of the learner's models after the last turn.
+    """
+
+    choice: WorldChoice
+    settings: EpisodeSettings
+    queries: tuple[QueryRecord, ...]
+    accuracy: tuple[float, ...]
+    test_size: int
+    kernel: Kernel
+
+    @property
+    def spent(self) -> float:
+        """What the queries took from the budget."""
+        return float(sum(record.cost for record in self.queries))
+
+    @property
+    def final_accuracy(self) -> float:
+        """Accuracy after the last turn."""
+        return self.accuracy[-1]
+
+
+class Evaluation:
+    """Follows an episode turn by turn and measures, on held-out observations, a learner that was told the same.
+
+    Args:
+        choice: the world of the episode.
+        settings: of the episode.
+        world: that world, if it is open already: episodes that share it draw and measure every view once.
+    """
+
+    def __init__(self, choice: WorldChoice, settings: EpisodeSettings, world: PerceivedWorld | None = None) -> None:
+        self.choice = choice
+        self.settings = settings
+        self.world = PerceivedWorld(choice.open()) if world is None else world
+        self._knowledge = new_knowledge(settings)
+        self._features, self._labels = self.world.test_set
+        self._queries: list[QueryRecord] = []
+        self._accuracy: list[float] = []
+        self._measured_version = -1
+
+    @property
+    def turn(self) -> int:
+        """The last turn that was followed."""
+        return len(self._accuracy)
+
+    def next_turn(self, record: QueryRecord | None, knowledge: Knowledge | None = None) -> float:
+        """Accuracy after one more turn.
+
+        Args:
+            record: what was asked and told in it, None if nothing was asked.
+            knowledge: what the learner knows after it, where that is at hand, the same object at every turn; else the
+                evaluation learns the same.
+        """
+        if record is not None:
+            self._queries.append(record)
+        if knowledge is None:
+            self._follow(record)
+        else:
+            self._knowledge = knowledge
+        if self._knowledge.model_version == self._measured_version:
+            self._accuracy.append(self._accuracy[-1])
+        else:
+            probabilities = self._knowledge.predict_proba(self._features)
+            self._accuracy.append(accuracy(probabilities, self._labels, self.settings.symbols))
+            self._measured_version = self._knowledge.model_version
+        return self._accuracy[-1]
+
+    def correct(self, queries: Sequence[QueryRecord]) -> None:
+        """Take in what was said later about turns that were followed already.
+
+        If anything else is known of them now, accuracy is measured anew in every turn, as if it had been said at once.
+
+        Args:
+            queries: what came of all queries so far; those of turns to come are passed over.
+        """
+        followed = [record for record in queries if record.turn <= self.turn]
+        if followed == self._queries:
+            return
+        turns, by_turn = self.turn, {record.turn: record for record in followed}
+        self._knowledge = new_knowledge(self.settings)
+        self._queries, self._accuracy, self._measured_version = [], [], -1
+        for turn in range(1, turns + 1):
+            self.next_turn(by_turn.get(turn))
+
+    def result(self) -> EpisodeResult:
+        """The episode so far."""
+        return EpisodeResult(
+            self.choice,
+            self.settings,
+            tuple(self._queries),
+            tuple(self._accuracy),
+            len(self._labels),
+            self._knowledge.kernel,
+        )
+
+    def _follow(self, record: QueryRecord | None) -> None:
+        scene = self.world.scene(self.turn + 1)
+        self._knowledge.observe(scene)
+        if record is not None:
+            self._knowledge.learn(record, scene)
+        if self.settings.tunes_after(self.turn + 1):
+            self._knowledge.tune()

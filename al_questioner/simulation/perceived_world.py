@@ -1,0 +1,71 @@
+"""A world as the learner's perception shows it."""
+
+from __future__ import annotations
+
+import operator
+from collections.abc import Callable, Mapping, Sequence
+from functools import cached_property, lru_cache, partial
+
+import numpy as np
+from numpy.typing import NDArray
+
+from al_questioner.domain import Observation, Scene
+from al_questioner.perception import perceive, view_features
+from al_questioner.simulation.world import World
+
+See = Callable[[Sequence[Observation]], Scene]
+"""Makes feature vectors of observations."""
+
+
+class PerceivedWorld:
+    """A world as feature vectors; a scene that stays is perceived once, a view that comes back is measured once.
+
+    Args:
+        world: that is perceived.
+        see: how; as our perception does if not given.
+    """
+
+    def __init__(self, world: World, see: See | None = None) -> None:
+        self._world = world
+        # Views are equal if they are the same object; a world keeps those it has shown anyway.
+        self._see = see or partial(perceive, measure=lru_cache(maxsize=None)(view_features))
+        self._seen: tuple[Observation, ...] = ()
+        self._scene: Scene | None = None
+
+    def truth(self, turn: int) -> Mapping[int, str]:
+        """Symbol, or 'none', by object id: for the scripted teacher alone."""
+        return self._world.truth(turn)
+
+    def change_turns(self, turns: int) -> list[int]:
+        """The turns up to `turns` that begin with a scene change."""
+        return self._world.change_turns(turns)
+
+    def report(self) -> str:
+        """What a user should know of where the observations come from."""
+        return self._world.report()
+
+    def observations(self, turn: int) -> tuple[Observation, ...]:
+        """What is on the table in a turn."""
+        return self._world.scene(turn)
+
+    def scene(self, turn: int) -> Scene:
+        """The scene of a turn; the very same one as long as nothing changes."""
+        observations = self._world.scene(turn)
+        same = len(observations) == len(self._seen) and all(map(operator.is_, observations, self._seen))
+        if self._scene is None or not same:
+            self._seen, self._scene = observations, self._see(observations)
+        return self._scene
+
+    @cached_property
+    def test_set(self) -> tuple[NDArray[np.float32], tuple[str, ...]]:
+        """(k, m) features of the held-out observations, and their k symbols."""
+        return self._see(self._world.test_observations()).features, self._world.test_labels()
+
+    @cached_property
+    def validation_set(self) -> tuple[NDArray[np.float32], tuple[str, ...]]:
+        """(k, m) features of a second draw of held-out observations, and their k symbols: for the greedy oracle.
+
+        Raises:
+            InputError: the world has no second draw.
+        """
+        return self._see(self._world.validation_observations()).features, self._world.validation_labels()

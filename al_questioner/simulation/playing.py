@@ -1,0 +1,63 @@
+"""One whole learning episode without ROS."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator
+
+from al_questioner.domain import Decision, EpisodeSettings, QueryRecord, generator
+from al_questioner.questioning import Episode, Strategy, Teacher
+from al_questioner.simulation.evaluation import EpisodeResult, Evaluation
+from al_questioner.simulation.perceived_world import PerceivedWorld
+from al_questioner.simulation.world_choice import WorldChoice
+
+TurnWatcher = Callable[[int, QueryRecord | None, float], None]
+"""Called after each turn with its number, what was asked and told in it, and the accuracy then."""
+
+
+def run_episode(
+    choice: WorldChoice,
+    settings: EpisodeSettings,
+    teacher: Teacher,
+    watch: TurnWatcher | None = None,
+    world: PerceivedWorld | None = None,
+    strategy: Strategy | None = None,
+) -> EpisodeResult:
+    """Play an episode in one process: what the three nodes do, without ROS.
+
+    Args:
+        choice: the world; its seed is the learner's too.
+        settings: of the episode.
+        teacher: who answers.
+        watch: called after each turn.
+        world: the world of the choice, if it is open already.
+        strategy: who decides in the place of the strategy that the settings name.
+    """
+    evaluation = Evaluation(choice, settings, world)
+    play(evaluation, teacher, watch, strategy)
+    return evaluation.result()
+
+
+def play(
+    evaluation: Evaluation, teacher: Teacher, watch: TurnWatcher | None = None, strategy: Strategy | None = None
+) -> None:
+    """Play the episode that an evaluation is about to follow, see `run_episode`."""
+    episode = Episode(evaluation.settings, generator(evaluation.choice.seed, 'learner'), strategy=strategy)
+    for decision, record in turns(episode, evaluation.world, teacher):
+        accuracy_now = evaluation.next_turn(record, episode.knowledge)
+        if watch is not None:
+            watch(decision.turn, record, accuracy_now)
+
+
+def turns(episode: Episode, world: PerceivedWorld, teacher: Teacher) -> Iterator[tuple[Decision, QueryRecord | None]]:
+    """Play an episode turn by turn.
+
+    Yields:
+        What was decided in each turn, and what came of it, None if nothing was asked.
+    """
+    for turn in range(1, episode.settings.turns + 1):
+        decision = episode.ask(world.scene(turn))
+        record = None
+        if decision.query is not None:
+            record = episode.tell(teacher.answer(decision.query, world.truth(turn)))
+        episode.tune()
+        yield decision, record

@@ -1,0 +1,49 @@
+"""The settings of an episode: what the user gives, else what the task says."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+from al_questioner.domain import AMPLITUDE, Costs, EpisodeSettings, SettingsError
+from al_questioner.questioning import STRATEGIES, read_weights, shipped_file
+from al_questioner.simulation.task import Task
+
+
+def episode_settings(
+    task: Task,
+    strategy: str | None = None,
+    budget: float | None = None,
+    turns: int | None = None,
+    change_interval: int | None = None,
+    weights_file: str | None = None,
+    costs: Costs | None = None,
+    amplitude: float = AMPLITUDE,
+    length_scale: float | None = None,
+    tune_every: int = 0,
+) -> EpisodeSettings:
+    """Settings of an episode; what is not given comes from the task, and the weights from `config/weights`.
+
+    A strategy that another package contributes gets the weights of the file, or none: whether it can use them is for it
+    to say.
+
+    Raises:
+        InputError: a value out of range, an unknown strategy, or a weights file that cannot be used.
+    """
+    name = task.episode.strategy if strategy is None else strategy
+    shipped = shipped_file(name)
+    if weights_file and name in STRATEGIES and shipped is None:
+        raise SettingsError(f'strategy {name} uses no weights, but the weights file {weights_file} is given')
+    path = Path(weights_file).expanduser() if weights_file else shipped
+    weights = {} if path is None else read_weights(path).values
+    return EpisodeSettings(
+        symbols=task.symbols,
+        budget=task.episode.budget if budget is None else budget,
+        turns=task.episode.turns if turns is None else turns,
+        strategy=name,
+        weights=weights,
+        change_interval=task.scenes.change_interval if change_interval is None else change_interval,
+        costs=task.episode.costs if costs is None else costs,
+        amplitude=amplitude,
+        length_scale=length_scale,
+        tune_every=tune_every,
+    )

@@ -1,0 +1,166 @@
+"""The kitchen table as a world: scenes that change over time, and held-out test observations."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from functools import cached_property
+from typing import NamedTuple
+
+import numpy as np
+
+from al_questioner.domain import InputError, Observation, generator
+from al_questioner.simulation.kitchen.pool import KindsBySymbol, Sight, make_sample, make_validation, observe
+from al_questioner.simulation.task import Task
+
+
+class _Seen(NamedTuple):
+    """An object of a scene: its id, and which sight of the training pool shows it."""
+
+    object_id: int
+    sight: int
+
+
+class SimulatedWorld:
+    """A table of rendered things.
+
+    Args:
+        task: what lies on the table and how it changes.
+        seed: draws the scenes.
+        sample: draws training pool and test set; None for the seed.
+        kinds: of the things, by symbol; those of the task's catalogue if not given.
+
+    Raises:
+        InputError: a negative seed, or a task whose catalogue lacks one of its symbols.
+    """
+
+    def __init__(self, task: Task, seed: int, sample: int | None = None, kinds: KindsBySymbol | None = None) -> None:
+        self._task = task
+        self._seed = seed
+        self._sample_number = seed if sample is None else sample
+        self._kinds = kinds
+        self._sample = make_sample(task, self._sample_number, kinds)
+        self._scenes: list[tuple[_Seen, ...]] = [self._first_scene()]
+        self._observed: dict[_Seen, Observation] = {}
+
+    @property
+    def symbols(self) -> tuple[str, ...]:
+        """The concepts to ground."""
+        return self._task.symbols
+
+    def scene(self, turn: int) -> tuple[Observation, ...]:
+        """See `World.scene`."""
+        return tuple(self._observation(seen) for seen in self._seen(turn))
+
+    def truth(self, turn: int) -> Mapping[int, str]:
+        """See `World.truth`."""
+        return {seen.object_id: self._sample.training[seen.sight].symbol for seen in self._seen(turn)}
+
+    def names(self, turn: int) -> Mapping[int, str]:
+        """What each object is, with its state, in words: for pictures and logs that a person reads."""
+        sights = {seen.object_id: self._sample.training[seen.sight] for seen in self._seen(turn)}
+        return {object_id: describe(sight) for object_id, sight in sights.items()}
+
+    def change_turns(self, turns: int) -> list[int]:
+        """See `World.change_turns`."""
+        interval = self._task.scenes.change_interval
+        return list(range(1 + interval, turns + 1, interval))
+
+    def training_pool(self, rows: Sequence[int] | None = None) -> tuple[Observation, ...]:
+        """See `World.training_pool`; the ids number the observations."""
+        chosen = range(len(self._sample.training)) if rows is None else rows
+        return tuple(self._observe(self._sample.training[row], row) for row in chosen)
+
+    def training_labels(self) -> tuple[str, ...]:
+        """See `World.training_labels`."""
+        return tuple(sight.symbol for sight in self._sample.training)
+
+    def test_observations(self) -> tuple[Observation, ...]:
+        """See `World.test_observations`; the ids number the observations."""
+        return self._test_observations
+
+    def test_labels(self) -> tuple[str, ...]:
+        """See `World.test_labels`."""
+        return tuple(sight.symbol for sight in self._sample.test)
+
+    def validation_observations(self) -> tuple[Observation, ...]:
+        """See `World.validation_observations`; the ids number the observations."""
+        return tuple(self._observe(sight, i) for i, sight in enumerate(self._validation))
+
+    def validation_labels(self) -> tuple[str, ...]:
+        """See `World.validation_labels`."""
+        return tuple(sight.symbol for sight in self._validation)
+
+    def report(self) -> str:
+        """See `World.report`: a simulated world hides nothing."""
+        return ''
+
+    @cached_property
+    def _test_observations(self) -> tuple[Observation, ...]:
+        return tuple(self._observe(sight, i) for i, sight in enumerate(self._sample.test))
+
+    @cached_property
+    def _validation(self) -> tuple[Sight, ...]:
+        return make_validation(self._task, self._sample_number, self._kinds)
+
+    @cached_property
+    def _sights_of(self) -> list[list[int]]:
+        """Sights of the training pool by the slot of a scene that they may fill."""
+        of: list[list[int]] = [[] for _ in range(self._task.scenes.objects)]
+        for index, sight in enumerate(self._sample.training):
+            of[sight.thing.slot].append(index)
+        return of
+
+    def _observe(self, sight: Sight, object_id: int) -> Observation:
+        return observe(sight, self._task, self._sample_number, object_id)
+
+    def _observation(self, seen: _Seen) -> Observation:
+        if seen not in self._observed:
+            self._observed[seen] = self._observe(self._sample.training[seen.sight], seen.object_id)
+        return self._observed[seen]
+
+    def _seen(self, turn: int) -> tuple[_Seen, ...]:
+        if turn < 1:
+            raise InputError(f'turn must be 1 or more, not {turn}')
+        number = (turn - 1) // self._task.scenes.change_interval
+        while len(self._scenes) <= number:
+            self._scenes.append(self._next_scene(self._scenes[-1], len(self._scenes)))
+        return self._scenes[number]
+
+    def _first_scene(self) -> tuple[_Seen, ...]:
+        rng = generator(self._seed, 'world/scene/0')
+        if self._task.scenes.turnover == 'state':
+            return tuple(_Seen(slot + 1, self._draw_state(slot, 0, None, rng)) for slot in range(len(self._sights_of)))
+        return tuple(_Seen(slot + 1, int(rng.choice(sights))) for slot, sights in enumerate(self._sights_of))
+
+    def _next_scene(self, before: tuple[_Seen, ...], number: int) -> tuple[_Seen, ...]:
+        """The scene after a change: exactly the persistent share of the objects stays as it is."""
+        rng = generator(self._seed, f'world/scene/{number}')
+        count = len(before)
+        leaving = sorted(rng.permutation(count)[round(self._task.scenes.persistence * count) :].tolist())
+        after = list(before)
+        newest = max(seen.object_id for scene in self._scenes for seen in scene)
+        for slot in leaving:
+            old = before[slot]
+            if self._task.scenes.turnover == 'state':
+                after[slot] = _Seen(old.object_id, self._draw_state(slot, number, old.sight, rng))
+            else:
+                newest += 1
+                others = [sight for sight in self._sights_of[slot] if sight != old.sight]
+                after[slot] = _Seen(newest, int(rng.choice(others or [old.sight])))
+        return tuple(after)
+
+    def _draw_state(self, slot: int, clock: int, last: int | None, rng: np.random.Generator) -> int:
+        """A sight of the object of a slot: in the state of the common clock, or in a random one."""
+        sights = self._sights_of[slot]
+        states = self._sample.training[sights[0]].thing.kind.states
+        synchronous = rng.random() < self._task.scenes.synchrony
+        state = clock % len(states) if synchronous else int(rng.integers(len(states)))
+        fitting = [i for i in sights if self._sample.training[i].state == state]
+        fresh = [i for i in fitting if i != last]
+        return int(rng.choice(fresh or fitting or sights))
+
+
+def describe(sight: Sight) -> str:
+    """A sight in words: 'pasta, in pot'."""
+    kind = sight.thing.kind
+    return kind.name if len(kind.states) == 1 else f'{kind.name}, {kind.states[sight.state].name}'

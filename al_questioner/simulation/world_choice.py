@@ -1,0 +1,40 @@
+"""Which world an episode plays in; whoever only names it loads neither the kitchen nor a dataset."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from pathlib import Path
+
+from al_questioner.simulation.task import Task
+from al_questioner.simulation.world import World
+
+
+@dataclass(frozen=True)
+class WorldChoice:
+    """Which world an episode plays in.
+
+    Attributes:
+        task: what is to be learnt, and where; as the sample has it, where samples differ.
+        seed: of the scenes.
+        sample: which sample of observations the scenes are drawn from.
+        dataset: root of a directory of RGB-D crops, for tasks that read one.
+    """
+
+    task: Task
+    seed: int
+    sample: int
+    dataset: Path | None = None
+
+    def __post_init__(self) -> None:
+        object.__setattr__(self, 'task', self.task.of_sample(self.sample))
+
+    def open(self) -> World:
+        """The world itself.
+
+        Raises:
+            InputError: the task needs a dataset that is not there, or cannot be read.
+        """
+        # Only now, as drawing and reading pictures take long to import, and a learner needs neither.
+        from al_questioner.simulation.opening import make_world
+
+        return make_world(self.task, self.seed, self.sample, self.dataset)

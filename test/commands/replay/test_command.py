@@ -1,0 +1,165 @@
+"""The `replay` executable, as its users call it."""
+
+from __future__ import annotations
+
+import dataclasses
+import os
+import pty
+import select
+import signal
+import subprocess
+import sys
+import termios
+import time
+from collections.abc import Iterator
+from contextlib import contextmanager
+from pathlib import Path
+from typing import Any
+
+import pytest
+import yaml
+
+from al_questioner.bags import BagWriter, LeftOut, Topic, read_bag, read_sessions
+from al_questioner.cli import main
+from al_questioner.commands.replay import command
+from checkout import ROOT
+
+BAG = ROOT / 'bags' / 'expert_0'
+DEADLINE = 60.0
+
+
+def test_checking_tells_of_the_first_divergence(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    """A change of the questioner would go unnoticed."""
+    assert main(['replay', str(BAG), '--check']) == 0
+    assert '30 decisions, all as recorded' in capsys.readouterr().out.replace('\n', ' ')
+
+
+def test_checking_names_what_differs_and_what_cannot_be_checked(
+    capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """A recording that is no good, or of which a part is, would be taken for a whole one."""
+    (recorded,) = read_sessions(BAG)
+    other = dataclasses.replace(recorded.settings, strategy='random_fsq')
+    for session, status, text in (
+        (recorded, 1, 'short: cannot be checked: too short'),
+        (dataclasses.replace(recorded, settings=other), 1, ' was recorded\n'),
+    ):
+
+        def read(_: Path, left_out: list[LeftOut], session: Any = session) -> list[Any]:
+            left_out.append(LeftOut('short', 'too short'))
+            return [session]
+
+        monkeypatch.setattr(command, 'read_sessions', read)
+        assert main(['replay', str(BAG), '--check']) == status
+        printed = capsys.readouterr()
+        assert text in printed.out + printed.err
+
+
+def test_unusable_arguments_end_with_status_2_and_one_line(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    """A typing error would play nothing, or for ever."""
+    with BagWriter(tmp_path / 'foreign', [Topic('/a', 'stereo_msgs/msg/DisparityImage', False)]) as foreign:
+        foreign.write('/a', bytes(8), 1)
+    for arguments, reason in (
+        ([str(tmp_path)], 'is no bag'),
+        ([str(tmp_path / 'none')], 'none: there is no such bag'),
+        ([str(BAG), '--rate', '0'], 'rate must be a number above 0'),
+        ([str(BAG), '--rate', '-1'], 'rate must be a number above 0'),
+        ([str(BAG), '--rate', 'nan'], 'rate must be a number above 0'),
+        ([str(BAG), '--rate', 'inf'], 'rate must be a number above 0'),
+        ([str(BAG), '--rate', 'fast'], 'invalid float value'),
+        ([str(BAG), '--clock', '-1'], 'must be at least 0'),
+        ([str(BAG), '--clock', 'nan'], 'must be at least 0'),
+        ([str(BAG), '--wait-for-subscribers', 'nan'], 'must be at least 0'),
+        (
+            [str(BAG), '--as-perception', '--start-paused'],
+            '--start-paused has no meaning together with --as-perception',
+        ),
+        ([str(BAG), '--check', '--as-perception'], '--as-perception has no meaning together with --check'),
+        ([str(tmp_path / 'foreign'), '--as-perception'], 'no turn with its objects'),
+        ([str(BAG), '--ros-args', '-r', '__ns:=/a b'], 'unusable ROS arguments'),
+        ([], 'required: BAG'),
+    ):
+        assert main(['replay', *arguments]) == 2, arguments
+        error = capsys.readouterr().err
+        assert reason in error
+        assert error.count('\n') == 1, error
+
+
+def test_what_is_played_otherwise_than_recorded_is_said(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    """A page would show another episode than was recorded, without a word."""
+    recorded = read_bag(BAG)
+    with BagWriter(tmp_path / 'b', recorded.topics) as bag:
+        for place, message in enumerate(recorded.messages):
+            bag.write(message.topic, message.data, message.stamp - (3600 * 10**9 if place >= 50 else 0))
+    metadata = yaml.safe_load((tmp_path / 'b' / 'metadata.yaml').read_text())
+    topics = metadata['rosbag2_bagfile_information']['topics_with_message_count']
+    split = {'name': '/events/write_split', 'type': 'rosbag2_interfaces/msg/WriteSplitEvent'}
+    topics.append({'message_count': 0, 'topic_metadata': {**topics[0]['topic_metadata'], **split}})
+    (tmp_path / 'b' / 'metadata.yaml').write_text(yaml.safe_dump(metadata))
+    arguments = ['--rate', '1e9', '--wait-for-subscribers', '0', '--ros-args', '-r', '__ns:=/put_back']
+    assert main(['replay', str(tmp_path / 'b'), *arguments]) == 0
+    first, second, length, played = capsys.readouterr().out.splitlines()
+    assert first == (
+        'WARNING: /events/write_split: passed over, as the message type rosbag2_interfaces/msg/WriteSplitEvent'
+        ' is not installed'
+    )
+    assert second.startswith("WARNING: the recorder's clock was put back by 3600.0 s meanwhile")
+    assert length.endswith('163 messages, 2.1 s')
+    assert played == '163 of 163 messages played, 30 of 30 turns'
+
+
+@contextmanager
+def terminal_replay(*arguments: str) -> Iterator[tuple[subprocess.Popen[bytes], int, int]]:
+    """A replay at a terminal: its process, our end of the terminal, and its own."""
+    ours, theirs = pty.openpty()
+    environment = {**os.environ, 'COLUMNS': '120', 'TERM': 'xterm'}
+    command = [sys.executable, '-m', 'al_questioner', 'replay', str(BAG), *arguments]
+    command += ['--ros-args', '-r', f'__ns:=/keys_{os.getpid()}']
+    process = subprocess.Popen(command, stdin=theirs, stdout=theirs, stderr=theirs, env=environment)
+    try:
+        yield process, ours, theirs
+    finally:
+        if process.poll() is None:
+            process.kill()
+            process.wait()
+        os.close(theirs)
+        os.close(ours)
+
+
+def test_keys_pause_step_and_quit() -> None:
+    """At a terminal: a paused replay would not play turn by turn, or leave the terminal another than it was."""
+    with terminal_replay('--start-paused', '--wait-for-subscribers', '0') as (process, ours, theirs):
+        before = termios.tcgetattr(theirs)
+        _read_until(ours, b'paused')
+        os.write(ours, b'n')
+        _read_until(ours, b'turn 1 ')
+        os.write(ours, b'\x1b[C')
+        _read_until(ours, b'turn 2 of 30')
+        os.write(ours, b'\x1b[A\x1b[A')
+        _read_until(ours, b'rate 1.56')
+        assert termios.tcgetattr(theirs) != before
+        os.write(ours, b'q')
+        _read_until(ours, b'2 of 30 turns')
+        assert process.wait(DEADLINE) == 0
+        assert termios.tcgetattr(theirs) == before
+
+
+@pytest.mark.parametrize('number', [signal.SIGINT, pytest.param(signal.SIGTERM, marks=pytest.mark.slow)])
+def test_a_signal_leaves_the_terminal_as_it_was(number: signal.Signals) -> None:
+    """A shell would stay without echo after Ctrl-C."""
+    with terminal_replay('--start-paused') as (process, ours, theirs):
+        before = termios.tcgetattr(theirs)
+        _read_until(ours, b'paused')
+        process.send_signal(number)
+        _read_until(ours, b'nothing was played')
+        assert process.wait(DEADLINE) == 0
+        assert termios.tcgetattr(theirs) == before
+
+
+def _read_until(terminal: int, wanted: bytes) -> None:
+    """Read what a terminal shows up to some text, which is all on one line."""
+    seen, end = b'', time.monotonic() + DEADLINE
+    while wanted not in seen:
+        assert time.monotonic() < end, seen.decode(errors='replace')
+        if select.select([terminal], [], [], 0.1)[0]:
+            seen += os.read(terminal, 4096)

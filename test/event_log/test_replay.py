@@ -1,0 +1,57 @@
+"""A log leads an episode to where it was, or it is said where it does not."""
+
+from __future__ import annotations
+
+import dataclasses
+from pathlib import Path
+
+import pytest
+
+from al_questioner.domain import Answer, Outcome, SettingsError
+from al_questioner.event_log.events import Begun, Passed, Told, Tuned
+from al_questioner.event_log.replay import Replay, ReplayError
+from al_questioner.simulation import PerceivedWorld
+from durable_sessions import ask, begun, events, play_turns, started
+
+
+def test_a_log_that_leads_elsewhere_is_an_error(tmp_path: Path, world: PerceivedWorld) -> None:
+    """A robot of another version would go on as if it had asked what it never asks."""
+    session = started(tmp_path)
+    play_turns(session, world, 2)
+    session.close()
+    found = events(tmp_path)
+    replay = Replay(begun(settings=dataclasses.replace(begun().settings, strategy='rarest_demo')))
+
+    def play_all() -> None:
+        for event in found[1:]:
+            replay.play(event)
+
+    with pytest.raises(ReplayError, match=r'turn \d: .* is chosen, .* was recorded'):
+        play_all()
+    first = found[0]
+    assert isinstance(first, Begun)
+    for odd, reason in ((first, 'another episode begins'), (found[2], 'not about the scene of the next turn')):
+        with pytest.raises(ReplayError, match=reason):
+            Replay(begun()).play(odd)
+    for odd, reason in (
+        (Told(Answer('q1', 'a1', 'x', Outcome.SKIP)), 'turn 0: told: no query is pending'),
+        (Tuned(7, 3), 'recorded were version 3 and turn 7'),
+    ):
+        with pytest.raises(ReplayError, match=reason):
+            Replay(begun()).play(odd)
+
+
+def test_an_unknown_strategy_is_named(tmp_path: Path) -> None:
+    """A strategy that is not installed any more would end in a traceback."""
+    unknown = dataclasses.replace(begun().settings, strategy='clever')
+    with pytest.raises(SettingsError, match='unknown strategy'):
+        Replay(begun(settings=unknown))
+
+
+def test_a_turn_that_passed_without_waiting_is_named(tmp_path: Path, world: PerceivedWorld) -> None:
+    """A log that was tampered with would be gone on with."""
+    session = started(tmp_path)
+    query = ask(session, world).query
+    replay = Replay(session.begun)
+    with pytest.raises(ReplayError, match='q1 does not wait for an answer'):
+        replay.play(Passed(1, query.query_id))

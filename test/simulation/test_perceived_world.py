@@ -1,0 +1,40 @@
+"""A world as feature vectors, each of which is measured once."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from numpy.typing import NDArray
+
+from al_questioner.domain import View
+from al_questioner.perception import perceive, view_features
+from al_questioner.simulation import PerceivedWorld, WorldChoice, load_task
+
+TASK = load_task('prepare_lunch')
+CHOICE = WorldChoice(TASK, 4, 4)
+
+
+def test_scene_that_stays_is_perceived_once() -> None:
+    """Every turn would cost a perception of the whole table."""
+    world = PerceivedWorld(CHOICE.open())
+    change = world.change_turns(40)[0]
+    assert world.scene(1) is world.scene(change - 1)
+    assert world.scene(change) is not world.scene(1)
+    assert world.scene(1).features.tobytes() == perceive(world.observations(1)).features.tobytes()
+
+
+def test_view_that_comes_back_is_measured_once(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Scenes draw on a pool: half of what a long episode measures it has measured before."""
+    measured: list[View] = []
+
+    def counting(view: View) -> NDArray[np.float32]:
+        measured.append(view)
+        return view_features(view)
+
+    monkeypatch.setattr('al_questioner.simulation.perceived_world.view_features', counting)
+    world = PerceivedWorld(CHOICE.open())
+    turns = [1, *world.change_turns(150)]
+    seen = [observation.view for turn in turns for observation in world.observations(turn)]
+    for turn in turns:
+        world.scene(turn)
+    assert len(measured) == len(set(seen)) < len(seen)

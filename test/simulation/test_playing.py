@@ -1,0 +1,133 @@
+"""A whole episode without ROS, played once and again."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+
+import pytest
+
+from al_questioner.domain import (
+    AMPLITUDE,
+    DECISION_FEATURES,
+    VALUE_FEATURES,
+    Answer,
+    Costs,
+    EpisodeSettings,
+    Query,
+    QueryKind,
+)
+from al_questioner.questioning import STRATEGIES
+from al_questioner.simulation import (
+    EpisodeResult,
+    PerceivedWorld,
+    ScriptedTeacher,
+    WorldChoice,
+    episode_settings,
+    load_task,
+    run_episode,
+)
+
+TASK = load_task('prepare_lunch')
+CHOICE = WorldChoice(TASK, 4, 4)
+
+
+def teacher(**rates: float | bool) -> ScriptedTeacher:
+    return ScriptedTeacher(TASK.symbols, TASK.relevant_groups, 4, **rates)
+
+
+def repeats(result: EpisodeResult) -> int:
+    """How many things were shown that had been named as they look, while others of the symbol were there."""
+    world, known, count = PerceivedWorld(result.choice.open()), set(), 0
+    for record in result.queries:
+        if record.object_id is None:
+            continue
+        views = {o.object_id: (o.object_id, id(o)) for o in world.observations(record.turn)}
+        truth = world.truth(record.turn)
+        fresh = [i for i, view in views.items() if view not in known and truth[i] == record.symbol]
+        count += bool(record.kind is QueryKind.DEMONSTRATION and views[record.object_id] in known and fresh)
+        known.add(views[record.object_id])
+    return count
+
+
+@pytest.mark.parametrize('task', ['prepare_lunch', 'kitchen_table'])
+def test_the_teacher_shows_what_the_learner_does_not_know(task: str) -> None:
+    """Demonstrations would be paid for and tell nothing; and a teacher that is started anew must know as much."""
+
+    class StartedAnew:
+        def answer(self, query: Query, truth: Mapping[int, str]) -> Answer:
+            return teacher().answer(query, truth)
+
+    choice = WorldChoice(load_task(task), 4, 4)
+    settings = episode_settings(choice.task, 'rarest_demo', budget=100, turns=40)
+    once = run_episode(choice, settings, teacher())
+    assert repeats(once) == 0
+    assert repeats(run_episode(choice, settings, teacher(repeat_shown=True))) > 0
+    assert run_episode(choice, settings, StartedAnew()) == once
+
+
+def test_playing_tunes_at_the_turns_that_are_due() -> None:
+    """The option would have no effect on what is asked, or also where it is off."""
+    plain, often, never_due = (
+        run_episode(CHOICE, episode_settings(TASK, 'u_sampling_fsq', 8, 12, tune_every=every), teacher())
+        for every in (0, 2, 13)
+    )
+    assert plain.queries == never_due.queries
+    assert plain.accuracy == never_due.accuracy
+    assert plain.kernel == never_due.kernel
+    assert often.accuracy != plain.accuracy
+    assert often.kernel.amplitude != plain.kernel.amplitude == AMPLITUDE
+
+
+def test_episodes_on_an_open_world_are_those_on_a_new_one() -> None:
+    """A study whose strategies share a world would report episodes that nobody can play alone."""
+    world = PerceivedWorld(CHOICE.open())
+    for strategy in ('farthest_fsq', 'u_sampling', 'farthest_fsq'):
+        settings = episode_settings(TASK, strategy, budget=7, turns=11)
+        shared, alone = (run_episode(CHOICE, settings, teacher(), world=w) for w in (world, None))
+        assert shared.queries == alone.queries
+        assert shared.accuracy == alone.accuracy
+
+
+@pytest.mark.parametrize('strategy', [name for name in STRATEGIES if name != 'human'])
+def test_same_seed_same_episode_within_its_limits(strategy: str) -> None:
+    """A result could not be repeated, or would owe itself to queries that nobody granted."""
+    settings = episode_settings(TASK, strategy, budget=7, turns=11)
+    once, again = (run_episode(CHOICE, settings, teacher()) for _ in range(2))
+    assert once.queries == again.queries
+    assert once.accuracy == again.accuracy
+    assert once.spent <= 7
+    assert len(once.accuracy) == 11
+    assert len({record.turn for record in once.queries}) == len(once.queries)
+
+
+def test_other_seeds_give_other_episodes() -> None:
+    """All samples of a study would be one."""
+    settings = episode_settings(TASK, 'random_fsq', budget=7, turns=11)
+    other = WorldChoice(TASK, 5, 5)
+    assert run_episode(CHOICE, settings, teacher()).queries != run_episode(other, settings, teacher()).queries
+
+
+def test_a_teacher_who_never_knows_teaches_nothing() -> None:
+    """Unknown answers would be learnt as labels."""
+    result = run_episode(CHOICE, episode_settings(TASK, 'random_fsq', 6, 8), teacher(unknown_rate=1.0))
+    assert {record.symbol for record in result.queries if record.kind.value == 'label'} == {None}
+    assert result.final_accuracy == pytest.approx(1 / len(TASK.symbols))
+
+
+@pytest.mark.parametrize(
+    'changes',
+    [
+        {'length_scale': 1e-3, 'amplitude': 1e3, 'tune_every': 2},
+        {'length_scale': 1e3, 'amplitude': 1e3, 'tune_every': 2},
+        {'length_scale': 1e3, 'amplitude': 1e-3, 'tune_every': 2},
+        {'budget': 1e12, 'costs': Costs(1e12, 1.0, 0.0)},
+        {'strategy': 'dt_task_env', 'weights': dict.fromkeys(DECISION_FEATURES, 1e9)},
+        {'weights': dict.fromkeys(VALUE_FEATURES, -1e9)},
+    ],
+)
+@pytest.mark.filterwarnings('error')
+def test_settings_at_the_ends_of_their_ranges_can_be_played(changes: dict[str, object]) -> None:
+    """What the ranges allow would end an episode, or learn nothing but overflows."""
+    changes = {'symbols': TASK.symbols, 'strategy': 'value_per_cost', 'budget': 4.0, 'turns': 5, **changes}
+    played = run_episode(CHOICE, EpisodeSettings(**changes), teacher())
+    assert len(played.accuracy) == 5

@@ -1,0 +1,25 @@
+"""The settings of an episode, from the user and from the task."""
+
+from __future__ import annotations
+
+import pytest
+
+from al_questioner.domain import SettingsError
+from al_questioner.simulation import episode_settings, load_task
+
+TASK = load_task('prepare_lunch')
+
+
+def test_settings_come_from_the_task_unless_given() -> None:
+    """An episode would be played with other limits than the task's or the user's."""
+    settings = episode_settings(TASK)
+    assert (settings.budget, settings.turns) == (TASK.episode.budget, TASK.episode.turns)
+    assert settings.change_interval == TASK.scenes.change_interval
+    assert episode_settings(TASK, budget=0).budget == 0
+    assert set(episode_settings(TASK, 'dt_iros').weights) == {'discriminability', 'class_uniformity'}
+
+
+def test_weights_for_a_strategy_without_any_are_refused() -> None:
+    """A user would believe that the weights had an effect."""
+    with pytest.raises(SettingsError, match='uses no weights'):
+        episode_settings(TASK, 'random_fsq', weights_file='mine.yaml')
