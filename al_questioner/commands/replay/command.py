@@ -135,7 +135,7 @@ def _check(path: Path, console: Console) -> int:
         divergence = first_divergence(session)
         if divergence is not None:
             raise EpisodeError(f'{where}: turn {divergence.turn}: {divergence.what}')
-        decisions = number_of(len(session.turns), 'decision')
+        decisions = number_of(session.decisions, 'decision')
         console.print(f'{where}: {decisions}, all as recorded', highlight=False, soft_wrap=True)
     for what, reason in left_out:
         console.print(f'{path}: {what}: cannot be checked: {reason}', highlight=False, markup=False, soft_wrap=True)
