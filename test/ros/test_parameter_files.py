@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import subprocess
 import sys
 from pathlib import Path
 from types import SimpleNamespace
@@ -132,3 +133,13 @@ def test_a_file_that_can_be_read_in_two_ways_is_told_of(tmp_path: Path, content:
     (said,) = said_to('/learner', ['--ros-args', '--params-file', str(path)])
     assert said[0] == 'warning'
     assert f'{path}, line ' in said[1]
+
+
+@pytest.mark.parametrize(('content', 'found'), [('', 'nothing'), ('# later', 'nothing'), ('seed', 'str')])
+def test_a_file_without_parameters_is_refused(tmp_path: Path, content: str, found: str) -> None:
+    """The node would run at its defaults: ROS takes such a file for one that sets nothing."""
+    path = tmp_path / 'params.yaml'
+    path.write_text(content)
+    command = [sys.executable, '-m', 'al_questioner', 'perception', '--ros-args', '--params-file', str(path)]
+    done = subprocess.run(command, capture_output=True, text=True, check=False)
+    assert (done.returncode, done.stderr) == (2, f'perception: {path}: expected a mapping of settings, found {found}\n')
