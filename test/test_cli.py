@@ -93,7 +93,9 @@ def test_what_a_terminal_has_no_character_for_is_replaced(tmp_path: Path) -> Non
     assert error.count('\n') == 1
 
 
-@pytest.mark.parametrize('command', [['--help'], ['replay', '--help'], ['demo', '--help']])
+@pytest.mark.parametrize(
+    'command', [['--help'], ['replay', '--help'], ['replay', 'expert_0', '--check'], ['record', '--repair', 'expert_0']]
+)
 def test_a_reader_who_has_gone_is_no_error(command: list[str]) -> None:
     """`--help | head` would end in a complaint of Python's."""
     reader, writer = os.pipe()

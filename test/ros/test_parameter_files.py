@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import subprocess
 import sys
 from pathlib import Path
 from types import SimpleNamespace
@@ -177,3 +178,13 @@ def test_a_node_names_the_line_of_what_it_refuses(
     assert f'{path}, line 4: ' in error
     assert f"{path}, line 5: key 'turns' occurs twice" in error
     assert error.count('\n') == 1
+
+
+@pytest.mark.parametrize(('content', 'found'), [('', 'nothing'), ('# later', 'nothing'), ('seed', 'str')])
+def test_a_file_without_parameters_is_refused(tmp_path: Path, content: str, found: str) -> None:
+    """The node would run at its defaults: ROS takes such a file for one that sets nothing."""
+    path = tmp_path / 'params.yaml'
+    path.write_text(content)
+    command = [sys.executable, '-m', 'al_questioner', 'perception', '--ros-args', '--params-file', str(path)]
+    done = subprocess.run(command, capture_output=True, text=True, check=False)
+    assert (done.returncode, done.stderr) == (2, f'perception: {path}: expected a mapping of settings, found {found}\n')

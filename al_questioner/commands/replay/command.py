@@ -135,7 +135,7 @@ def _check(path: Path, console: Console) -> int:
         divergence = first_divergence(session)
         if divergence is not None:
             raise EpisodeError(f'{where}: turn {divergence.turn}: {divergence.what}')
-        played, of = len(session.turns), session.settings.turns
+        played, of = session.decisions, session.settings.turns
         checked = number_of(played, 'decision') if played == of else f'{played} of {number_of(of, "turn")}'
         console.print(f'{where}: {checked}, all as recorded', highlight=False, soft_wrap=True)
     for what, reason in left_out:
