@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import dataclasses
+from collections import deque
 from collections.abc import Sequence
 from dataclasses import dataclass
 
@@ -21,8 +22,14 @@ AGREEMENT = 0.25
 """Of the squared distance of two looks from the nearest known view: they agree if theirs is smaller."""
 CERTAIN = 12.0
 """Standard deviations of the noise in half of the features, from which one look is enough to see a change."""
+BEYOND_ALL = 20.0
+"""In spreads: what half of the features moved by more than is like nothing else here, and may be a wrong reading."""
+OWN_LOOKS = 4
+"""Latest looks at a thing that tell whether it, or everything for some time now, is noisier than is usual."""
 SMALLEST_CHANGE = 0.1
 """In spreads, root mean square over the features: what changes by less is the same view however quiet the sensors."""
+FIRST_LOOK_ERROR = 0.5
+"""In spreads, root mean square: by how much the only look at a view can be wrong, as the looks after it show."""
 LEAST_THINGS = 3
 """Number of things from which the spread of a feature among things is known well enough to compare with it."""
 LOOKS_TO_FOLLOW = 8
@@ -37,6 +44,7 @@ class _KnownView:
 
     kept: NDArray[np.float32]
     look: NDArray[np.float32]
+    was_seen_again: bool = False
 
 
 class _Track:
@@ -47,6 +55,20 @@ class _Track:
         self.current = self.views[0]
         self.last_look = features
         self.doubtful: NDArray[np.float32] | None = None
+        self._sizes: deque[float] = deque(maxlen=OWN_LOOKS)
+
+    @property
+    def own_noise(self) -> float:
+        """Mean square of the differences between two looks at this thing, over what is usual; 1 or more.
+
+        The lower median of the latest: a change, which is seen in one of them, does not raise it.
+        """
+        ordered = sorted(self._sizes)
+        return max(1.0, ordered[(len(ordered) - 1) // 2]) if ordered else 1.0
+
+    def add_size(self, size: float) -> None:
+        """Take in the mean square of the difference of a look from the last one, in deviations of the usual noise."""
+        self._sizes.append(size)
 
     def begin_view(self, features: NDArray[np.float32]) -> None:
         self.current = _KnownView(features, features)
@@ -88,6 +110,10 @@ class ViewMemory:
         if not self._names:
             self._names, self._noise = scene.feature_names, ViewNoise(len(scene.feature_names))
         self._spread, self._spread_is_known = spread, len(self._tracks) >= LEAST_THINGS
+        if len(self._tracks) == 1:
+            # The views of one thing say nothing of the spread among things.
+            (only,) = self._tracks.values()
+            self._spread = np.maximum(spread, _size_of(only.views[0].kept))
         looks = np.array(scene.features, dtype=np.float32)
         known = [row for row, object_id in enumerate(scene.object_ids) if object_id in self._tracks]
         tracks = [self._tracks[scene.object_ids[row]] for row in known]
@@ -104,40 +130,56 @@ class ViewMemory:
         """Learn from how much the things that seem still differ from the look before."""
         differences = _differences(looks, [track.last_look for track in tracks])
         self._noise.learn(differences[~self._have_moved(differences)], self._spread)
-        for track, look in zip(tracks, looks, strict=True):
+        sizes = np.mean(self._noise.scale(differences) ** 2, axis=1)
+        for track, look, size in zip(tracks, looks, sizes.tolist(), strict=True):
             track.last_look = look
+            track.add_size(size)
 
     def _settle(self, track: _Track, look: NDArray[np.float32]) -> NDArray[np.float32]:
         """The features that a known thing has, given a look at it."""
         if np.array_equal(look, track.current.look):
-            track.doubtful = None
+            track.current.was_seen_again, track.doubtful = True, None
             return track.current.kept
-        differences = _differences(look, [view.look for view in track.views])
-        excess = self._noise.excess(differences)
-        nearest = int(np.argmin(excess))
-        if excess[nearest] <= 1:
-            track.current, track.doubtful = track.views[nearest], None
-            if self._noise.count >= LOOKS_TO_FOLLOW:
-                track.current.look = look
-        elif self._size(differences[[nearest]])[0] <= SMALLEST_CHANGE:
-            track.current, track.doubtful = track.views[nearest], None
-        elif self._is_certain(differences[[nearest]]) or self._is_confirmed(track, look, excess[nearest]):
+        view, difference = self._nearest_view(track, look)
+        excess, size = float(self._noise.excess(difference)[0]), float(self._size(difference)[0])
+        is_confirmed = self._is_confirmed(track, look, excess)
+        if excess <= track.own_noise or size <= SMALLEST_CHANGE:
+            track.current, track.doubtful = view, None
+            view.was_seen_again |= excess <= 1
+            # What only its own noise explains may be a change: it is not to be followed until it is forgotten.
+            if excess <= 1 and self._noise.count >= LOOKS_TO_FOLLOW:
+                view.look = look
+        elif is_confirmed and not view.was_seen_again and size <= FIRST_LOOK_ERROR:
+            track.current, track.doubtful = view, None
+            view.look = look
+        elif is_confirmed or self._is_certain(difference):
             track.begin_view(look)
         else:
             track.doubtful = look
         return track.current.kept
 
+    def _nearest_view(self, track: _Track, look: NDArray[np.float32]) -> tuple[_KnownView, Array]:
+        """The known view that a look is nearest to, and the (1, m) difference from it.
+
+        That is from the first or the last look at it: the last one follows a drift, but it may have been a burst.
+        """
+        looks = [view.look for view in track.views] + [view.kept for view in track.views]
+        differences = _differences(look, looks)
+        nearest = int(np.argmin(self._noise.excess(differences)))
+        return track.views[nearest % len(track.views)], differences[[nearest]]
+
     def _is_certain(self, difference: Array) -> bool:
         """Whether one look, with its (1, m) difference from the nearest view, is enough to see a change."""
         in_deviations = _lower_median(np.abs(self._noise.scale(difference)))
-        return bool(self._have_moved(difference)[0] and in_deviations[0] > CERTAIN)
+        is_like_things = _lower_median(np.abs(difference) / self._spread)[0] < BEYOND_ALL
+        return bool(is_like_things and self._have_moved(difference)[0] and in_deviations[0] > CERTAIN)
 
     def _is_confirmed(self, track: _Track, look: NDArray[np.float32], excess: float) -> bool:
         """Whether a thing looked the same in the look before, far more so than like the nearest view that is known."""
         if track.doubtful is None:
             return False
         between = self._noise.excess(_differences(look, [track.doubtful]))[0]
-        return bool(between <= min(1.0, AGREEMENT * excess))
+        return bool(between <= min(track.own_noise, AGREEMENT * excess))
 
     def _have_moved(self, differences: Array) -> NDArray[np.bool_]:
         """(k,) whether (k, m) differences are more than any sensor's noise, as far as that can be told."""
@@ -155,6 +197,12 @@ class ViewMemory:
 def _differences(looks: FloatArray, others: Sequence[FloatArray]) -> Array:
     """(k, m) of one look, or of k, and (m,) k others."""
     return np.asarray(np.subtract(looks, np.array(others), dtype=np.float64))
+
+
+def _size_of(features: FloatArray) -> Array:
+    """(m,) of the values of (m,) features, 1 for zero."""
+    size = np.abs(features).astype(np.float64)
+    return np.where(size == 0, 1.0, size)
 
 
 def _lower_median(values: Array) -> Array:
