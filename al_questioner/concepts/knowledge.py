@@ -145,11 +145,17 @@ class Knowledge:
 
         They count as the end of the feature's range.
         """
-        found = np.argwhere(self._standardiser.plausible_range.are_implausible(scene.features))
+        found = np.argwhere(self.are_implausible(scene))
         return [
             (scene.object_ids[row], scene.feature_names[column], float(scene.features[row, column]))
             for row, column in found
         ]
+
+    def are_implausible(self, scene: Scene) -> NDArray[np.bool_]:
+        """(n, m) which readings of a scene no sensor means, as far as is known from the views before."""
+        if not self.feature_names:
+            return np.zeros(scene.features.shape, dtype=bool)
+        return self._standardiser.plausible_range.are_implausible(scene.features)
 
     def check_features(self, scene: Scene) -> None:
         """Make sure that a scene has the features of the scenes before.

@@ -42,6 +42,7 @@ class PlausibleRange:
         self.lowest: Array = np.full(n_features, -np.inf)
         self.highest: Array = np.full(n_features, np.inf)
         self._extremes = np.full((2, n_features), np.nan)
+        self._farthest = np.tile([[-np.inf], [np.inf]], n_features)
         self._table: NDArray[np.float64] = np.zeros((0, n_features))
         self._count = 0
 
@@ -58,7 +59,10 @@ class PlausibleRange:
         self._extremes = np.array([np.fmin(self._extremes[0], low), np.fmax(self._extremes[1], high)])
         columns = np.flatnonzero(is_new)
         for column, ordered in zip(columns, np.sort(self._readings[:, columns], axis=0).T, strict=True):
-            self.lowest[column], self.highest[column] = _plausible_ends(ordered)
+            first, last = _plausible_part(ordered)
+            self.lowest[column] = ordered[first] if first else -np.inf
+            self.highest[column] = ordered[last - 1] if last < len(ordered) else np.inf
+            self._farthest[:, column] = _farthest_plausible(ordered[first:last])
 
     def plausible(self, column: int) -> Array:
         """The plausible readings of a feature."""
@@ -71,8 +75,9 @@ class PlausibleRange:
         return np.clip(readings, self.lowest, self.highest) if self.is_limited.any() else readings
 
     def are_implausible(self, readings: FloatArray) -> NDArray[np.bool_]:
-        """(n, m) which of the readings are beyond their range."""
-        return np.asarray((readings < self.lowest) | (readings > self.highest))
+        """(n, m) which of the readings are beyond their range, or would be if they were taken in."""
+        lowest, highest = np.maximum(self.lowest, self._farthest[0]), np.minimum(self.highest, self._farthest[1])
+        return np.asarray((readings < lowest) | (readings > highest))
 
     @property
     def _readings(self) -> Array:
@@ -88,8 +93,8 @@ class PlausibleRange:
         self._count = needed
 
 
-def _plausible_ends(ordered: Array) -> tuple[float, float]:
-    """Ends of the range of a feature's plausible readings, given all of them in order."""
+def _plausible_part(ordered: Array) -> tuple[int, int]:
+    """The first of a feature's plausible readings, and the one after the last, given all readings in order."""
     first = int(np.searchsorted(ordered, -LARGEST_MEANT, 'right'))
     last = int(np.searchsorted(ordered, LARGEST_MEANT))
     if first == last:
@@ -100,7 +105,13 @@ def _plausible_ends(ordered: Array) -> tuple[float, float]:
         if below == above == 0:
             break
         first, last, most = first + below, last - above, most - below - above
-    return ordered[first] if first else -np.inf, ordered[last - 1] if last < len(ordered) else np.inf
+    return first, last
+
+
+def _farthest_plausible(ordered: Array) -> tuple[float, float]:
+    """The lowest and the highest reading that would be plausible beside these, which are in order."""
+    limit = _largest_gap(ordered)
+    return ordered[0] - limit, ordered[-1] + limit
 
 
 def _implausible_at_the_ends(ordered: Array, most: int) -> tuple[int, int]:
@@ -128,18 +139,22 @@ def _implausible_at_the_ends(ordered: Array, most: int) -> tuple[int, int]:
 
 def _are_far(ordered: Array, below: int, above: int) -> bool:
     """Whether so many readings at the lower and the upper end are too far from the others."""
-    others = ordered[below : len(ordered) - above]
-    values, counts = np.unique(others, return_counts=True)
-    # Of a feature of a few levels, each of them seen often, more is known than how many levels there are.
-    are_levels = len(others) >= MANY and counts.min() >= OFTEN
-    known = len(others) if are_levels else len(values)
-    if known < LEAST_OTHERS:
-        return False
-    extent = values[-1] - values[0] or max(1.0, abs(values[0]))
     last = len(ordered) - above
     gaps = []
     if below:
         gaps.append(ordered[below] - ordered[below - 1])
     if above:
         gaps.append(ordered[last] - ordered[last - 1])
-    return bool(min(gaps) > (FAR + FAR_AMONG_FEW / known**2) * extent)
+    return bool(min(gaps) > _largest_gap(ordered[below:last]))
+
+
+def _largest_gap(others: Array) -> float:
+    """The widest gap between a plausible reading and others, which are in order; infinite if they say nothing."""
+    values, counts = np.unique(others, return_counts=True)
+    # Of a feature of a few levels, each of them seen often, more is known than how many levels there are.
+    are_levels = len(others) >= MANY and counts.min() >= OFTEN
+    known = len(others) if are_levels else len(values)
+    if known < LEAST_OTHERS:
+        return np.inf
+    extent = values[-1] - values[0] or max(1.0, abs(values[0]))
+    return float((FAR + FAR_AMONG_FEW / known**2) * extent)

@@ -100,12 +100,13 @@ class ViewMemory:
             return {}
         return dict(zip(self._names, (self._noise.deviations / self._spread).tolist(), strict=True))
 
-    def steady(self, scene: Scene, spread: Array) -> Scene:
+    def steady(self, scene: Scene, spread: Array, is_wrong: NDArray[np.bool_] | None = None) -> Scene:
         """The scene without noise: what looks the same has the same features, to the bit, as when it was first seen.
 
         Args:
             scene: what is seen now, with the features of the scenes before.
             spread: (m,) spread of each feature among things.
+            is_wrong: (n, m) readings that say nothing of the thing: it keeps what it read before.
         """
         if not self._names:
             self._names, self._noise = scene.feature_names, ViewNoise(len(scene.feature_names))
@@ -117,6 +118,9 @@ class ViewMemory:
         looks = np.array(scene.features, dtype=np.float32)
         known = [row for row, object_id in enumerate(scene.object_ids) if object_id in self._tracks]
         tracks = [self._tracks[scene.object_ids[row]] for row in known]
+        if is_wrong is not None and is_wrong.any():
+            for row, track in zip(known, tracks, strict=True):
+                looks[row] = np.where(is_wrong[row], track.last_look, looks[row])
         if tracks:
             self._learn_noise(looks[known], tracks)
         kept = looks.copy()

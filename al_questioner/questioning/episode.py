@@ -177,7 +177,7 @@ class Episode:
             raise RuntimeError(f'the episode is over: all {self.settings.turns} turns have passed')
         self.knowledge.check_features(scene)
         if self._views is not None:
-            scene = self._views.steady(scene, self.knowledge.spread)
+            scene = self._views.steady(scene, self.knowledge.spread, self.knowledge.are_implausible(scene))
         self.knowledge.observe(scene)
         if self._pending is not None and not self._is_in_view(self._pending, scene):
             self._withdraw(self._pending)

@@ -151,7 +151,7 @@ class LearnerNode(QuestionerNode):
         scene = scene_of_cloud(cloud, self._session.episode.knowledge.feature_names)
         seen = Seen(self._session.episode.turn + 1, self._stamps.last, cloud.header.frame_id, scene)
         decision = self._session.ask(seen)
-        self._tell_of_sensors()
+        self._tell_of_sensors(scene)
         self._awaits_scene = False
         self._request.stop()
         if decision.turn == 1:
@@ -162,16 +162,16 @@ class LearnerNode(QuestionerNode):
         else:
             self._end_turn()
 
-    def _tell_of_sensors(self) -> None:
+    def _tell_of_sensors(self, scene: Scene) -> None:
         """Take note of the noise for /diagnostics, and say once of each feature what it read that cannot be."""
         episode = self._session.episode
         self._view_noise = noise_text(episode.view_noise)
-        for object_id, feature, value in episode.knowledge.implausible_readings(episode.scene):
+        for object_id, feature, value in episode.knowledge.implausible_readings(scene):
             if feature not in self._implausible:
                 self._implausible[feature] = f'{value:g} of object {object_id}'
                 self.get_logger().warning(
-                    f'{feature} of object {object_id} reads {value:g}, far from all else it ever read: taken for the'
-                    " end of the feature's range"
+                    f'{feature} of object {object_id} reads {value:g}, far from all else it ever read: it is not'
+                    ' counted'
                 )
 
     def measurements(self) -> Mapping[str, str]:
