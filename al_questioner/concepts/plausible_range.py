@@ -75,9 +75,8 @@ class PlausibleRange:
         return np.clip(readings, self.lowest, self.highest) if self.is_limited.any() else readings
 
     def are_implausible(self, readings: FloatArray) -> NDArray[np.bool_]:
-        """(n, m) which of the readings are beyond their range, or would be if they were taken in."""
-        lowest, highest = np.maximum(self.lowest, self._farthest[0]), np.minimum(self.highest, self._farthest[1])
-        return np.asarray((readings < lowest) | (readings > highest))
+        """(n, m) which of the readings are too far from the plausible ones, or would be if they were taken in."""
+        return np.asarray((readings < self._farthest[0]) | (readings > self._farthest[1]))
 
     @property
     def _readings(self) -> Array:
@@ -111,7 +110,10 @@ def _plausible_part(ordered: Array) -> tuple[int, int]:
 def _farthest_plausible(ordered: Array) -> tuple[float, float]:
     """The lowest and the highest reading that would be plausible beside these, which are in order."""
     limit = _largest_gap(ordered)
-    return ordered[0] - limit, ordered[-1] + limit
+    lowest, highest = ordered[0] - limit, ordered[-1] + limit
+    if np.abs(ordered[[0, -1]]).max() < LARGEST_MEANT:
+        lowest, highest = max(lowest, -LARGEST_MEANT), min(highest, LARGEST_MEANT)
+    return lowest, highest
 
 
 def _implausible_at_the_ends(ordered: Array, most: int) -> tuple[int, int]:

@@ -6,6 +6,7 @@ import dataclasses
 from collections import deque
 from collections.abc import Sequence
 from dataclasses import dataclass
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -47,6 +48,20 @@ class _KnownView:
     was_seen_again: bool = False
 
 
+class Correction(NamedTuple):
+    """That a view is not what the only look at it showed.
+
+    Attributes:
+        object_id: of the thing.
+        wrong: (m,) features that it was given until now.
+        right: (m,) features that it has.
+    """
+
+    object_id: int
+    wrong: NDArray[np.float32]
+    right: NDArray[np.float32]
+
+
 class _Track:
     """The views of one thing."""
 
@@ -61,10 +76,10 @@ class _Track:
     def own_noise(self) -> float:
         """Mean square of the differences between two looks at this thing, over what is usual; 1 or more.
 
-        The lower median of the latest: a change, which is seen in one of them, does not raise it.
+        The lower median of the latest, of two at least: a change, which is seen in one of them, does not raise it.
         """
         ordered = sorted(self._sizes)
-        return max(1.0, ordered[(len(ordered) - 1) // 2]) if ordered else 1.0
+        return max(1.0, ordered[(len(ordered) - 1) // 2]) if len(ordered) > 1 else 1.0
 
     def add_size(self, size: float) -> None:
         """Take in the mean square of the difference of a look from the last one, in deviations of the usual noise."""
@@ -84,9 +99,14 @@ class ViewMemory:
     look confirms it: a burst of noise or a wrong reading does not come back the same.
 
     Where readings repeat exactly, as in the simulated world, scenes pass unchanged.
+
+    Attributes:
+        corrections: what the latest scene showed to have been wrong: the first and only look at a view, where the looks
+            after it agree on something near, or where it was like nothing else.
     """
 
     def __init__(self) -> None:
+        self.corrections: list[Correction] = []
         self._tracks: dict[int, _Track] = {}
         self._names: tuple[str, ...] = ()
         self._noise = ViewNoise(0)
@@ -123,9 +143,9 @@ class ViewMemory:
                 looks[row] = np.where(is_wrong[row], track.last_look, looks[row])
         if tracks:
             self._learn_noise(looks[known], tracks)
-        kept = looks.copy()
+        kept, self.corrections = looks.copy(), []
         for row, track in zip(known, tracks, strict=True):
-            kept[row] = self._settle(track, looks[row])
+            kept[row] = self._settle(scene.object_ids[row], looks[row])
         new = [row for row, object_id in enumerate(scene.object_ids) if object_id not in self._tracks]
         self._tracks.update({scene.object_ids[row]: _Track(looks[row]) for row in new})
         return scene if np.array_equal(kept, scene.features) else dataclasses.replace(scene, features=kept)
@@ -139,8 +159,9 @@ class ViewMemory:
             track.last_look = look
             track.add_size(size)
 
-    def _settle(self, track: _Track, look: NDArray[np.float32]) -> NDArray[np.float32]:
+    def _settle(self, object_id: int, look: NDArray[np.float32]) -> NDArray[np.float32]:
         """The features that a known thing has, given a look at it."""
+        track = self._tracks[object_id]
         if np.array_equal(look, track.current.look):
             track.current.was_seen_again, track.doubtful = True, None
             return track.current.kept
@@ -153,14 +174,32 @@ class ViewMemory:
             # What only its own noise explains may be a change: it is not to be followed until it is forgotten.
             if excess <= 1 and self._noise.count >= LOOKS_TO_FOLLOW:
                 view.look = look
-        elif is_confirmed and not view.was_seen_again and size <= FIRST_LOOK_ERROR:
-            track.current, track.doubtful = view, None
-            view.look = look
-        elif is_confirmed or self._is_certain(difference):
-            track.begin_view(look)
-        else:
+        elif not (is_confirmed or self._is_certain(difference)):
             track.doubtful = look
+        elif not view.was_seen_again and self._was_wrong(object_id, view, look, size, is_confirmed):
+            self.corrections.append(Correction(object_id, view.kept, look))
+            track.current, track.doubtful = view, None
+            view.kept = view.look = look
+        else:
+            track.begin_view(look)
         return track.current.kept
+
+    def _was_wrong(
+        self, object_id: int, view: _KnownView, look: NDArray[np.float32], size: float, is_confirmed: bool
+    ) -> bool:
+        """Whether the only look at a view was wrong, since a look that differs by this size shows the thing better.
+
+        That is what the look is like nothing among: this one and the other things. Without a second look that confirms
+        it, most of the features must be.
+        """
+        if is_confirmed and size <= FIRST_LOOK_ERROR:
+            return True
+        others = [track.current.kept for other, track in self._tracks.items() if other != object_id]
+        table = np.array([look, *others], dtype=np.float64)
+        low, high = table.min(axis=0), table.max(axis=0)
+        extent = np.where(high > low, high - low, _size_of(look))
+        beyond = np.maximum(view.kept - high, low - view.kept) / extent
+        return bool((beyond.max() if is_confirmed else _lower_median(beyond[None])[0]) > BEYOND_ALL)
 
     def _nearest_view(self, track: _Track, look: NDArray[np.float32]) -> tuple[_KnownView, Array]:
         """The known view that a look is nearest to, and the (1, m) difference from it.
@@ -196,6 +235,15 @@ class ViewMemory:
         """(k,) root mean square of (k, m) differences, in spreads, each of at most `LARGEST_STEP`."""
         steps = np.minimum(np.abs(differences) / self._spread, LARGEST_STEP)
         return np.asarray(np.sqrt(np.mean(steps**2, axis=1)))
+
+
+def corrected(scene: Scene, corrections: Sequence[Correction]) -> Scene:
+    """A scene of before with the features that its things have; the very same one if nothing was wrong in it."""
+    features = scene.features.copy()
+    for object_id, wrong, right in corrections:
+        rows = np.flatnonzero(np.array(scene.object_ids) == object_id)
+        features[[row for row in rows if np.array_equal(features[row], wrong)]] = right
+    return scene if np.array_equal(features, scene.features) else dataclasses.replace(scene, features=features)
 
 
 def _differences(looks: FloatArray, others: Sequence[FloatArray]) -> Array:

@@ -9,6 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from al_questioner.concepts import VIEW_TOLERANCE, Knowledge, ViewMemory
+from al_questioner.concepts.view_memory import corrected
 from al_questioner.domain import (
     AUTO,
     DECISION_FEATURES,
@@ -178,6 +179,9 @@ class Episode:
         self.knowledge.check_features(scene)
         if self._views is not None:
             scene = self._views.steady(scene, self.knowledge.spread, self.knowledge.are_implausible(scene))
+            if self._views.corrections:
+                self._scenes = [corrected(past, self._views.corrections) for past in self._scenes]
+                self._learn_anew()
         self.knowledge.observe(scene)
         if self._pending is not None and not self._is_in_view(self._pending, scene):
             self._withdraw(self._pending)
