@@ -99,7 +99,7 @@ def settled_actions(situation: Situation) -> set[Action]:
     That is the feature subset query once it has been asked, or, if the teacher had no answer to it, asked twice; what
     the teacher did not know the name of, as long as it looks the same; and, until the scene changes, what the teacher
     skipped or did not know otherwise, and the symbols of which nothing is here: the teacher said so, or has named all
-    things here otherwise. A question that nobody heard is not settled, but the feature subset query, which waits for a
+    things here otherwise; and what has one possible answer, which is known. A question that nobody heard is not settled, but the feature subset query, which waits for a
     late answer.
     """
     unnameable = np.flatnonzero(situation.knowledge.is_unnameable(situation.scene))
@@ -111,7 +111,7 @@ def settled_actions(situation: Situation) -> set[Action]:
         if record.outcome in NO_ANSWER:
             settled.add(Action(record.kind, record.object_id, record.symbol))
     absent = situation.absent_symbols | situation.excluded_symbols
-    return settled | {Action(QueryKind.DEMONSTRATION, symbol=symbol) for symbol in absent}
+    return settled | situation.known_answers | {Action(QueryKind.DEMONSTRATION, symbol=symbol) for symbol in absent}
 
 
 def rows_of(situation: Situation, kind: QueryKind) -> NDArray[np.intp]:

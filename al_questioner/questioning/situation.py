@@ -90,6 +90,19 @@ class Situation:
         return frozenset(self.symbols).difference(self.knowledge.labels_of(self.scene))
 
     @cached_property
+    def known_answers(self) -> frozenset[Action]:
+        """The questions whose one possible answer is known already: all that is in view has been labelled.
+
+        That is the demonstration of a symbol of which one thing is here, and the label of a thing that is alone.
+        """
+        if not self.labelled.all():
+            return frozenset()
+        named = self.knowledge.labels_of(self.scene)
+        shown = {Action(QueryKind.DEMONSTRATION, symbol=symbol) for symbol in self.symbols if named.count(symbol) == 1}
+        alone = {Action(QueryKind.LABEL, object_id) for object_id in self.scene.object_ids if len(named) == 1}
+        return frozenset(shown | alone)
+
+    @cached_property
     def candidates(self) -> tuple[Action, ...]:
         """The actions that can be paid for and tell something: DQ by symbol, LQ by object, FSQ, NQ."""
         return candidates(self.scene, self.symbols, self.costs, self.budget_left)

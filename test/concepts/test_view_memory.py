@@ -7,7 +7,7 @@ from collections.abc import Callable, Iterator
 import numpy as np
 import pytest
 
-from al_questioner.concepts.view_memory import ViewMemory
+from al_questioner.concepts.view_memory import Correction, ViewMemory, corrected
 from al_questioner.domain import Scene
 
 LOOKS = 40
@@ -51,6 +51,25 @@ def common(size: float) -> Noise:
     return lambda rng, look, shape: size * rng.normal() + size / 10 * rng.normal(size=shape)
 
 
+def one_noisy_thing(size: float) -> Noise:
+    """Every fourth thing wobbles, the others stand quite still."""
+    return lambda rng, look, shape: size * rng.normal(size=shape) * (np.arange(shape[0]) % 4 == 0)[:, None]
+
+
+def noisier_later(size: float) -> Noise:
+    return lambda rng, look, shape: size * rng.normal(size=shape) * (0.02 if look < 15 else 1)
+
+
+def wrong_cells(size: float) -> Noise:
+    """Single readings are off by twenty times the noise, but not before the third look."""
+
+    def make(rng: np.random.Generator, look: int, shape: tuple[int, int]) -> np.ndarray:
+        is_off = (rng.random(shape) < 0.03) & (look > 2)
+        return size * rng.normal(size=shape) * np.where(is_off, 20, 1)
+
+    return make
+
+
 NOISES = {
     **{f'normal {size}': normal(size) for size in (0.0005, 0.005, 0.02, 0.05, 0.1)},
     **{f'bursts {size}': bursts(size) for size in (0.0005, 0.005)},
@@ -61,6 +80,9 @@ NOISES = {
     'drift': drift(0.01, 0.005),
     'drift alone': drift(0.02, 0.0005),
     'common': common(0.02),
+    'one thing in four': one_noisy_thing(0.05),
+    'noisier later': noisier_later(0.05),
+    'wrong cells': wrong_cells(0.01),
 }
 
 
@@ -157,6 +179,67 @@ def test_a_wrong_reading_of_one_feature_is_not_another_view() -> None:
             scene.features[2, look % 12] = 65535
         kept.add(memory.steady(scene, spread).features[2].tobytes())
     assert len(kept) == 1
+
+
+@pytest.mark.parametrize('error', [0.3, 65535.0])
+def test_the_only_look_at_a_view_is_corrected_by_those_after_it(error: float) -> None:
+    """A burst, or a wrong reading, in the first look would make two views of one thing."""
+    memory = ViewMemory()
+    corrections = []
+    for look, (scene, spread) in enumerate(scenes(normal(0.005), 5, 4, 0)):
+        if look == 0:
+            first = scene.features[1].copy()
+            scene.features[1, 2] += error * spread[2]
+            wrong = scene.features[1].copy()
+        known_spread = spread if look else np.zeros(0)
+        kept = memory.steady(scene, known_spread).features[1]
+        corrections += memory.corrections
+    (correction,) = corrections
+    assert correction.object_id == 1
+    np.testing.assert_array_equal(correction.wrong, wrong)
+    assert (np.abs(correction.right - first) < 0.05 * spread).all()
+    np.testing.assert_array_equal(kept, correction.right)
+
+
+def test_a_thing_that_was_seen_twice_as_it_was_is_not_corrected() -> None:
+    memory = ViewMemory()
+    change = np.array([0.0, 0.6, 0.0, 0.0])
+    for scene, spread in scenes(normal(0.005), 5, 4, 0, change):
+        memory.steady(scene, spread)
+        assert memory.corrections == []
+
+
+def test_a_row_of_wrong_readings_is_not_another_view_even_if_it_comes_twice() -> None:
+    """The thing would be asked about again, and the answer would be learnt for what no sensor means."""
+    memory = ViewMemory()
+    kept = set()
+    for look, (scene, spread) in enumerate(scenes(normal(0.005), 4, 6, 0)):
+        is_wrong = np.zeros((4, 6), dtype=bool)
+        if look in (5, 6, 20):
+            scene.features[2] = 65535
+            is_wrong[2] = True
+        kept.add(memory.steady(scene, spread, is_wrong).features[2].tobytes())
+    assert len(kept) == 1
+
+
+def test_one_row_that_is_like_nothing_else_waits_for_a_second_look() -> None:
+    memory = ViewMemory()
+    kept = set()
+    for look, (scene, spread) in enumerate(scenes(normal(0.005), 4, 6, 0)):
+        if look == LOOKS - 1:
+            scene.features[2] += np.float32(100) * spread.astype(np.float32)
+        kept.add(memory.steady(scene, spread).features[2].tobytes())
+    assert len(kept) == 1
+
+
+def test_scenes_of_before_are_corrected_where_they_show_the_wrong_look() -> None:
+    wrong, right, other = np.float32([1, 9]), np.float32([1, 2]), np.float32([5, 6])
+    names = ('a_1', 'a_2')
+    shown = Scene((4, 7), np.zeros((2, 3), np.float32), np.array([wrong, other]), names)
+    found = corrected(shown, [Correction(4, wrong, right)])
+    np.testing.assert_array_equal(found.features, [right, other])
+    assert corrected(found, [Correction(4, wrong, right)]) is found
+    assert corrected(shown, [Correction(7, wrong, right)]) is shown
 
 
 def test_the_estimate_names_the_noise_of_each_feature() -> None:

@@ -3,7 +3,8 @@
 import numpy as np
 import pytest
 
-from al_questioner.domain import Action, Costs, QueryKind
+from al_questioner.domain import NO_SYMBOL, Action, Costs, QueryKind, generator
+from al_questioner.questioning import Episode
 from al_questioner.questioning.candidates import candidates, choices, question_text
 
 SYMBOLS = ('main_dish', 'snack', 'fruit')
@@ -64,3 +65,23 @@ def test_choices(scene):
     assert choices(Action(QueryKind.FEATURE_SUBSET), scene, SYMBOLS, groups) == groups
     with pytest.raises(ValueError, match='no answers'):
         choices(Action(QueryKind.NO_QUERY), scene, SYMBOLS, groups)
+
+
+@pytest.mark.parametrize(
+    'strategy', ['dt_iros', 'dt_task', 'dt_task_env', 'rarest_demo', 'value_per_cost', 'random_fsq']
+)
+def test_a_question_whose_one_answer_is_known_is_not_put(toy, strategy):
+    """The only thing in view would be named again and again, and shown for what it was named."""
+    episode = Episode(toy.settings(strategy, budget=50.0), generator(0, 'learner'))
+    scene = toy.scene(np.zeros((1, 5)), object_ids=(4,))
+    asked = []
+    for _ in range(10):
+        query = episode.ask(scene).query
+        if query is None:
+            continue
+        asked.append(query.action)
+        right = {QueryKind.LABEL: 'snack', QueryKind.FEATURE_SUBSET: ('colour',)}
+        shown = 4 if query.action.symbol == 'snack' else NO_SYMBOL
+        episode.tell(toy.reply(query, right.get(query.action.kind, shown)))
+    known = next((at for at, action in enumerate(asked) if 4 in (action.object_id, action.symbol == 'snack' and 4)), 9)
+    assert {action.kind for action in asked[known + 1 :]} <= {QueryKind.FEATURE_SUBSET}

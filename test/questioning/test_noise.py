@@ -96,6 +96,40 @@ def test_one_wrong_reading_changes_nothing_that_is_believed(value: float, turn: 
     assert spoiled.knowledge.predict_proba(features) == pytest.approx(expected, abs=0.02)
 
 
+@pytest.mark.parametrize('value', [1000.0, 65535.0, 3e38])
+@pytest.mark.parametrize('turn', [1, 2, 14, TURNS])
+@pytest.mark.parametrize('n', [3, 4, 8])
+def test_a_row_of_wrong_readings_costs_no_question_and_no_accuracy(value: float, turn: int, n: int) -> None:
+    """Every feature of one thing reads what a sensor gives for nothing, once; all features tell the two symbols."""
+    rng = np.random.default_rng(1)
+    symbols = [('cup', 'plate')[thing % 2] for thing in range(n)]
+    things = 0.3 * rng.random((n, 3)) + 0.6 * (np.arange(n) % 2)[:, None]
+    episode, asked = an_episode('farthest_fsq'), []
+    for now in range(1, TURNS + 1):
+        table = things + 0.003 * rng.normal(size=things.shape)
+        if now == turn:
+            table[0] = value
+        query = episode.ask(Scene(tuple(range(n)), np.zeros((n, 3)), table.astype(np.float32), NAMES)).query
+        if query is not None:
+            is_label = query.action.kind is QueryKind.LABEL
+            asked += [query.action.object_id] if is_label else []
+            content = symbols[query.action.object_id] if is_label else ('colour', 'size')
+            episode.tell(Answer(query.query_id, f'a{now}', 'me', Outcome.ANSWERED, content))
+    assert len(asked) == len(set(asked))
+    held_out = 0.3 * rng.random((60, 3)) + 0.6 * (np.arange(60) % 2)[:, None]
+    best = episode.knowledge.predict_proba(held_out).argmax(axis=1)
+    assert (best == np.arange(60) % 2).mean() == 1.0
+
+
+def test_a_wrong_reading_of_a_still_thing_is_named() -> None:
+    episode = an_episode('farthest_fsq')
+    asked_about(episode, looks(0.005))
+    scene = next(looks(0.005))
+    assert episode.knowledge.implausible_readings(scene) == []
+    scene.features[2, 1] = 65535
+    assert episode.knowledge.implausible_readings(scene) == [(2, 'size_height', 65535.0)]
+
+
 def test_a_number_fixes_the_tolerance() -> None:
     scene, other = list(looks(0.05))[:2]
     settings = EpisodeSettings(symbols=('cup', 'plate'), budget=9, turns=4, strategy='farthest_fsq')
