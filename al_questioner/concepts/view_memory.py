@@ -144,7 +144,7 @@ class ViewMemory:
         if tracks:
             self._learn_noise(looks[known], tracks)
         kept, self.corrections = looks.copy(), []
-        for row, track in zip(known, tracks, strict=True):
+        for row in known:
             kept[row] = self._settle(scene.object_ids[row], looks[row])
         new = [row for row, object_id in enumerate(scene.object_ids) if object_id not in self._tracks]
         self._tracks.update({scene.object_ids[row]: _Track(looks[row]) for row in new})

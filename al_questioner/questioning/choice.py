@@ -97,10 +97,10 @@ def settled_actions(situation: Situation) -> set[Action]:
     """The questions that it is pointless to put again.
 
     That is the feature subset query once it has been asked, or, if the teacher had no answer to it, asked twice; what
-    the teacher did not know the name of, as long as it looks the same; and, until the scene changes, what the teacher
-    skipped or did not know otherwise, and the symbols of which nothing is here: the teacher said so, or has named all
-    things here otherwise; and what has one possible answer, which is known. A question that nobody heard is not settled, but the feature subset query, which waits for a
-    late answer.
+    the teacher did not know the name of, as long as it looks the same; what has one possible answer, which is known;
+    and, until the scene changes, what the teacher skipped or did not know otherwise, and the symbols of which nothing
+    is here: the teacher said so, or has named all things here otherwise. A question that nobody heard is not settled,
+    but the feature subset query, which waits for a late answer.
     """
     unnameable = np.flatnonzero(situation.knowledge.is_unnameable(situation.scene))
     settled = {Action(QueryKind.LABEL, situation.scene.object_ids[row]) for row in unnameable}
