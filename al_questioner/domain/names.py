@@ -4,97 +4,34 @@ from __future__ import annotations
 
 import difflib
 import re
-import unicodedata
 from collections.abc import Collection, Iterable, Mapping, Sequence
-from types import MappingProxyType
+from functools import cache
 
-from al_questioner.domain.asking import NO_SYMBOL
 from al_questioner.domain.errors import InputError
-
-UNKNOWN_WORDS = ('?', 'unknown')
-SKIP_WORDS = ('skip',)
-NOTHING_WORDS = ('nothing', 'n')
-FEATURES_WORDS = ('features', 'feature', 'f')
-HELP_WORDS = ('help', 'h')
-
-OTHER_LANGUAGES = MappingProxyType(
-    {
-        NO_SYMBOL: (
-            *('keine', 'keins', 'keines', 'keiner', 'nichts', 'aucun', 'aucune', 'rien', 'ninguno', 'ninguna', 'nada'),
-            *(
-                'nessuno',
-                'nessuna',
-                'niente',
-                'kein',
-                'nein',
-                'nadie',
-                'ninguém',
-                'nenhum',
-                'nenhuma',
-                'geen',
-                'niets',
-                'ingen',
-                'inget',
-                'intet',
-                'żaden',
-            ),
-            *('nic', 'žádný', 'ничего', 'なし', '没有', '沒有', '없음', 'لا شيء'),
-        ),
-        'unknown': (
-            *('unbekannt', 'inconnu', 'inconnue', 'desconocido', 'desconocida', 'sconosciuto', 'sconosciuta'),
-            *('desconhecido', 'desconhecida', 'onbekend', 'okänd', 'ukendt', 'nieznany', 'neznámý', 'неизвестно'),
-            *('不明', '未知', '모름', 'مجهول', 'weiß nicht', 'keine ahnung', 'no sé', 'je ne sais pas'),
-            *('non so', 'não sei', 'weet ik niet', 'не знаю', '不知道', 'わからない', '모르겠어요'),
-        ),
-        'skip': (
-            *('überspringen', 'passer', 'omitir', 'saltar', 'salta', 'pular', 'overslaan', 'hoppa', 'pomiń'),
-            *('přeskočit', 'пропустить', 'スキップ', '跳过', '跳過', '건너뛰기', 'تخطي', 'sauter', 'ignorer'),
-            *('auslassen', 'weiter'),
-        ),
-    }
+from al_questioner.domain.reserved_words import KEYS, RESERVED
+from al_questioner.domain.spelling import (
+    JOINERS,
+    composed,
+    holds_word,
+    in_latin,
+    is_invisible,
+    is_number,
+    loosely,
+    said,
+    usual_form,
+    without_accents,
 )
-"""Words of other languages for ours: a teacher who says them means that, and no symbol."""
-
-RESERVED: Mapping[str, str] = MappingProxyType(
-    {
-        NO_SYMBOL: 'says that a thing belongs to no symbol',
-        **dict.fromkeys(UNKNOWN_WORDS, 'says that the teacher does not know'),
-        **dict.fromkeys(SKIP_WORDS, 'skips a question'),
-        **dict.fromkeys(NOTHING_WORDS, 'stands for nothing'),
-        **dict.fromkeys(FEATURES_WORDS, 'asks which properties matter'),
-        **dict.fromkeys(HELP_WORDS, 'asks for help'),
-        'u': 'is the key of "I do not know"',
-        's': 'is the key of "skip"',
-        'undo': 'takes an answer back',
-        'z': 'takes an answer back',
-        **dict.fromkeys(('idk', "don't know", 'i do not know', "i don't know"), 'says that the teacher does not know'),
-        **dict.fromkeys(('none of these', 'none of them', 'no symbol'), 'says that a thing belongs to no symbol'),
-        **dict.fromkeys(('pass', 'cancel', 'stop', 'back', 'exit'), 'is what people say to a program'),
-        'quit': 'ends the conversation',
-        'q': 'ends the conversation',
-        **{word: f'means {ours!r}' for ours, words in OTHER_LANGUAGES.items() for word in words},
-    }
-)
-"""What people type that is no name, in any of our programs, and what it means."""
-KEYS = frozenset(word for word in RESERVED if len(word) == 1 and word.isalpha())
-"""Those that are a single letter: they mean nothing where names are said in other ways."""
 
 COMMAS = ',،、'
 """Of ASCII and of other scripts."""
-QUESTION_MARKS = '？؟՞⸮'
-"""Of other scripts and keyboards."""
-OTHER_FORMS = ('wide', 'narrow', 'font', 'noBreak', 'circle', 'square', 'initial', 'medial', 'final', 'isolated')
-"""Unicode's names for characters that are another form of ordinary ones, and that a keyboard does not give."""
-INVISIBLE = re.compile(
-    '[\u034f\u115f\u1160\u17b4\u17b5\u180b-\u180f\u2800\u3164\ufe00-\ufe0f\uffa0\U000e0100-\U000e01ef]'
-)
-"""Characters that are not seen, beside those whose Unicode category says so."""
 LONGEST_QUOTED = 60
 """Characters of what somebody typed that an explanation repeats."""
 LONGEST_SAID = 1000
 """Characters; what is longer is a name only if it is one exactly."""
 LIKENESS = 0.65
-"""From which on a word is near another, by the measure of difflib: one wrong letter of three."""
+"""From which on a word is near a name, by the measure of difflib: one wrong letter of three."""
+LIKENESS_OF_COMMANDS = 0.75
+"""From which on it is near a command, which is rarely meant: two letters of four that changed places."""
 _PARTS = re.compile(r'\s*"((?:[^"]|"")+)"\s*(?:,|$)|([^,]+)')
 
 
@@ -123,81 +60,55 @@ def check_names(names: Sequence[str], what: str, has_key: bool = True) -> None:
         reason = unsayable(name, has_key)
         if reason:
             raise InputError(f'{quoted(name)} cannot be a {what}: {reason}')
-        other = seen.setdefault(loosely(name), name)
+        other = seen.setdefault(in_latin(said(name)), name)
         if other is not name:
             raise InputError(f'{quoted(name)} cannot be a {what} beside {quoted(other)}: said, they are the same')
 
 
 def unsayable(name: str, has_key: bool = True) -> str:
     """Why people could not say a name, or would say something else by it; empty if they can."""
-    unseen = next(filter(is_invisible, name), None)
+    unseen = next(filter(is_invisible, JOINERS.sub('', name)), None)
     if unseen is not None:
         return f'it holds the invisible character U+{ord(unseen):04X}'
     if not name.strip():
         return 'it is empty'
     if name != name.strip():
         return 'it begins or ends with a blank'
-    loose = loosely(name)
-    bare = loose.strip('.!,;: ') or loose
-    if bare in RESERVED and (has_key or bare not in KEYS):
-        return f'to the robot {bare!r} {RESERVED[bare]}'
-    if is_number(loose):
+    word = _reserved_word(name)
+    if word is not None and (has_key or word not in KEYS):
+        return f'to the robot {word!r} {RESERVED[word]}'
+    if is_number(name):
         return 'a number means an object'
+    loose = loosely(name)
     if '"' in loose:
         return 'quotes mark where a name begins and ends'
     if any(comma in loose for comma in COMMAS):
         return 'a comma parts names'
     if loose.startswith('{'):
         return 'what begins with a brace is read as a JSON document'
+    if not holds_word(name):
+        return 'it holds no letter'
     if name != composed(name):
         return 'its Unicode is decomposed, letters apart from their accents (NFD): write it composed (NFC)'
     usual = usual_form(name)
     return '' if name == usual else f'it holds full-width or other unusual characters: write {usual!r}'
 
 
-def loosely(name: str) -> str:
-    """What names share that people would not tell apart: case, width, form, blanks and underscores do not matter."""
-    # What one step leaves behind can be for another one: an accent joins its letter once nothing invisible is between.
-    while (folded := _folded(name)) != name:
-        name = folded
-    return name
+def _reserved_word(name: str) -> str | None:
+    """The word of `RESERVED` that a name says or looks like, if there is one."""
+    word = said(name)
+    if not word:
+        return '?' if set(loosely(name)) & {'?', '¿'} else None
+    # A single letter of another alphabet is on another key.
+    return _reserved_forms().get(word) or (_reserved_forms().get(in_latin(word)) if len(word) > 1 else None)
 
 
-def _folded(name: str) -> str:
-    text = unicodedata.normalize('NFKC', unicodedata.normalize('NFKC', name).casefold())
-    # The capital I with a dot, small, is an i with a second dot.
-    text = text.replace('i\u0307', 'i')
-    text = ''.join(_plain(character) for character in text if not is_invisible(character))
-    return ' '.join(text.replace('_', ' ').split())
-
-
-def is_invisible(character: str) -> bool:
-    """Whether a character cannot be seen, or is a blank other than the usual ones."""
-    category = unicodedata.category(character)
-    return category in ('Cc', 'Cf', 'Cs', 'Cn', 'Co', 'Zl', 'Zp') or INVISIBLE.match(character) is not None
-
-
-def is_number(loose: str) -> bool:
-    """Whether a word says a number, or the number of an object as `#7` or `object 7`."""
-    word = re.sub(r'^(object|#)\s*#?\s*', '', loose)
-    return word.isnumeric() or re.fullmatch(r'[-+]?(?=\D?\d)[\d. \u2044]+(e[-+]?\d+)?', word) is not None
-
-
-def usual_form(name: str) -> str:
-    """A name as keyboards give it: composed, of ordinary width."""
-    unusual = tuple(f'<{form}>' for form in OTHER_FORMS)
-    ordinary = (
-        unicodedata.normalize('NFKC', character)
-        if unicodedata.decomposition(character).startswith(unusual)
-        else character
-        for character in name
-    )
-    return composed(''.join(ordinary))
-
-
-def composed(name: str) -> str:
-    """A name in the form of Unicode that keyboards give."""
-    return unicodedata.normalize('NFC', name)
+@cache
+def _reserved_forms() -> Mapping[str, str]:
+    """The reserved words by what is said of them, with and without their accents."""
+    forms = {said(word): word for word in RESERVED}
+    plain = {without_accents(form): word for form, word in forms.items()}
+    return {form: word for form, word in {**plain, **forms}.items() if form}
 
 
 def meant(word: str, names: Iterable[str]) -> list[str]:
@@ -214,16 +125,24 @@ def meant(word: str, names: Iterable[str]) -> list[str]:
     return []
 
 
-def near(word: str, names: Collection[str]) -> str | None:
-    """The name that a word is a slip of, if there is one: to be suggested, never to be taken for it."""
-    by_key = {loosely(name): name for name in names}
-    found = difflib.get_close_matches(loosely(word[: 2 * LONGEST_QUOTED]), by_key, 1, LIKENESS)
-    return by_key[found[0]] if found else None
+def near(word: str, names: Collection[str], commands: Collection[str] = ()) -> str | None:
+    """What a word is a slip of, if it is one: to be suggested, never to be taken for it.
+
+    Args:
+        word: that means nothing.
+        names: that may have been meant.
+        commands: other words that may have been, if they are nearer than every name, and near enough.
+    """
+    slip = loosely(word[: 2 * LONGEST_QUOTED])
+    lowest = {**dict.fromkeys(commands, LIKENESS_OF_COMMANDS), **dict.fromkeys(names, LIKENESS)}
+    likeness = {known: difflib.SequenceMatcher(None, loosely(known), slip).ratio() for known in (*names, *commands)}
+    near_enough = [known for known, ratio in likeness.items() if ratio >= lowest[known]]
+    return max(near_enough, key=likeness.__getitem__, default=None)
 
 
-def suggestion(word: str, names: Collection[str]) -> str:
-    """What to say of a word that means nothing: `; did you mean snack?`, or nothing."""
-    name = near(word, names)
+def suggestion(word: str, names: Collection[str], commands: Collection[str] = ()) -> str:
+    """What to say of a word that means nothing: `; did you mean snack?`, or nothing; see `near`."""
+    name = near(word, names, commands)
     return '' if name is None else f'; did you mean {name}?'
 
 
@@ -245,10 +164,3 @@ def parted(text: str) -> list[str]:
 
 def _trimmed(word: str) -> str:
     return composed(word.strip())
-
-
-def _plain(character: str) -> str:
-    """A question mark or a digit of any script as that of ASCII."""
-    if character in QUESTION_MARKS:
-        return '?'
-    return str(unicodedata.decimal(character)) if character.isdecimal() else character

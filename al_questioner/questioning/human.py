@@ -10,16 +10,9 @@ from typing import Protocol, TextIO
 import numpy as np
 
 from al_questioner.domain import NO_SYMBOL, Action, EpisodeError, InputError, QueryKind
-from al_questioner.domain.names import (
-    FEATURES_WORDS,
-    HELP_WORDS,
-    LONGEST_QUOTED,
-    NOTHING_WORDS,
-    loosely,
-    meant,
-    quoted,
-    suggestion,
-)
+from al_questioner.domain.names import LONGEST_QUOTED, meant, quoted, suggestion
+from al_questioner.domain.reserved_words import FEATURES_WORDS, HELP_WORDS, NOTHING_WORDS
+from al_questioner.domain.spelling import loosely
 from al_questioner.questioning.candidates import is_open
 from al_questioner.questioning.choice import Choice, settled_actions
 from al_questioner.questioning.decision_features import symbol_given_object
@@ -185,7 +178,7 @@ def chosen_candidate(line: str, situation: Situation) -> int:
     if len(found) > 1:
         raise InputError(f'{quoted(word.strip())} could be {" or ".join(found)}: type more of it, or exactly that')
     if not found:
-        hint = suggestion(word, (*symbols, NOTHING_WORDS[0], FEATURES_WORDS[0], HELP_WORDS[0]))
+        hint = suggestion(word, symbols, (NOTHING_WORDS[0], FEATURES_WORDS[0], HELP_WORDS[0]))
         raise InputError(f'{quoted(word.strip())} is no question{hint}: {HELP}')
     if found[0] in symbols:
         return _index(Action(QueryKind.DEMONSTRATION, symbol=found[0]), situation, f'being shown a {found[0]}')

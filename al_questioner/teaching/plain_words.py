@@ -7,7 +7,9 @@ import re
 from collections.abc import Collection
 
 from al_questioner.domain import NO_SYMBOL, Answer, AnswerError, Content, Outcome, Query, QueryKind
-from al_questioner.domain.names import SKIP_WORDS, UNKNOWN_WORDS, composed, meant, parted, quoted, suggestion
+from al_questioner.domain.names import meant, parted, quoted, suggestion
+from al_questioner.domain.reserved_words import SKIP_WORDS, UNKNOWN_WORDS
+from al_questioner.domain.spelling import composed
 
 OUTCOMES = {**dict.fromkeys(UNKNOWN_WORDS, Outcome.UNKNOWN), **dict.fromkeys(SKIP_WORDS, Outcome.SKIP)}
 """What words say that are no answer, at every question."""
@@ -65,8 +67,12 @@ def _content(text: str, query: Query, others: Collection[str]) -> Content | Outc
 
 def _words(query: Query) -> tuple[str, ...]:
     """What can be said to a query in one word."""
+    return (*query.choices, *_other_words(query))
+
+
+def _other_words(query: Query) -> tuple[str, ...]:
     nothing = () if query.action.kind is QueryKind.FEATURE_SUBSET else (NO_SYMBOL,)
-    return (*query.choices, *nothing, *OUTCOMES)
+    return (*nothing, *OUTCOMES)
 
 
 def _only(text: str, found: list[str], query: Query, others: Collection[str]) -> str:
@@ -76,7 +82,7 @@ def _only(text: str, found: list[str], query: Query, others: Collection[str]) ->
         raise AnswerError(f'{word} could be {" or ".join(found)}: write it exactly so')
     if found:
         return found[0]
-    hint = suggestion(text, (*_words(query), *others))
+    hint = suggestion(text, query.choices, (*_other_words(query), *others))
     expected = ', '.join(choice for choice in _words(query) if choice != 'unknown')
     raise AnswerError(f'{word} does not answer {query.text!r}{hint}; expected one of: {expected}')
 

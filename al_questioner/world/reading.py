@@ -9,8 +9,9 @@ from types import MappingProxyType
 from typing import Any, NamedTuple, TypeVar
 
 from al_questioner.domain import Costs, InputError, QueryKind, SettingsError
-from al_questioner.domain.names import check_names, composed
-from al_questioner.strategy_names import check_strategy
+from al_questioner.domain.names import check_names
+from al_questioner.domain.spelling import composed
+from al_questioner.questioning.strategies.names import check_strategy
 
 Reader = Callable[[Any, str], Any]
 Section = TypeVar('Section')

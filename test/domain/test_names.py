@@ -10,22 +10,15 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from al_questioner.domain import InputError
-from al_questioner.domain.names import (
-    RESERVED,
-    check_names,
-    joined,
-    loosely,
-    meant,
-    near,
-    parted,
-    quoted,
-    unsayable,
-)
-from al_questioner.teaching.plain_words import OUTCOMES
-from al_questioner.teaching.terminal.commands import WISHES
-from al_questioner.teaching.terminal.keypad import COMMANDS
+from al_questioner.domain.names import check_names, joined, meant, near, parted, quoted, unsayable
+from al_questioner.domain.reserved_words import RESERVED
+from al_questioner.domain.spelling import loosely
+from al_questioner.questioning.plain_words import OUTCOMES
+from al_questioner.terminal.commands import WISHES
+from al_questioner.terminal.keypad import COMMANDS
 
 NUMBER, COMMA, BLANK = 'a number means an object', 'a comma parts names', 'begins or ends with a blank'
+NO_LETTER = 'it holds no letter'
 
 
 @pytest.mark.parametrize(
@@ -51,12 +44,38 @@ NUMBER, COMMA, BLANK = 'a number means an object', 'a comma parts names', 'begin
         ('a、b', 'a comma parts names'),
         ('desconocido', "means 'unknown'"),
         ('スキップ', "means 'skip'"),
-        *((name, NUMBER) for name in ('7', '#7', 'object 7', '٧', '½', '-3', '1.5', '1e5', '1 000', '９')),
+        *((name, NUMBER) for name in ('7', '#7', 'object 7', '٧', '½', '-3', '1.5', '1e5', '1 000', '９', '三')),
+        *((name, NUMBER) for name in ('Ⅶ', '⑴', '㈦', '⒎', '٣٫٥', '1/2', '−1', '–1', '1’000', '7%', '(7)', '1:30')),
+        *((name, NUMBER) for name in ('0x1F', '0b1', '0o7', 'inf', '-Infinity', '.nan', '1e-3')),
+        *((name, NUMBER) for name in ('no. 7', 'No.7', '№ 7', 'number 7', 'Object #7', 'obj_7')),
+        *((name, NO_LETTER) for name in ('.', '...', '-', '_', '€', '&', '( )', '→')),
+        *((name, "'?' says that the teacher does not know") for name in ('??', '¿?', '?!', '…？')),
+        *(
+            (name, "'none' says")
+            for name in ('(none)', '[None]', '«none»', '“none”', '*none*', '<none>', 'none?', '`none`')
+        ),
+        *((name, "'skip' skips a question") for name in ('skip?', '~skip~', 'skip…', 'ѕкір')),
+        *((name, 'that a thing belongs to no symbol') for name in ('no', 'NULL', 'nil', 'n/a', 'nоne', 'ΝΟΝΕ')),
+        *((name, 'does not know') for name in ('don’t know', 'dont know', 'not sure', 'I don´t know')),
+        *((name, 'what people say to a program') for name in ('yes', 'True', 'false', 'done', 'Next')),
+        *(
+            (name, "means 'none'")
+            for name in ('無', 'нет', 'niks', 'brak', 'hiçbiri', 'HİÇBİRİ', 'hicbiri', 'ei mitään')
+        ),
+        *((name, "means 'none'") for name in ('không', 'tidak ada', 'κανένα', 'ΚΑΝΕΝΑ', 'כלום', 'कोई नहीं')),
+        *(
+            (name, "means 'unknown'")
+            for name in ('weiß nicht', 'WEISS NICHT', 'άγνωστο', 'غير معروف', 'अज्ञात', 'no se')
+        ),
+        *((name, "means 'unknown'") for name in ('bilinmiyor', 'לא ידוע', 'δεν ξέρω', 'non lo so', 'نمی‌دانم')),
+        *((name, "means 'skip'") for name in ('hoppa över', 'hoppa over', 'atla', 'ohita', 'bỏ qua', 'דלג', 'пропуск')),
         *((name, COMMA) for name in ('cup,plate', 'cup，plate')),
         *((name, BLANK) for name in (' cup', 'cup ', '\u00a0cup', 'cup\u3000')),
         ('', 'it is empty'),
         ('  ', 'it is empty'),
         ('cu\u200bp', 'the invisible character U+200B'),
+        ('c\u200cup', 'the invisible character U+200C'),
+        ('\u200cنان', 'the invisible character U+200C'),
         ('cup\n', 'the invisible character U+000A'),
         ('cup\u00ad', 'the invisible character U+00AD'),
         ('\u3164', 'the invisible character U+3164'),
@@ -87,6 +106,23 @@ def test_a_name_that_people_cannot_say_is_refused_with_the_reason(name: str, rea
         ('ΣΟΦΟΣ', 'σοφος'),
         ('ÉTÉ', 'été'),
         ('x²', 'x2'),
+        ('cup.', 'cup'),
+        ('cup', '(cup)!'),
+        ('cup-x', 'cup x'),
+        ('cup–x', 'cup-x'),
+        ('o’clock', "o'clock"),
+        ('KIRMIZI', 'kırmızı'),
+        ('ёлка', 'елка'),
+        ('сup', 'cup'),
+        ('СОР', 'cop.'),
+        ('Α', 'a'),
+        ('کیک', 'كيك'),
+        ('كـأس', 'كأس'),
+        ('كَأْس', 'كاس'),
+        ('כּוֹס', 'כוס'),
+        ('かっぷ', 'カップ'),
+        ('☕', '☕\ufe0f'),
+        ('می\u200cخواهم', 'میخواهم'),
     ],
 )
 def test_two_names_that_sound_the_same_are_refused(one: str, other: str) -> None:
@@ -113,6 +149,33 @@ def test_ordinary_names_of_many_languages_are_fine() -> None:
             'nonesuch',
             "d'eau",
             'a b',
+            'می\u200cخواهم',
+            'ශ්\u200dරී',
+            'നന്\u200d',
+            '☕\ufe0f',
+            '👨\u200d👩\u200d👧',
+            '❤\ufe0f\u200d🔥',
+            '🍎',
+            '🍐',
+            'v1.2 b',
+            'v12 b',
+            'bär',
+            'bar',
+            'कुप',
+            'C',
+            'C++',
+            'C#',
+            'Na',
+            'nose',
+            'nić',
+            'het',
+            'VII',
+            'no.2 pencil',
+            'nonstick pan',
+            '2x4',
+            'T-shirt',
+            'Ei',
+            'cap',
         ],
         'symbol',
     )
@@ -142,6 +205,10 @@ def test_every_word_that_is_a_command_anywhere_is_reserved() -> None:
         (unicodedata.normalize('NFC', 'Früchte'), [unicodedata.normalize('NFD', 'Früchte')], ['Fru\u0308chte']),
         ('FRÜCHTE', ['Früchte'], ['Früchte']),
         ('main dish', ['main_dish'], ['main_dish']),
+        ('KIRMIZI', ['kırmızı'], ['kırmızı']),
+        ('елка', ['ёлка', 'елка'], ['елка']),
+        ('елка', ['ёлка', 'cup'], ['ёлка']),
+        ('☕', ['☕\ufe0f'], ['☕\ufe0f']),
         ('ｃｕｐ\u200b', ['cup'], ['cup']),
         ('STRASSE', ['straße'], ['straße']),
         ('', ['', 'cup'], []),
@@ -161,6 +228,31 @@ def test_a_near_miss_has_a_suggestion() -> None:
     assert near('Srkewdriver', ['skip', 'screwdriver']) == 'screwdriver'
     assert near('cpu', ['plate', 'cup']) == 'cup'
     assert near('fork', ['plate', 'cup']) is None
+
+
+@pytest.mark.parametrize(
+    ('word', 'found'),
+    [
+        ('fruit', None),
+        ('hello', None),
+        ('hepl', 'help'),
+        ('quti', 'quit'),
+        ('qit', 'quit'),
+        ('skap', 'snap'),
+        ('skp', 'skip'),
+        ('unkown', 'unknown'),
+    ],
+)
+def test_a_command_is_suggested_only_if_it_is_much_nearer(word: str, found: str | None) -> None:
+    """Whoever says the name of something else would be sent to quit."""
+    assert near(word, ['plate', 'cutlery', 'snap'], ['quit', 'help', 'skip', 'unknown']) == found
+
+
+def test_every_reserved_word_is_refused_however_it_is_marked() -> None:
+    """The table has ß and accents, which a comparison must fold on both sides."""
+    for word in RESERVED:
+        for form in (word, word.upper(), word.title(), f'{word}.', f'{word}?', f'({word})', f'“{word}”'):
+            assert unsayable(form), form
 
 
 @given(st.lists(st.text(min_size=1).map(str.strip).filter(bool), min_size=1), st.booleans())

@@ -21,7 +21,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from al_questioner.domain import Camera, InputError, View
-from al_questioner.domain.names import composed, meant
+from al_questioner.domain.names import meant
+from al_questioner.domain.spelling import composed
 
 _SUFFIXES = ('_crop.png', '_depthcrop.png', '_maskcrop.png', '_loc.txt')
 _STEM = re.compile(r'(?P<category>.+)_(?P<instance>\d+)_(?P<video>\d+)_(?P<frame>\d+)')
