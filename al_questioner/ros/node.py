@@ -31,7 +31,8 @@ from al_questioner.ros.hearing import Hearing, full_name, unserved
 from al_questioner.ros.overrides import check_overrides, overriding_options
 from al_questioner.ros.types import text
 from al_questioner.ros.worker import Worker
-from al_questioner.throttle import RepeatThrottle
+from al_questioner.support.rate_limiter import RepeatThrottle
+from al_questioner.support.text import number_of
 
 DIAGNOSTICS_PERIOD = 1.0
 """Seconds between two messages on /diagnostics."""
@@ -164,7 +165,7 @@ class QuestionerNode(Node):
         self._refused_at = time.monotonic()
         if self._said.passes(f'{topic}: {DETAIL.sub("", reason)}'):
             more = self._said.held_back()
-            others = f' ({more} other refusals were only counted)' if more else ''
+            others = f' ({number_of(more, "other refusal was", "other refusals were")} only counted)' if more else ''
             self.get_logger().warning(f'refused on {topic}: {reason}{others}')
 
     def does(self, activity: str, expected_within: float = math.inf) -> None:

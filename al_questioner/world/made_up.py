@@ -53,9 +53,9 @@ class MadeUpWorld(SimulatedWorld):
 
     def report(self) -> str:
         """What was made up."""
-        return (
-            f'dry run on made-up features: {", ".join(self.relevant_groups)} matter, {self._irrelevant_group} does not'
-        )
+        matter = 'matters' if len(self.relevant_groups) == 1 else 'matter'
+        groups = ', '.join(self.relevant_groups)
+        return f'dry run on made-up features: {groups} {matter}, {self._irrelevant_group} does not'
 
     def _observe(self, sight: Sight, object_id: int) -> Observation:
         rng = generator(self._sample_number, f'made up/observation/{sight.key}')

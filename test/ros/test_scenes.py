@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections import Counter
 from pathlib import Path
+from types import SimpleNamespace
 from typing import Any
 
 import numpy as np
@@ -75,3 +76,14 @@ def test_a_stream_of_nonsense_is_logged_once_a_second(graph: Any, capfd: pytest.
     assert said.count('has no field') <= seconds
     assert said.count('is not finite') >= 1 <= said.count('has no field')
     assert learner.counts() == {'refused on objects': 600}
+
+
+@pytest.mark.parametrize(('count', 'said'), [(1, '1 other refusal was'), (2, '2 other refusals were')])
+def test_refusals_that_were_not_logged_are_counted_in_english(
+    graph: Any, capfd: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch, count: int, said: str
+) -> None:
+    """It would say that 1 other refusals were counted."""
+    learner = graph.start(LearnerNode, **graph.episode)
+    monkeypatch.setattr(learner, '_said', SimpleNamespace(passes=lambda _: True, held_back=lambda: count))
+    learner.refuse('objects', 'the cloud has no field object_id')
+    assert f'({said} only counted)' in capfd.readouterr().err

@@ -48,6 +48,15 @@ def test_a_task_without_groups_gets_some(kitchen: Task) -> None:
     assert {name.split('_')[0] for name in noisy.scene(1)[0].sensors} == {'noise', 'other'}
 
 
+@pytest.mark.parametrize(
+    ('groups', 'said'), [(('color',), 'color matters,'), (('color', 'size'), 'color, size matter,')]
+)
+def test_what_was_made_up_is_told_in_english(kitchen: Task, groups: tuple[str, ...], said: str) -> None:
+    """It would say that color matter."""
+    world = MadeUpWorld(replace(kitchen, relevant_groups=groups), 1, 1)
+    assert world.report() == f'dry run on made-up features: {said} noise does not'
+
+
 def test_the_same_seed_makes_up_the_same(kitchen: Task) -> None:
     """Nobody could compare two strategies in a dry run."""
     one, again, other = made_up(kitchen), made_up(kitchen), made_up(kitchen, 2)

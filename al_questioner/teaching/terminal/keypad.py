@@ -7,10 +7,11 @@ from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
 from al_questioner.domain import NO_SYMBOL, Query, QueryKind
-from al_questioner.domain.names import joined, loosely
-from al_questioner.teaching.terminal.board import Board, Phase
-from al_questioner.teaching.terminal.commands import Command, Explain, Say, Wish, read_line
-from al_questioner.teaching.terminal.safe_text import printable
+from al_questioner.domain.names import joined
+from al_questioner.domain.spelling import loosely
+from al_questioner.terminal.board import Board, Phase
+from al_questioner.terminal.commands import Command, Explain, Say, Wish, read_line
+from al_questioner.terminal.safe_text import printable
 
 COMMANDS: dict[str, Command] = {
     'n': Say(NO_SYMBOL),
@@ -110,10 +111,10 @@ def press(key: str, pad: Pad, board: Board) -> tuple[Pad, Command | None]:
         return (Pad(here), None) if pad != Pad(here) else (pad, Wish.UNDO if board.corrected is not None else None)
     if key == 'backspace' and not pad.typed:
         return pad, Wish.UNDO
-    if query.action.kind is QueryKind.LABEL:
-        return _at_label(key, pad, query, doubted)
     if key.lower() in COMMANDS and not pad.typed:
-        return pad, COMMANDS[key.lower()]
+        return _command(key, pad, query, doubted)
+    if query.action.kind is QueryKind.LABEL:
+        return _at_label(key, pad, query)
     if query.action.kind is QueryKind.DEMONSTRATION:
         return _at_demonstration(key, pad)
     return _at_feature_subset(key, pad, query)
@@ -131,25 +132,41 @@ def _typed_word(key: str, pad: Pad, query: Query) -> tuple[Pad, Command | None]:
     return _append(key, pad), None
 
 
-def _at_label(key: str, pad: Pad, query: Query, doubted: str) -> tuple[Pad, Command | None]:
-    keys = letters(query.choices)
-    for symbol, letter in keys.items():
-        if key == letter:
-            return pad, Say(symbol)
-    # A name may begin with a capital: both cases mean a letter, unless there are so many names that one is another's.
-    for symbol, letter in keys.items():
-        if key.lower() == letter:
-            return pad, Say(symbol)
-    command = COMMANDS.get(key.lower())
-    if command is None:
-        return pad, Explain(f'{_named(key)} is the key of no answer; h explains')
-    alike = next((symbol for symbol in query.choices if loosely(symbol).startswith(key.lower())), None)
+def _command(key: str, pad: Pad, query: Query, doubted: str) -> tuple[Pad, Command | None]:
+    """What a key means that is a command; where a choice begins with it, only if it is pressed twice."""
+    command = COMMANDS[key.lower()]
+    # Where numbers are asked for, no letter can be meant as the first one of a choice.
+    choices = () if query.action.kind is QueryKind.DEMONSTRATION else query.choices
+    alike = next((choice for choice in choices if loosely(choice).startswith(key.lower())), None)
     if alike is None or command is Wish.HELP or doubted == key.lower():
         return pad, command
     # Who presses the first letter of a name means that name, and would otherwise have said something else unawares.
-    other = f'press {keys[alike]}' if alike in keys else 'type it after a colon'
-    explained = f'{_named(key)} means {_meaning(command)} here: press it again for that; for {alike} {other}'
+    explained = f'{_named(key)} means {_meaning(command)} here: press it again for that; {_way_to_say(alike, query)}'
     return replace(pad, doubted=key.lower()), Explain(explained)
+
+
+def _at_label(key: str, pad: Pad, query: Query) -> tuple[Pad, Command | None]:
+    symbols = {letter: symbol for symbol, letter in letters(query.choices).items()}
+    if key in symbols:
+        return pad, Say(symbols[key])
+    # A name may begin with a capital: both cases mean a letter, unless there are so many names that one is another's.
+    symbol = symbols.get(key.lower())
+    if symbol is None:
+        return pad, Explain(f'{_named(key)} is the key of no answer; h explains')
+    capitals = [other for other in query.choices if other.startswith(key)]
+    if not capitals or symbol in capitals:
+        return pad, Say(symbol)
+    ways = f'{_way_to_say(symbol, query)}, {_way_to_say(capitals[0], query)}'
+    return pad, Explain(f'{_named(key)} could mean two things: {ways}')
+
+
+def _way_to_say(choice: str, query: Query) -> str:
+    """How to say a choice by key."""
+    if query.action.kind is QueryKind.FEATURE_SUBSET:
+        position = query.choices.index(choice) + 1
+        return f'for {choice} ' + (f'press {position}' if position <= 9 else 'use arrows and space')
+    key = letters(query.choices).get(choice)
+    return f'for {choice} ' + (f'press {key}' if key else 'type it after a colon')
 
 
 def _meaning(command: Command) -> str:

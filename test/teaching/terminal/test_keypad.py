@@ -81,8 +81,45 @@ def test_the_first_letter_of_a_name_is_a_command_only_if_it_is_pressed_twice(
     assert pressed(board, key, key) == [explained, command]
     assert pressed(board, key, 'c', key) == [explained, Say('cup'), explained]
     assert pressed(board, key, 'h', key) == [explained, Wish.HELP, explained]
-    # Elsewhere no name is said by a letter.
+    # Where numbers are asked for, no name is said by a letter.
     assert pressed(person.asked(made.demonstration(2)), key) == [command]
+
+
+@pytest.mark.parametrize(
+    ('group', 'key', 'command'),
+    [('size', 's', Say('skip')), ('noise', 'n', Say('none')), ('Unit', 'U', Say('?')), ('zone', 'z', Wish.UNDO)],
+)
+def test_the_first_letter_of_a_group_is_a_command_only_if_it_is_pressed_twice(
+    person: Any, made: Any, group: str, key: str, command: object
+) -> None:
+    """Whoever presses s for size would skip the question, and q for quality would end the conversation."""
+    board = person.asked(made.feature_subset(1, ('colour', group)))
+    (explained,) = pressed(board, key)
+    assert isinstance(explained, Explain)
+    assert f'for {group} press 2' in explained.text
+    assert pressed(board, key, key) == [explained, command]
+    assert pressed(board, key, '2', 'enter') == [explained, Say(group)]
+    assert pressed(board, '1', key, key) == [explained, command]
+    assert pressed(board, 'q') == [Wish.QUIT]
+
+
+def test_a_group_beyond_the_digits_is_ticked_otherwise(person: Any, made: Any) -> None:
+    """There is no key 10."""
+    board = person.asked(made.feature_subset(1, (*'abcdefgij', 'size')))
+    (explained,) = pressed(board, 's')
+    assert isinstance(explained, Explain)
+    assert 'for size use arrows and space' in explained.text
+
+
+def test_a_capital_is_no_choice_where_another_symbol_begins_so(person: Any, made: Any) -> None:
+    """Whoever begins to spell A1 would say a."""
+    board = person.asked(made.label(1, symbols=('a', 'A1')))
+    (explained,) = pressed(board, 'A')
+    assert isinstance(explained, Explain)
+    assert explained.text == '"A" could mean two things: for a press a, for A1 press 1'
+    assert pressed(board, 'a', '1') == [Say('a'), Say('A1')]
+    assert pressed(person.asked(made.label(2, symbols=('Apple', 'Ape'))), 'A', 'a') == [Say('Apple'), Say('Apple')]
+    assert pressed(person.asked(made.label(3, symbols=('a', 'b1'))), 'A') == [Say('a')]
 
 
 @settings(deadline=None)
