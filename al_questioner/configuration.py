@@ -11,6 +11,8 @@ import yaml
 
 from al_questioner import strict_yaml
 from al_questioner.domain import InputError
+from al_questioner.domain.names import suggestion
+from al_questioner.support import strict_yaml
 
 
 @lru_cache(maxsize=1)
@@ -47,8 +49,9 @@ def named_file(folder: str, name_or_path: str, what: str) -> Path:
         raise InputError(f'{what} file {name_or_path} does not exist')
     if path.is_file():
         raise InputError(f'{name_or_path} is no {what} file: the name of one ends in .yaml')
-    known = ', '.join(shipped_names(folder))
-    raise InputError(f'unknown {what} {name_or_path!r}; known: {known}, or the path of a YAML file')
+    known = shipped_names(folder)
+    hint = suggestion(name_or_path, known)
+    raise InputError(f'unknown {what} {name_or_path!r}; known: {", ".join(known)}, or the path of a YAML file{hint}')
 
 
 def named_bag(name_or_path: str) -> Path:

@@ -9,6 +9,7 @@ import logging
 from importlib.metadata import EntryPoint, entry_points
 
 from al_questioner.domain import SettingsError
+from al_questioner.domain.names import suggestion
 
 SHIPPED = (
     'u_sampling',
@@ -53,7 +54,8 @@ def contribution(name: str) -> EntryPoint:
     """
     contributed = contributions()
     if name not in contributed:
-        raise SettingsError(f'unknown strategy {name!r}; known: {", ".join((*SHIPPED, *contributed))}')
+        known = (*SHIPPED, *contributed)
+        raise SettingsError(f'unknown strategy {name!r}; known: {", ".join(known)}{suggestion(name, known)}')
     return contributed[name]
 
 

@@ -8,8 +8,8 @@ from dataclasses import MISSING, field, fields
 from types import MappingProxyType
 from typing import Any, NamedTuple, TypeVar
 
-from al_questioner.domain import Costs, InputError, QueryKind, SettingsError
-from al_questioner.domain.names import check_names
+from al_questioner.domain import LARGEST_AMOUNT, Costs, InputError, QueryKind, SettingsError
+from al_questioner.domain.names import check_names, suggestion
 from al_questioner.domain.spelling import composed
 from al_questioner.questioning.strategies.names import check_strategy
 
@@ -46,7 +46,7 @@ def read_section(section: type[Section], content: Any, where: str) -> Section:
     readers = {f.name: f for f in fields(section)}  # type: ignore[arg-type]
     for key in content:
         if key not in readers:
-            raise InputError(f'{where}: unknown key {key!r}; known: {", ".join(readers)}')
+            raise InputError(f'{where}: unknown key {key!r}; known: {", ".join(readers)}{suggestion(key, readers)}')
     for name, entry in readers.items():
         if name not in content and entry.default is MISSING and entry.default_factory is MISSING:
             raise InputError(f'{where}: key {name!r} is missing')
@@ -112,7 +112,8 @@ def choice(*known: str) -> Reader:
 
     def read(value: Any, where: str) -> str:
         if value not in known:
-            raise InputError(f'{where}: unknown {value!r}; known: {", ".join(known)}')
+            hint = suggestion(value, known) if isinstance(value, str) else ''
+            raise InputError(f'{where}: unknown {value!r}; known: {", ".join(known)}{hint}')
         return str(value)
 
     return read
@@ -172,10 +173,10 @@ def costs(value: Any, where: str) -> Costs:
     known = [member.name for member in fields(Costs)]
     for name in members:
         if name not in known:
-            raise InputError(f'{where}: unknown key {name!r}; known: {", ".join(known)}')
+            raise InputError(f'{where}: unknown key {name!r}; known: {", ".join(known)}{suggestion(name, known)}')
     return Costs(
         **{
-            name: number(0, math.inf if name in kinds else 1)(given, f'{where}: {name}')
+            name: number(0, LARGEST_AMOUNT if name in kinds else 1)(given, f'{where}: {name}')
             for name, given in members.items()
         }
     )
@@ -192,3 +193,8 @@ def strategy(value: Any, where: str) -> str:
 def section_of(section: type[Any]) -> Reader:
     """Accepts a mapping that `read_section` can turn into the dataclass."""
     return lambda value, where: read_section(section, value, where)
+
+
+def defaults_of(section: type[Any]) -> Any:
+    """A dataclass field for a section of a file that may be left out, or left empty; each key of it has a default."""
+    return setting(unless_empty(section_of(section), section()), section())

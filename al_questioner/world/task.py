@@ -6,16 +6,16 @@ import math
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from types import MappingProxyType
-from typing import Any
 
 from al_questioner.configuration import named_file, read_yaml
 from al_questioner.domain import LARGEST_AMOUNT, NO_SYMBOL, Costs, InputError
-from al_questioner.world.reading import (
+from al_questioner.domain.names import suggestion
+from al_questioner.simulation.task_reading import (
     Interval,
     choice,
     costs,
+    defaults_of,
     interval,
-    mapping,
     names_of,
     number,
     read_section,
@@ -46,7 +46,7 @@ class EpisodeDefaults:
     budget: float = setting(number(0, LARGEST_AMOUNT), 25.0)
     turns: int = setting(whole(1, 10_000), 40)
     strategy: str = setting(strategy, 'value_per_cost')
-    costs: Costs = setting(costs, Costs())
+    costs: Costs = setting(unless_empty(costs, Costs()), Costs())
 
 
 @dataclass(frozen=True)
@@ -239,20 +239,18 @@ def load_task(name_or_path: str) -> Task:
         InputError: no such task, or a file that is not a valid task; the text names the file and the key.
     """
     path = named_file('tasks', str(name_or_path), 'task')
-    content = dict(mapping(read_yaml(path), path.name))
-    if 'costs' in content:
-        # Beside the budget that they are paid from, wherever they stand in the file.
-        content['episode'] = _with_costs(content.get('episode', {}), content.pop('costs'), path.name)
+    content = read_yaml(path)
     document = read_section(_Document, content, path.name)
-    task = Task(name=path.stem, **{name: getattr(document, name) for name in _Document.__dataclass_fields__})
+    parts = {name: getattr(document, name) for name in _Document.__dataclass_fields__}
+    beside = parts.pop('costs')
+    if beside is not None:
+        if (content.get('episode') or {}).get('costs') is not None:
+            raise InputError(f'{path.name}: costs stand twice, in episode and beside it')
+        # With the budget that they are paid from, wherever they stand in the file.
+        parts['episode'] = replace(document.episode, costs=beside)
+    task = Task(name=path.stem, **parts)
     _check(task, path.name)
     return task
-
-
-def _with_costs(episode: Any, found: Any, where: str) -> Mapping[str, Any]:
-    if 'costs' in mapping(episode, f'{where}: episode'):
-        raise InputError(f'{where}: costs stand twice, in episode and beside it')
-    return {**episode, 'costs': found}
 
 
 @dataclass(frozen=True)
@@ -261,13 +259,14 @@ class _Document:
     relevant_groups: tuple[str, ...] = setting(unless_empty(names_of('feature group', has_key=False), ()), ())
     description: str = setting(unless_empty(text, ''), '')
     source: str = setting(choice('simulated', 'dataset'), 'simulated')
-    episode: EpisodeDefaults = setting(section_of(EpisodeDefaults), EpisodeDefaults())
-    scenes: SceneParameters = setting(section_of(SceneParameters), SceneParameters())
-    appearance: AppearanceParameters = setting(section_of(AppearanceParameters), AppearanceParameters())
-    camera: CameraParameters = setting(section_of(CameraParameters), CameraParameters())
-    sensors: SensorParameters = setting(section_of(SensorParameters), SensorParameters())
-    dataset: DatasetParameters | None = setting(section_of(DatasetParameters), None)
-    variety: Variety | None = setting(section_of(Variety), None)
+    episode: EpisodeDefaults = defaults_of(EpisodeDefaults)
+    costs: Costs | None = setting(unless_empty(costs, None), None)
+    scenes: SceneParameters = defaults_of(SceneParameters)
+    appearance: AppearanceParameters = defaults_of(AppearanceParameters)
+    camera: CameraParameters = defaults_of(CameraParameters)
+    sensors: SensorParameters = defaults_of(SensorParameters)
+    dataset: DatasetParameters | None = setting(unless_empty(section_of(DatasetParameters), None), None)
+    variety: Variety | None = setting(unless_empty(section_of(Variety), None), None)
 
 
 def _check(task: Task, where: str) -> None:
@@ -303,7 +302,8 @@ def _check_categories(dataset: DatasetParameters, symbols: tuple[str, ...], wher
     for category, symbol in dataset.categories.items():
         if symbol not in (*symbols, NO_SYMBOL):
             known = ', '.join((*symbols, NO_SYMBOL))
-            raise InputError(f'{where}: categories: {category}: unknown symbol {symbol!r}; known: {known}')
+            hint = suggestion(symbol, (*symbols, NO_SYMBOL))
+            raise InputError(f'{where}: categories: {category}: unknown symbol {symbol!r}; known: {known}{hint}')
     for symbol in symbols:
         if symbol not in dataset.categories.values():
             raise InputError(f'{where}: categories: no category for the symbol {symbol!r}')

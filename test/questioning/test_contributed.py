@@ -137,7 +137,7 @@ def test_an_unknown_name_is_answered_with_the_contributed_ones_too(contribute: C
     contribute('pack', mine='no_such_module:Strategy')
     with pytest.raises(SettingsError) as error:
         make_strategy('mien', {})
-    assert one_line(error) == f"unknown strategy 'mien'; known: {', '.join((*STRATEGIES, 'mine'))}"
+    assert one_line(error) == f"unknown strategy 'mien'; known: {', '.join((*STRATEGIES, 'mine'))}; did you mean mine?"
 
 
 @pytest.mark.parametrize('command', [['demo', '--offline'], ['experiment', '--task', 'prepare_lunch']])

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from dataclasses import replace
 from pathlib import Path
 from typing import Any
@@ -74,6 +75,39 @@ def test_costs_of_a_task_are_those_of_its_episodes(tmp_path: Path, content: dict
     assert episode_settings(task, costs=Costs(3, 3, 3)).costs == Costs(3, 3, 3)
 
 
+@pytest.mark.parametrize('section', ['episode', 'costs', 'scenes', 'appearance', 'camera', 'sensors', 'variety'])
+def test_a_section_that_is_left_empty_has_the_defaults(tmp_path: Path, section: str) -> None:
+    """Whoever deletes the lines below a key would be told that nothing is no mapping."""
+    content: dict[str, Any] = {'symbols': ['fruit', 'snack'], 'description': None}
+    assert load_task(_write(tmp_path, {**content, section: None})) == load_task(_write(tmp_path, content))
+
+
+def test_empty_costs_are_not_stated_twice(tmp_path: Path) -> None:
+    """The costs beside an empty key would be refused."""
+    content = {'symbols': ['fruit', 'snack'], 'episode': {'costs': None, 'budget': 9}, 'costs': {'label': 3}}
+    task = load_task(_write(tmp_path, content))
+    assert (task.episode.costs, task.episode.budget) == (Costs(label=3), 9)
+    content = {'symbols': ['fruit', 'snack'], 'episode': {'costs': {'label': 3}}, 'costs': None}
+    assert load_task(_write(tmp_path, content)).episode.costs == Costs(label=3)
+
+
+def test_a_slip_in_a_task_has_a_suggestion(tmp_path: Path) -> None:
+    """People would compare their word with a list of ten."""
+    for more, hint in (
+        ({'episode': {'strategy': 'u_samplng'}}, 'human; did you mean u_sampling?'),
+        ({'scens': {}}, 'variety; did you mean scenes?'),
+        ({'costs': {'lable': 1}}, 'unanswered; did you mean label?'),
+        ({'scenes': {'turnover': 'objects'}}, "unknown 'objects'; known: state, object; did you mean object?"),
+    ):
+        with pytest.raises(InputError, match=re.escape(hint)):
+            load_task(_write(tmp_path, {'symbols': ['fruit', 'snack'], **more}))
+    task = load_task(_write(tmp_path, {'symbols': ['fruit', 'snack'], 'appearance': {'catalogue': 'pack_lunchbx'}}))
+    with pytest.raises(InputError, match=r"unknown catalogue 'pack_lunchbx'; known: .*; did you mean pack_lunchbox\?"):
+        make_world(task, 1)
+    with pytest.raises(InputError, match=r"unknown task 'kitchen_tabel'; known: .*; did you mean kitchen_table\?"):
+        load_task('kitchen_tabel')
+
+
 def test_words_that_refer_to_a_symbol_may_be_decomposed(tmp_path: Path) -> None:
     """An editor on a Mac would make a task that is refused with a text that shows the very same word."""
     content = {
@@ -96,7 +130,7 @@ def test_unknown_task_lists_the_known_ones() -> None:
 @pytest.mark.parametrize(
     ('section', 'key', 'value', 'message'),
     [
-        (None, 'colour', 1, r"mine.yaml: unknown key 'colour'"),
+        (None, 'colour', 1, r"mine.yaml: unknown key 'colour'; known: symbols, .*episode, costs, scenes"),
         ('scenes', 'objekts', 1, r"mine.yaml: scenes: unknown key 'objekts'; known: objects"),
         ('scenes', 'objects', 0, r'mine.yaml: scenes: objects: 0 is outside \[1, 200\]'),
         ('scenes', 'objects', 2.5, r'scenes: objects: expected a whole number, found 2.5'),
@@ -137,6 +171,9 @@ def test_unknown_task_lists_the_known_ones() -> None:
         ('episode', 'costs', {'label': -1}, r'episode: costs: label: -1 is outside'),
         ('episode', 'costs', {'skip': 1.5}, r'episode: costs: skip: 1.5 is outside \[0, 1\]'),
         ('episode', 'costs', 2, r'episode: costs: expected a mapping, found 2'),
+        ('episode', 'costs', {'label': 1e200}, r'episode: costs: label: 1e\+200 is outside \[0, 1e\+12\]'),
+        (None, 'costs', {'label': 1e200}, r'mine.yaml: costs: label: 1e\+200 is outside'),
+        (None, 'costs', 2, r'mine.yaml: costs: expected a mapping, found 2'),
         (None, 'costs', {'label': 1}, r'costs stand twice, in episode and beside it'),
         (None, 'source', 'dataset', r'a dataset section belongs to source: dataset'),
         (None, 'dataset', {'categories': {'apple': 'fruit'}}, r'a dataset section belongs to source: dataset'),
