@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from functools import lru_cache
 from pathlib import Path
 from typing import Any
@@ -80,18 +80,42 @@ def read_yaml(path: Path) -> Mapping[str, Any]:
         InputError: the file cannot be read, is no YAML, holds something else than a mapping, or a value or key that
             cannot be relied on, see `strict_yaml`; the text names the file and, where there is one, the line.
     """
+    return _mapping_in(path, strict_yaml.parse)
+
+
+def read_parameter_file(path: Path) -> tuple[Mapping[str, Any], list[str]]:
+    """The mapping in a parameter file of ROS, and what ROS may take otherwise in it than it was meant, with the lines.
+
+    Raises:
+        InputError: the file cannot be read, is no YAML, or holds something else than a mapping.
+    """
+    doubts: list[str] = []
+
+    def parse(content: bytes) -> Any:
+        found, faults = strict_yaml.parse_for_ros(content)
+        doubts.extend(_described(path, fault) for fault in faults)
+        return found
+
+    return _mapping_in(path, parse), doubts
+
+
+def _mapping_in(path: Path, parse: Callable[[bytes], Any]) -> Mapping[str, Any]:
     try:
         with path.open('rb') as file:
-            content = strict_yaml.parse(file.read(strict_yaml.MOST_BYTES + 1))
+            content = parse(file.read(strict_yaml.MOST_BYTES + 1))
     except OSError as error:
         raise InputError(f'{path}: cannot be read ({error.strerror})') from error
     except yaml.MarkedYAMLError as error:
-        mark = error.problem_mark or error.context_mark
-        line = f', line {mark.line + 1}' if mark else ''
-        reason = ' '.join(', '.join(part for part in (error.context, error.problem) if part).split())
-        fault = reason if isinstance(error, strict_yaml.RefusedYAMLError) else f'not valid YAML ({reason})'
-        raise InputError(f'{path}{line}: {fault}') from error
+        raise InputError(_described(path, error)) from error
     if not isinstance(content, Mapping):
         found = 'nothing' if content is None else type(content).__name__
         raise InputError(f'{path}: expected a mapping of settings, found {found}')
     return content
+
+
+def _described(path: Path, error: yaml.MarkedYAMLError) -> str:
+    mark = error.problem_mark or error.context_mark
+    line = f', line {mark.line + 1}' if mark else ''
+    reason = ' '.join(', '.join(part for part in (error.context, error.problem) if part).split())
+    fault = reason if isinstance(error, strict_yaml.RefusedYAMLError) else f'not valid YAML ({reason})'
+    return f'{path}{line}: {fault}'

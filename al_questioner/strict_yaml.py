@@ -22,6 +22,7 @@ MOST_VALUES = 100_000
 LARGEST_WHOLE = 2**63 - 1
 
 _STRING, _MERGE = 'tag:yaml.org,2002:str', 'tag:yaml.org,2002:merge'
+_ROS_WORDS = {'y': True, 'Y': True, 'n': False, 'N': False}
 _WORDS = {'true': True, 'false': False, 'null': None, '~': None, '': None, '.nan': float('nan')}
 
 
@@ -37,10 +38,27 @@ def parse(content: bytes) -> Any:
         RefusedYAMLError: what cannot be relied on: a key that occurs twice, or a plain word that YAML 1.1 and 1.2 read
             differently, such as 010, 1:30, no, 1_000 or 1e3; a tag; too much.
     """
+    return _read(content, None)
+
+
+def parse_for_ros(content: bytes) -> tuple[Any, list[MarkedYAMLError]]:
+    """What a document holds that ROS reads, too, and everything in it that ROS may take otherwise than it was meant.
+
+    A plain y or n is a truth value to ROS, but for a key.
+
+    Raises:
+        yaml.MarkedYAMLError: no YAML, or too much, see `parse`.
+    """
+    doubts: list[MarkedYAMLError] = []
+    found = _read(content, doubts)
+    return found, sorted(doubts, key=lambda doubt: doubt.problem_mark.line if doubt.problem_mark else 0)
+
+
+def _read(content: bytes, doubts: list[MarkedYAMLError] | None) -> Any:
     if len(content) > MOST_BYTES:
         raise RefusedYAMLError(problem=f'larger than {MOST_BYTES} bytes')
     try:
-        return _Loader(content).get_single_data()
+        return _Loader(content, doubts).get_single_data()
     except ReaderError as error:
         before = content.decode(errors='replace')[: error.position]
         mark = Mark('', error.position, before.count('\n'), 0, None, 0)
@@ -53,10 +71,16 @@ def text_of(document: Any) -> str:
 
 
 class _Loader(yaml.SafeLoader):
-    """A safe loader that looks at each node as soon as it is complete, when its line is known."""
+    """A safe loader that looks at each node as soon as it is complete, when its line is known.
 
-    def __init__(self, content: bytes) -> None:
+    Args:
+        content: of a document.
+        doubts: takes what two readers would differ about; it is refused if that is None.
+    """
+
+    def __init__(self, content: bytes, doubts: list[MarkedYAMLError] | None = None) -> None:
         super().__init__(content)
+        self._doubts = doubts
         self._level = 0
         self._extents: dict[Node, tuple[int, int]] = {}
 
@@ -74,6 +98,10 @@ class _Loader(yaml.SafeLoader):
             return None
         if not is_alias:
             self._extents[node] = self._extent(node)
+            is_key = isinstance(parent, MappingNode) and index is None
+            is_plain = isinstance(node, ScalarNode) and event.implicit[0]
+            if self._doubts is not None and is_plain and not is_key and node.value in _ROS_WORDS:
+                self._doubt(_two_meanings(node.value, _ROS_WORDS[node.value], node.value), mark)
         elif node not in self._extents:
             raise _fault('an alias stands for what it lies in', mark)
         count, height = self._extents[node]
@@ -103,8 +131,8 @@ class _Loader(yaml.SafeLoader):
             meant = key.value if key.tag == MERGE else self.construct_object(key)
             meant = unicodedata.normalize('NFC', meant) if isinstance(meant, str) else meant
             if meant in lines:
-                raise _fault(f'key {key.value!r} occurs twice, first in line {lines[meant]}', key.start_mark)
-            lines[meant] = key.start_mark.line + 1
+                self._doubt(f'key {key.value!r} occurs twice, first in line {lines[meant]}', key.start_mark)
+            lines.setdefault(meant, key.start_mark.line + 1)
         return node
 
     def _extent(self, node: Node) -> tuple[int, int]:
@@ -124,11 +152,15 @@ class _Loader(yaml.SafeLoader):
         except (ValueError, yaml.YAMLError) as error:
             raise _fault(f'{shown} is no value; put a text in quotes', node.start_mark) from error
         if repr(here) != repr(there):
-            meanings = f'{shown} is {_in_words(here)} in YAML 1.1 and {_in_words(there)} in YAML 1.2'
-            plain = [text_of(value).splitlines()[0] for value in (here, there) if isinstance(value, (int, float))]
-            raise _fault(f"{meanings}; write {', '.join(plain)}{' or ' if plain else ''}'{shown}'", node.start_mark)
+            self._doubt(_two_meanings(shown, here, there), node.start_mark)
         if isinstance(here, int) and abs(here) > LARGEST_WHOLE:
             raise _fault(f'{shown} is too large a number', node.start_mark)
+
+    def _doubt(self, problem: str, mark: Mark) -> None:
+        fault = _fault(problem, mark)
+        if self._doubts is None:
+            raise fault
+        self._doubts.append(fault)
 
 
 class _Dumper(yaml.SafeDumper):
@@ -158,6 +190,12 @@ def meaning(text: str) -> str | int | float | bool | None:
     if re.fullmatch(r'\.(nan|NaN|NAN)|~|(null|true|false)|(Null|True|False)|(NULL|TRUE|FALSE)|', text):
         return _WORDS[text.lower()]
     return text
+
+
+def _two_meanings(shown: str, here: Any, there: Any) -> str:
+    meanings = f'{shown} is {_in_words(here)} in YAML 1.1 and {_in_words(there)} in YAML 1.2'
+    plain = [text_of(value).splitlines()[0] for value in (here, there) if isinstance(value, (int, float))]
+    return f"{meanings}; write {', '.join(plain)}{' or ' if plain else ''}'{shown}'"
 
 
 def _in_words(value: Any) -> str:

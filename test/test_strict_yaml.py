@@ -8,7 +8,8 @@ import pytest
 
 from al_questioner.configuration import config_dir, read_yaml
 from al_questioner.domain import InputError
-from al_questioner.strict_yaml import parse, text_of
+from al_questioner.support.configuration import config_dir, read_yaml
+from al_questioner.support.strict_yaml import parse, parse_for_ros, text_of
 
 BOMB = 'a: &a [1, 1, 1, 1, 1, 1, 1, 1, 1, 1]\n' + '\n'.join(
     f'{name}: &{name} [{", ".join([f"*{before}"] * 10)}]' for before, name in zip('abcdefgh', 'bcdefghi', strict=True)
@@ -124,6 +125,17 @@ def test_unusable_yaml_is_one_line(tmp_path: Path, content: bytes, reason: str) 
 def test_other_yaml_is_read_as_ever(content: bytes, values: object) -> None:
     """Own tasks of users would be refused."""
     assert parse(content) == values
+
+
+def test_all_that_ros_may_take_otherwise_is_told_with_its_line() -> None:
+    """Whoever mends the first line would be stopped at the next, and y would be a truth value without a word."""
+    lines = ('a: no', 'b: 010', 'a: 1', 'c: [x, y, "n", Y]', 'y: 1', 'd: n', 'e: !!str y', 'f: -.5')
+    content, doubts = parse_for_ros('\n'.join(lines).encode())
+    assert content == {'a': 1, 'b': 8, 'c': ['x', 'y', 'n', 'Y'], 'y': 1, 'd': 'n', 'e': 'y', 'f': '-.5'}
+    told = [(doubt.problem_mark.line + 1, doubt.problem) for doubt in doubts if doubt.problem_mark]
+    assert [line for line, _ in told] == [1, 2, 3, 4, 4, 6, 8]
+    assert (4, "y is a truth value in YAML 1.1 and a text in YAML 1.2; write true or 'y'") in told
+    assert (6, "n is a truth value in YAML 1.1 and a text in YAML 1.2; write false or 'n'") in told
 
 
 @pytest.mark.parametrize(

@@ -12,6 +12,7 @@ from al_questioner.configuration import read_yaml
 from al_questioner.domain import InputError
 from al_questioner.ros.node import QuestionerNode
 from al_questioner.ros.overrides import given_overrides
+from al_questioner.support.configuration import read_parameter_file
 
 VALUES = 'ros__parameters'
 """What stands below the name of a node in a parameter file."""
@@ -36,6 +37,17 @@ def tell_what_has_no_effect(node: QuestionerNode, arguments: Sequence[str]) -> N
     for override in given_overrides(node):
         if not node.has_parameter(override):
             logger.warning(f'parameter {override} has no effect on {own}, which has no such end')
+
+
+def with_doubts(reason: str, arguments: Sequence[str]) -> str:
+    """Why parameters are refused, and what ROS may have taken otherwise in their files than it was meant.
+
+    Args:
+        reason: as the one knows it who was handed the values, without the lines that they stand in.
+        arguments: of the process.
+    """
+    files = dict.fromkeys(value for option, value in _sources(arguments) if option == '--params-file')
+    return '; '.join([reason, *(doubt for file in files for doubt in _names_and_doubts(file)[1])])
 
 
 def _missed(names: Sequence[str], own: str) -> list[str]:
@@ -65,25 +77,38 @@ def addresses(pattern: str, name: str) -> bool:
 
 def _addressees(arguments: Sequence[str], warn: Callable[[str], None]) -> Iterator[tuple[str, list[str]]]:
     """Every source of parameters among ROS arguments, and the names of the nodes that it speaks of."""
-    is_ros = False
-    for option, value in pairwise([*arguments, '']):
-        is_ros = option == '--ros-args' or (is_ros and option != '--')
-        if is_ros and option == '--params-file':
+    for option, value in _sources(arguments):
+        if option == '--params-file':
             yield value, list(_names_in(value, warn))
-        elif is_ros and option in ('-p', '--param'):
+        else:
             node, colon, _ = value.split(':=', 1)[0].rpartition(':')
             yield f'-p {value}', [f'/{node.lstrip("/")}'] if colon else []
 
 
+def _sources(arguments: Sequence[str]) -> Iterator[tuple[str, str]]:
+    """The options among ROS arguments that give parameters, each with its value."""
+    is_ros = False
+    for option, value in pairwise([*arguments, '']):
+        is_ros = option == '--ros-args' or (is_ros and option != '--')
+        if is_ros and option in ('--params-file', '-p', '--param'):
+            yield option, value
+
+
 def _names_in(path: str, warn: Callable[[str], None]) -> Iterator[str]:
-    try:
-        content = read_yaml(Path(path))
-    except InputError as error:
+    names, doubts = _names_and_doubts(path)
+    for doubt in doubts:
         # ROS has read it, and may take the last of two equal keys, or 010 for 8: whoever wrote it should know.
-        if Path(path).is_file():
-            warn(f'{error}; ROS took the file all the same')
-        return
-    yield from _names_below('', content)
+        warn(f'{doubt}; ROS took the file all the same')
+    yield from names
+
+
+def _names_and_doubts(path: str) -> tuple[list[str], list[str]]:
+    """The nodes that a parameter file speaks of, and what ROS may take otherwise in it than it was meant."""
+    try:
+        content, doubts = read_parameter_file(Path(path))
+    except InputError as error:
+        return [], [str(error)] if Path(path).is_file() else []
+    return list(_names_below('', content)), doubts
 
 
 def _names_below(prefix: str, content: Mapping[str, Any]) -> Iterator[str]:

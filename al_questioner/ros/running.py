@@ -16,7 +16,8 @@ from rclpy.utilities import remove_ros_args, try_shutdown
 from al_questioner.domain import InputError
 from al_questioner.ros.arguments import check_ros_arguments
 from al_questioner.ros.node import QuestionerNode
-from al_questioner.ros.parameter_files import tell_what_has_no_effect
+from al_questioner.ros.node_arguments import check_ros_arguments
+from al_questioner.ros.parameter_files import tell_what_has_no_effect, with_doubts
 
 TRANSPORTS = ('FASTDDS_BUILTIN_TRANSPORTS', 'UDPv4')
 """Environment variable and our value: a process that is killed may leave a lock of Fast DDS's shared memory behind, on
@@ -53,7 +54,7 @@ def run_nodes(
         rclpy.init(args=list(arguments))
     except (RuntimeError, ValueError) as error:
         signal.signal(signal.SIGINT, previous)
-        raise InputError(f'unusable ROS arguments: {_one_line(error)}') from error
+        raise InputError(with_doubts(f'unusable ROS arguments: {_one_line(error)}', arguments)) from error
     nodes: list[QuestionerNode] = []
     executor = SingleThreadedExecutor()
     try:
@@ -61,7 +62,10 @@ def run_nodes(
             # Before rclpy had a handler of its own.
             raise ExternalShutdownException
         for make in makers:
-            nodes.append(make())
+            try:
+                nodes.append(make())
+            except InputError as error:
+                raise InputError(with_doubts(str(error), arguments)) from error
             executor.add_node(nodes[-1])
             tell_what_has_no_effect(nodes[-1], arguments)
             if while_spinning is None:
