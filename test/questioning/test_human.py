@@ -56,7 +56,9 @@ def test_a_line_names_a_candidate(toy: Any, line: str, action: Action) -> None:
     [
         ('99', {}, 'no such object'),
         ('s', {}, 'snack or soup'),
-        ('drink', {}, 'is no question'),
+        ('drink', {}, 'is no question: '),
+        ('hello', {}, 'is no question: '),
+        ('hlep', {}, 'did you mean help'),
         ('snakc', {}, 'did you mean snack'),
         ('featuers', {}, 'did you mean features'),
         ('9' * 5000, {}, 'no such object'),
