@@ -12,7 +12,6 @@ import yaml
 from al_questioner import strict_yaml
 from al_questioner.domain import InputError
 from al_questioner.domain.names import suggestion
-from al_questioner.support import strict_yaml
 
 
 @lru_cache(maxsize=1)

@@ -8,8 +8,7 @@ import pytest
 
 from al_questioner.configuration import config_dir, read_yaml
 from al_questioner.domain import InputError
-from al_questioner.support.configuration import config_dir, read_yaml
-from al_questioner.support.strict_yaml import parse, parse_for_ros, text_of
+from al_questioner.strict_yaml import parse, parse_for_ros, text_of
 
 BOMB = 'a: &a [1, 1, 1, 1, 1, 1, 1, 1, 1, 1]\n' + '\n'.join(
     f'{name}: &{name} [{", ".join([f"*{before}"] * 10)}]' for before, name in zip('abcdefgh', 'bcdefghi', strict=True)

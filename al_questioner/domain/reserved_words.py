@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 from types import MappingProxyType
 
-from al_questioner.domain.query import NO_SYMBOL
+from al_questioner.domain.asking import NO_SYMBOL
 
 UNKNOWN_WORDS = ('?', 'unknown')
 SKIP_WORDS = ('skip',)

@@ -31,8 +31,8 @@ from al_questioner.ros.hearing import Hearing, full_name, unserved
 from al_questioner.ros.overrides import check_overrides, overriding_options
 from al_questioner.ros.types import text
 from al_questioner.ros.worker import Worker
-from al_questioner.support.rate_limiter import RepeatThrottle
-from al_questioner.support.text import number_of
+from al_questioner.throttle import RepeatThrottle
+from al_questioner.wording import number_of
 
 DIAGNOSTICS_PERIOD = 1.0
 """Seconds between two messages on /diagnostics."""

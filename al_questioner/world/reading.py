@@ -11,7 +11,7 @@ from typing import Any, NamedTuple, TypeVar
 from al_questioner.domain import LARGEST_AMOUNT, Costs, InputError, QueryKind, SettingsError
 from al_questioner.domain.names import check_names, suggestion
 from al_questioner.domain.spelling import composed
-from al_questioner.questioning.strategies.names import check_strategy
+from al_questioner.strategy_names import check_strategy
 
 Reader = Callable[[Any, str], Any]
 Section = TypeVar('Section')

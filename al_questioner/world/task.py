@@ -10,7 +10,7 @@ from types import MappingProxyType
 from al_questioner.configuration import named_file, read_yaml
 from al_questioner.domain import LARGEST_AMOUNT, NO_SYMBOL, Costs, InputError
 from al_questioner.domain.names import suggestion
-from al_questioner.simulation.task_reading import (
+from al_questioner.world.reading import (
     Interval,
     choice,
     costs,

@@ -13,9 +13,9 @@ from al_questioner.domain import InputError
 from al_questioner.domain.names import check_names, joined, meant, near, parted, quoted, unsayable
 from al_questioner.domain.reserved_words import RESERVED
 from al_questioner.domain.spelling import loosely
-from al_questioner.questioning.plain_words import OUTCOMES
-from al_questioner.terminal.commands import WISHES
-from al_questioner.terminal.keypad import COMMANDS
+from al_questioner.teaching.plain_words import OUTCOMES
+from al_questioner.teaching.terminal.commands import WISHES
+from al_questioner.teaching.terminal.keypad import COMMANDS
 
 NUMBER, COMMA, BLANK = 'a number means an object', 'a comma parts names', 'begins or ends with a blank'
 NO_LETTER = 'it holds no letter'

@@ -7,11 +7,11 @@ from types import MappingProxyType
 
 from al_questioner.domain import NO_SYMBOL, InputError
 from al_questioner.domain.names import suggestion
-from al_questioner.simulation.kitchen.things.clutter import CLUTTER
-from al_questioner.simulation.kitchen.things.kinds import Kind
-from al_questioner.simulation.kitchen.things.pack_lunchbox import PACK_LUNCHBOX
-from al_questioner.simulation.kitchen.things.prepare_lunch import PREPARE_LUNCH
-from al_questioner.simulation.task import Task
+from al_questioner.world.task import Task
+from al_questioner.world.things.clutter import CLUTTER
+from al_questioner.world.things.kinds import Kind
+from al_questioner.world.things.pack_lunchbox import PACK_LUNCHBOX
+from al_questioner.world.things.prepare_lunch import PREPARE_LUNCH
 
 CATALOGUES: Mapping[str, tuple[Kind, ...]] = MappingProxyType(
     {'prepare_lunch': PREPARE_LUNCH, 'pack_lunchbox': PACK_LUNCHBOX, 'kitchen_table': PACK_LUNCHBOX + CLUTTER}
