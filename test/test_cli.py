@@ -54,6 +54,8 @@ def test_values_that_are_refused_wait_for_little() -> None:
         ['session', '/no/such/folder'],
     ]
     assert {'matplotlib', 'numba', 'rclpy'}.isdisjoint(loaded(calls(*commands)))
+    experiments = [['experiment', '--strategy', 'nonsense'], ['experiment', '--task', 'nonsense']]
+    assert loaded(calls(*experiments)) == []
 
 
 def test_a_learner_in_python_is_there_at_once() -> None:

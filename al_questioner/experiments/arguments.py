@@ -4,14 +4,22 @@ from __future__ import annotations
 
 import argparse
 import os
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 
 from al_questioner.arguments import REPEAT_SHOWN_HELP, Parser, number
 from al_questioner.configuration import shipped_names
 from al_questioner.domain import AMPLITUDE, AMPLITUDE_RANGE, SettingsError
 from al_questioner.experiments.ceilings import CEILINGS
-from al_questioner.experiments.plan import CONTROLS, PAPER_CONDITIONS, PAPER_STRATEGIES, PAPER_TASKS, Condition
+from al_questioner.experiments.plan import (
+    CONTROLS,
+    PAPER_CONDITIONS,
+    PAPER_STRATEGIES,
+    PAPER_TASKS,
+    Condition,
+    Plan,
+    Variation,
+)
 from al_questioner.experiments.studies import STUDIES
 from al_questioner.messages.schemas import LARGEST_TURN
 from al_questioner.questioning import FEATURE_SETS
@@ -92,10 +100,41 @@ def parse(arguments: Sequence[str]) -> argparse.Namespace:
     """What the arguments ask for, and as `words` the arguments themselves.
 
     Raises:
-        SettingsError: they do not go together.
+        InputError: they do not go together, or name an unknown task or strategy.
     """
     given = parser().parse_args(arguments)
     if (given.backend == 'dask') != (given.scheduler is not None):
         raise SettingsError('--backend dask and --scheduler ADDRESS belong together')
     given.words = tuple(arguments)
+    # To refuse what is unknown before all that an experiment needs is imported.
+    plan_of(given, {})
     return given
+
+
+def plan_of(given: argparse.Namespace, weights: Mapping[str, Mapping[str, float]]) -> Plan:
+    """The comparison that the arguments name.
+
+    Args:
+        given: the arguments.
+        weights: by strategy.
+
+    Raises:
+        InputError: an unknown task or strategy, or nothing to play.
+    """
+    samples = range(given.first_sample, given.first_sample + given.samples)
+    ceilings = [name for name in CEILINGS if given.ceilings and name not in given.strategy]
+    return Plan(
+        tuple(given.task),
+        tuple(given.condition),
+        (*given.strategy, *ceilings),
+        tuple(samples),
+        Variation(
+            given.change_interval,
+            given.synchrony,
+            given.wrong_rate,
+            weights,
+            unknown_rate=given.unknown_rate,
+            amplitude=given.amplitude,
+            repeat_shown=given.repeat_shown,
+        ),
+    )

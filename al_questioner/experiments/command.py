@@ -7,23 +7,17 @@ import dataclasses
 import re
 import shlex
 import time
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from pathlib import Path
 
 from rich.console import Console
 from rich.table import Table
 
+from al_questioner.commands.experiment.arguments import plan_of
 from al_questioner.concepts import compile_models
 from al_questioner.domain import AMPLITUDE, EpisodeError, SettingsError
-from al_questioner.experiments.ceilings import CEILINGS
 from al_questioner.experiments.figures import condition_name, draw_figures
-from al_questioner.experiments.plan import (
-    OWN,
-    Cell,
-    Plan,
-    Variation,
-    shipped_weights,
-)
+from al_questioner.experiments.plan import OWN, Cell, Plan, shipped_weights
 from al_questioner.experiments.playing import Played
 from al_questioner.experiments.progress import Progress
 from al_questioner.experiments.report import Page, report
@@ -45,7 +39,7 @@ def main(given: argparse.Namespace) -> int:
     if given.weights_file:
         found = read_weights(Path(given.weights_file))
         weights[_strategy_of(found, given.strategy)] = found
-    plan = _plan(given, {name: found.values for name, found in weights.items()})
+    plan = plan_of(given, {name: found.values for name, found in weights.items()})
     names = list(STUDIES) if given.studies == [] else given.studies or []
     studies = make_studies(names, plan.variation, plan.samples)
     _check_worlds([plan, *(variant for study in studies for variant in study.plans.values())], given)
@@ -106,27 +100,6 @@ def _strategy_of(weights: Weights, strategies: Sequence[str]) -> str:
             make_strategy(name, weights.values)
             return name
     raise SettingsError('--weights-file holds no weights for any of the strategies')
-
-
-def _plan(given: argparse.Namespace, weights: Mapping[str, Mapping[str, float]]) -> Plan:
-    """The comparison that the arguments name."""
-    samples = range(given.first_sample, given.first_sample + given.samples)
-    ceilings = [name for name in CEILINGS if given.ceilings and name not in given.strategy]
-    return Plan(
-        tuple(given.task),
-        tuple(given.condition),
-        (*given.strategy, *ceilings),
-        tuple(samples),
-        Variation(
-            given.change_interval,
-            given.synchrony,
-            given.wrong_rate,
-            weights,
-            unknown_rate=given.unknown_rate,
-            amplitude=given.amplitude,
-            repeat_shown=given.repeat_shown,
-        ),
-    )
 
 
 def _variant_stores(study: Study, given: argparse.Namespace) -> dict[str, Store]:

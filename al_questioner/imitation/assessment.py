@@ -64,20 +64,26 @@ class Imitation:
     queries: tuple[QueryRecord, ...]
 
 
-def imitate(weights: Array, demonstration: Demonstration, world: PerceivedWorld) -> Imitation:
+def imitate(
+    weights: Array, demonstration: Demonstration, world: PerceivedWorld, amplitude: float | None = None
+) -> Imitation:
     """Play the demonstration's episode, as far as it goes, with the strategy that is trained and these weights (F,).
 
     Args:
         weights: w.
         demonstration: of a simulated world.
         world: this world.
+        amplitude: of the learner's classifiers; the demonstration's if not given.
+
+    Raises:
+        InputError: the demonstration took place in no world that can be played in.
     """
-    choice = demonstration.world
-    if choice is None:
-        raise ValueError(f'{demonstration.name} has no simulated world')
+    choice = demonstration.choice
     feature_set = demonstration.feature_set
     named = dict(zip(feature_set.names, map(float, weights), strict=True))
     settings = dataclasses.replace(demonstration.settings, strategy=feature_set.strategy, weights=named)
+    if amplitude is not None:
+        settings = dataclasses.replace(settings, amplitude=amplitude)
     learner = Observed(make_strategy(settings.strategy, named), feature_set)
     episode = Episode(settings, generator(choice.seed, 'learner'), demonstration.view_tolerance, learner)
     played = [decision for decision, _ in islice(turns(episode, world, teacher_of(choice)), demonstration.turns)]

@@ -7,7 +7,7 @@ from itertools import combinations
 from pathlib import Path
 
 from al_questioner.domain import DECISION_FEATURES, InputError
-from al_questioner.imitation.demonstration import Demonstration, steps_of
+from al_questioner.imitation.demonstration import Demonstration, UnknownWorld, steps_of
 from al_questioner.messages.documents import Document
 from al_questioner.questioning import FEATURE_SETS, FeatureSet
 from al_questioner.recording import BagError, LeftOut, RecordedTurn, Session, read_sessions
@@ -79,7 +79,7 @@ def demonstration_of(
     return Demonstration(
         name=name,
         settings=session.settings,
-        world=None if session.world is None else _world(session.source, session.world),
+        world=None if session.world is None else _world(session.world, session.settings.symbols),
         turns=len(session.turns),
         steps=steps,
         feature_names=session.feature_names,
@@ -90,10 +90,14 @@ def demonstration_of(
     )
 
 
-def _world(source: Path, members: Document) -> WorldChoice:
+def _world(members: Document, symbols: tuple[str, ...]) -> WorldChoice | UnknownWorld:
+    """The simulated world, or why it is none: the document holds the name of a task alone, not the user's own file."""
+    name = members['task']
     try:
-        task = load_task(members['task'])
+        dataset = Path(members['dataset']) if members['dataset'] else None
+        choice = WorldChoice(load_task(name), members['seed'], members['sample'], dataset)
     except InputError as error:
-        raise BagError(f'{source}: {error}') from error
-    dataset = Path(members['dataset']) if members['dataset'] else None
-    return WorldChoice(task, members['seed'], members['sample'], dataset)
+        return UnknownWorld(name, str(error))
+    if choice.task.symbols != symbols:
+        return UnknownWorld(name, f'the task {name} that is known here has other symbols')
+    return choice

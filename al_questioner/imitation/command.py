@@ -11,26 +11,22 @@ from rich import progress as bars
 from rich.console import Console
 from rich.table import Table
 
-from al_questioner import strict_yaml
-from al_questioner.domain import InputError, QueryRecord
-from al_questioner.files import check_writable, write_text
-from al_questioner.imitation.assessment import imitate, predict_queries
+from al_questioner.bags import digest
+from al_questioner.bags.storages import STORAGE_SUFFIXES
+from al_questioner.commands.train_weights.eagerness import FreePlay, tell_eagerness, warn_of_amplitudes
+from al_questioner.domain import InputError
+from al_questioner.imitation.assessment import predict_queries
 from al_questioner.imitation.bags import read_demonstrations
-from al_questioner.imitation.demonstration import Demonstration
 from al_questioner.imitation.feature_matching import Iteration
 from al_questioner.imitation.settings import MatchingSettings, TrainingSettings
 from al_questioner.imitation.training import Training, train, validation_text, weights_document
 from al_questioner.questioning import FEATURE_SETS, read_weights
-from al_questioner.recording import digest
-from al_questioner.recording.storages import STORAGE_SUFFIXES
-from al_questioner.simulation import PerceivedWorld
-from al_questioner.wording import number_of
+from al_questioner.support import strict_yaml
+from al_questioner.support.files import check_writable, write_text
+from al_questioner.support.text import number_of
 
 ITERATIONS_OF_A_LINE = 5
 """Where there is no terminal to show a bar."""
-
-TIMID = 0.5
-"""Share of the expert's questions below which learnt weights are warned of."""
 
 
 def main(given: argparse.Namespace) -> int:
@@ -46,6 +42,10 @@ def main(given: argparse.Namespace) -> int:
     demonstrations = read_demonstrations(paths, FEATURE_SETS[given.strategy], left_out)
     matching = MatchingSettings(given.iterations, given.rollouts, given.patience, given.seed, given.jobs)
     settings = TrainingSettings(given.method, given.validation, given.ridge, matching)
+    held_out = settings.held_out_of(len(demonstrations))
+    if given.method == 'maxent' and not held_out:
+        line = 'no demonstration is held out: nothing will tell whether the weights hold for others'
+        console.print(line, soft_wrap=True)
     with bars.Progress(
         bars.TextColumn('iteration {task.completed:.0f}, at most {task.total:.0f}'),
         bars.BarColumn(),
@@ -57,8 +57,9 @@ def main(given: argparse.Namespace) -> int:
         bar = progress.add_task('opening the worlds', total=given.iterations, visible=given.method == 'maxent')
 
         def watch(iteration: int, state: Iteration) -> None:
-            gap, held_out = np.linalg.norm(state.gap), np.linalg.norm(state.validation_gap)
-            gaps = f'gap {gap:.2f}, validation {held_out:.2f}'
+            gaps = f'gap {np.linalg.norm(state.gap):.2f}'
+            if held_out:
+                gaps += f', validation {np.linalg.norm(state.validation_gap):.2f}'
             progress.update(bar, completed=iteration, description=gaps)
             if not console.is_terminal and iteration % ITERATIONS_OF_A_LINE == 0:
                 console.print(f'iteration {iteration}, at most {given.iterations}: {gaps}', highlight=False)
@@ -67,22 +68,26 @@ def main(given: argparse.Namespace) -> int:
     # Only now, as it is no use to anybody whose bags cannot be learnt from.
     for path in (path for path in given.bags if path not in paths):
         console.print(f'{path} is passed over: it is no bag', highlight=False, soft_wrap=True)
-    for line in left_out:
+    for line in [*left_out, *filter(None, [warn_of_amplitudes(demonstrations)])]:
         console.print(f'WARNING: {line}', style='yellow', markup=False, highlight=False, soft_wrap=True)
-    played = number_of(sum(d.turns for d in demonstrations), 'turn')
+    recorded, of = (sum(turns) for turns in zip(*((d.turns, d.settings.turns) for d in demonstrations), strict=True))
+    played = f'{"" if recorded == of else f"{recorded} of "}{number_of(of, "turn")}'
     console.print(f'{number_of(len(demonstrations), "demonstration")}, {played}')
     bags = [{'name': path.name, 'sha256': digest(path)} for path in paths]
     write_text(given.out, strict_yaml.text_of(weights_document(training, len(demonstrations), bags)))
     # Only now, as matplotlib takes long to import.
     from al_questioner.imitation.pictures import draw_training
 
-    learner = _learner(training, demonstrations)
-    draw_training(training, demonstrations, learner, picture)
+    free, in_place = FreePlay(training, demonstrations), None
+    if training.matching is None:
+        in_place = [predict_queries(training.weights, demonstration) for demonstration in demonstrations]
+    draw_training(training, demonstrations, free.play() if in_place is None else in_place, picture)
     console.print(_table(training))
     console.print(_summary(training), highlight=False)
     if training.matching is not None:
         console.print(validation_text(training, training.matching), highlight=False, soft_wrap=True)
-    _compare_eagerness(console, demonstrations, learner)
+    for line in tell_eagerness(demonstrations, in_place, free):
+        console.print(line, highlight=False, soft_wrap=True)
     for path in (given.out, picture):
         console.print(f'  {path}', highlight=False, soft_wrap=True)
     return 0
@@ -102,37 +107,10 @@ def _check_replaceable(out: Path) -> None:
         raise InputError(f'--out: {out} exists and is no weights file ({error}); it is not overwritten') from error
 
 
-def _compare_eagerness(
-    console: Console, demonstrations: Sequence[Demonstration], learner: Sequence[Sequence[QueryRecord]]
-) -> None:
-    """Say how much the learner asks beside the expert: softmax agrees with an expert whom the best choice does not."""
-    asked = sum(map(len, learner))
-    by_expert = sum(len(demonstration.queries) for demonstration in demonstrations)
-    console.print(
-        f'the learner, who takes the best candidate, asks {number_of(asked, "question")}; the expert asked {by_expert}',
-        highlight=False,
-        soft_wrap=True,
-    )
-    if asked < TIMID * by_expert:
-        console.print('[yellow]WARNING: with these weights it hardly asks; they are of little use[/yellow]')
-
-
 def _without_other_files(paths: Sequence[Path]) -> list[Path]:
     """The paths without files that are no bags, such as a README that `bags/*` names too; all if nothing is left."""
     kept = [path for path in paths if not path.is_file() or path.suffix in (*STORAGE_SUFFIXES.values(), '.bag')]
     return kept or list(paths)
-
-
-def _learner(training: Training, demonstrations: Sequence[Demonstration]) -> list[tuple[QueryRecord, ...]]:
-    """What the learner asks in the expert's place: by itself, or, without a simulator, in the expert's states."""
-    if training.matching is None:
-        return [predict_queries(training.weights, demonstration) for demonstration in demonstrations]
-    found = []
-    for demonstration in demonstrations:
-        if demonstration.world is not None:
-            world = PerceivedWorld(demonstration.world.open())
-            found.append(imitate(training.weights, demonstration, world).queries)
-    return found
 
 
 def _table(training: Training) -> Table:

@@ -55,6 +55,19 @@ class Step:
         return difference
 
 
+@dataclass(frozen=True)
+class UnknownWorld:
+    """A world that cannot be played in here.
+
+    Attributes:
+        task_name: as the demonstration names it.
+        reason: why not, in one line.
+    """
+
+    task_name: str
+    reason: str
+
+
 @dataclass(frozen=True, eq=False)
 class Demonstration:
     """One episode of an expert questioner, or as much of it as there is.
@@ -62,7 +75,8 @@ class Demonstration:
     Attributes:
         name: where it comes from, for people.
         settings: of the episode.
-        world: the simulated world it took place in; None if it was another one.
+        world: the simulated world it took place in; what is known of it if it cannot be played in; None if it was
+            another one.
         turns: number of turns that were recorded.
         steps: one per turn in which there was something to choose.
         feature_names: of the objects.
@@ -74,7 +88,7 @@ class Demonstration:
 
     name: str
     settings: EpisodeSettings
-    world: WorldChoice | None
+    world: WorldChoice | UnknownWorld | None
     turns: int
     steps: tuple[Step, ...]
     feature_names: tuple[str, ...] = ()
@@ -85,8 +99,36 @@ class Demonstration:
 
     @property
     def task_name(self) -> str:
-        """Of the simulated world; 'another world' if there is none."""
-        return 'another world' if self.world is None else self.world.task.name
+        """Of the world; 'another world' if it has none."""
+        if self.world is None:
+            return 'another world'
+        return self.world.task_name if isinstance(self.world, UnknownWorld) else self.world.task.name
+
+    @property
+    def choice(self) -> WorldChoice:
+        """The simulated world it took place in.
+
+        Raises:
+            InputError: it cannot be played in.
+        """
+        if isinstance(self.world, WorldChoice):
+            return self.world
+        raise self._unplayable('' if self.world is None else self.world.reason)
+
+    def open_world(self) -> PerceivedWorld:
+        """The simulated world, to play in.
+
+        Raises:
+            InputError: there is none, it cannot be opened, or things look otherwise in it than they were recorded.
+        """
+        world = PerceivedWorld(self.choice.open())
+        if self.feature_names and world.scene(1).feature_names != self.feature_names:
+            raise self._unplayable(f'its objects have other features than those of {self.task_name}')
+        return world
+
+    def _unplayable(self, reason: str) -> InputError:
+        why = f' ({reason})' if reason else ''
+        return InputError(f'{self.name}: no simulated world to roll out in{why}; use --method choice, which needs none')
 
     @cached_property
     def feature_counts(self) -> Array:
@@ -124,7 +166,10 @@ def step_of(decision: Decision) -> Step:
         raise InputError(f'turn {decision.turn}: the chosen candidate is marked as not considered')
     features = decision.features[considered]
     if not np.isfinite(features).all():
-        raise InputError(f'turn {decision.turn}: the decision carries no decision features to learn from')
+        raise InputError(
+            f'turn {decision.turn}: the decision carries no decision features to learn from;'
+            ' record a learner with strategy:=human or strategy:=expert, or train with --strategy value_per_cost'
+        )
     actions = tuple(decision.candidates[row] for row in considered)
     return Step(decision.turn, actions, features, int(chosen[0]))
 

@@ -56,10 +56,11 @@ def _draw_convergence(axes: Axes, training: Training) -> None:
         return
     numbers = np.arange(1, len(matching.iterations) + 1)
     axes.plot(numbers, [np.linalg.norm(i.gap) for i in matching.iterations], color='#2c6fbb', label='training')
-    held_out = [np.linalg.norm(i.validation_gap) for i in matching.iterations]
-    axes.plot(numbers, held_out, color='#d1622b', alpha=0.5, label='validation')
-    smoothed = [mean_gaps(matching.iterations, last)[1] for last in range(len(numbers))]
-    axes.plot(numbers, smoothed, color='#d1622b', linewidth=2, label=f'validation, mean of {WINDOW}')
+    if training.validation:
+        held_out = [np.linalg.norm(i.validation_gap) for i in matching.iterations]
+        axes.plot(numbers, held_out, color='#d1622b', alpha=0.5, label='validation')
+        smoothed = [mean_gaps(matching.iterations, last)[1] for last in range(len(numbers))]
+        axes.plot(numbers, smoothed, color='#d1622b', linewidth=2, label=f'validation, mean of {WINDOW}')
     axes.axvline(matching.kept + 1, color='black', linestyle=':', label='kept')
     axes.set(xlabel='iteration', ylabel='feature-count gap (scales)', ylim=(0, None))
     axes.xaxis.set_major_locator(MaxNLocator(integer=True))

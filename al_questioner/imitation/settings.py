@@ -45,3 +45,7 @@ class TrainingSettings:
     validation: int = 1
     ridge: float = RIDGE
     matching: MatchingSettings = field(default_factory=MatchingSettings)
+
+    def held_out_of(self, count: int) -> int:
+        """How many of so many demonstrations maxent holds out; one at least is left to learn from."""
+        return max(0, min(self.validation, count - 1))

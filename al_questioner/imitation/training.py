@@ -74,7 +74,7 @@ def train(
     free, scale = identify(demonstrations), feature_scale(demonstrations)
     matching, held_out = None, 0
     if settings.method == 'maxent':
-        held_out = min(settings.validation, len(demonstrations) - 1)
+        held_out = settings.held_out_of(len(demonstrations))
         split = len(demonstrations) - held_out
         matching = match_features(demonstrations[:split], demonstrations[split:], settings.matching, watch)
         found = matching.weights

@@ -188,6 +188,8 @@ def read_log(folder: Path) -> LogContents:
     Raises:
         SessionLogError: there is no log in the folder, or it cannot be read.
     """
+    if not folder.is_dir():
+        raise SessionLogError(f'{folder}: {"not a folder" if folder.exists() else "does not exist"}')
     with _unusable(folder):
         try:
             with _locked(folder, make=False):

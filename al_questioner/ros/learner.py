@@ -137,7 +137,7 @@ class LearnerNode(QuestionerNode):
         self._stale.begin_turn()
         self._state.stop()
         turn = self._session.episode.turn + 1
-        self.does(f'turn {turn}: waiting for objects', expected_within=SECONDS_FOR_OBJECTS)
+        self.does(f'turn {turn}: waiting for objects', SECONDS_FOR_OBJECTS, awaited='objects')
         self._request.say({'turn': turn, 'stamp': stamp_members(stamp), 'world': self._world})
 
     def _perceive(self, cloud: PointCloud2) -> None:
@@ -146,7 +146,7 @@ class LearnerNode(QuestionerNode):
             return
         now, stamp = self._now(), nanoseconds(cloud.header.stamp)
         if not self._stamps.is_of_turn(stamp, now):
-            self._stale.pass_over(stamp, self._stamps.last, self._stamps.is_ahead(now))
+            self._stale.pass_over(stamp, self._stamps.last, now)
             return
         scene = scene_of_cloud(cloud, self._session.episode.knowledge.feature_names)
         seen = Seen(self._session.episode.turn + 1, self._stamps.last, cloud.header.frame_id, scene)

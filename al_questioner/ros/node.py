@@ -44,6 +44,9 @@ MAXIMAL_WAITING = 1000
 NO_WARNINGS = PublisherEventCallbacks(use_default_callbacks=False)
 """Whom a publisher does not suit is told once a second, with its name: see `unserved`."""
 
+SECONDS_FOR_PUBLISHER = 10.0
+"""After which it is worth a warning that nobody publishes what the node waits for."""
+
 RECORDER = 'recorder'
 """Name of the node that records."""
 SECONDS_FOR_RECORDER = 10.0
@@ -83,6 +86,8 @@ class QuestionerNode(Node):
         self._said = RepeatThrottle(REFUSALS_PER_SECOND, 1.0)
         self._failure = ''
         self._activity = 'starting'
+        self._awaited = ''
+        self._began = time.monotonic()
         self._overdue = math.inf
         self._said_overdue = False
         self._concerns: list[str] = []
@@ -168,10 +173,15 @@ class QuestionerNode(Node):
             others = f' ({number_of(more, "other refusal was", "other refusals were")} only counted)' if more else ''
             self.get_logger().warning(f'refused on {topic}: {reason}{others}')
 
-    def does(self, activity: str, expected_within: float = math.inf) -> None:
-        """Say in a few words what the node is doing, for /diagnostics; warn there if that lasts longer (seconds)."""
+    def does(self, activity: str, expected_within: float = math.inf, awaited: str = '') -> None:
+        """Say in a few words what the node is doing, for /diagnostics; warn there if that lasts longer (seconds).
+
+        Warn soon if it waits for a topic, `awaited`, on which nobody publishes.
+        """
         self._activity = activity
-        self._overdue = time.monotonic() + expected_within
+        self._awaited = awaited
+        self._began = time.monotonic()
+        self._overdue = self._began + expected_within
         self._said_overdue = False
 
     def await_recorder(self, *topics: str) -> None:
@@ -245,10 +255,24 @@ class QuestionerNode(Node):
         unheard = [line for hearing in self._hearings for line in hearing.unheard()]
         return unheard + [line for topic in self._advertised for line in unserved(self, topic)]
 
+    def _late(self) -> str:
+        """What the node has been doing for too long, and who publishes what it waits for; else empty."""
+        activity, awaited, now = self._activity, self._awaited, time.monotonic()
+        publishers = self.other_publishers(awaited) if awaited else []
+        if now <= self._overdue and (not awaited or publishers or now <= self._began + SECONDS_FOR_PUBLISHER):
+            return ''
+        late = f'{activity} for too long'
+        if not awaited:
+            return late
+        topic = self.resolve_topic_name(awaited)
+        by = ', '.join(dict.fromkeys(publishers))
+        return f'{late}: {f"{topic} is published by {by}" if by else f"nobody publishes {topic}"}'
+
     def _publish_diagnostics(self) -> None:
         level, message = DiagnosticStatus.OK, self._activity
-        if time.monotonic() > self._overdue:
-            level, message = DiagnosticStatus.WARN, f'{self._activity} for too long'
+        overdue = self._late()
+        if overdue:
+            level, message = DiagnosticStatus.WARN, overdue
             if not self._said_overdue:
                 self._said_overdue = True
                 self.get_logger().warning(f'{message}: is everything running that should be?')

@@ -49,7 +49,7 @@ class PerceptionNode(QuestionerNode):
         self.on_document('turn', self._look)
         for line in self._world.report().splitlines():
             self.get_logger().info(line)
-        self.does('waiting for a turn')
+        self.does('waiting for a turn', awaited='turn')
 
     def _look(self, document: Document) -> None:
         check_world(document, self._choice)

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 from rich.console import Console
 
 from al_questioner.domain import EpisodeError
-from al_questioner.recording import repair
+from al_questioner.support.text import number_of
 
 if TYPE_CHECKING:
     from al_questioner.ros.recorder import RecorderNode
@@ -35,6 +35,9 @@ def main(given: argparse.Namespace) -> int:
     )
     if made and made[0].failure is not None:
         raise made[0].failure
+    if made:
+        total = number_of(made[0].written, 'message')
+        Console().print(f'{made[0].path}: {total}, the bag is whole', highlight=False, markup=False, soft_wrap=True)
     if made and made[0].until_done and not made[0].done:
         raise EpisodeError('ended before the episode was over; the bag is whole as far as it goes')
     return 0

@@ -69,6 +69,16 @@ class RecorderNode(QuestionerNode):
         self.does(f'recording to {path}')
         self.get_logger().info(f'recording to {path}')
 
+    @property
+    def path(self) -> Path:
+        """Of the bag."""
+        return self._bag.path
+
+    @property
+    def written(self) -> int:
+        """Number of messages in the bag."""
+        return sum(self._bag.counts.values())
+
     def counts(self) -> Mapping[str, int]:
         """Number of messages written, by topic, and of turns that were not heard."""
         written = {f'written of {topic}': count for topic, count in self._bag.counts.items()}

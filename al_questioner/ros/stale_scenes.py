@@ -24,13 +24,13 @@ class StaleScenes:
         self._count = 0
         self._began = time.monotonic()
 
-    def pass_over(self, stamp: int, turn: int, is_ahead: bool) -> None:
+    def pass_over(self, stamp: int, turn: int, now: int) -> None:
         """Take note of a scene that is older than the turn.
 
         Args:
             stamp: of the scene, in nanoseconds.
             turn: stamp of the turn, in nanoseconds.
-            is_ahead: whether the turn's stamp is later than what our clock shows.
+            now: what our clock shows, in nanoseconds.
 
         Raises:
             SceneError: it has no stamp, or for a while nothing but such scenes has come, since a clock may be wrong.
@@ -39,6 +39,9 @@ class StaleScenes:
             raise SceneError('the stamp of the cloud is 0: its header must hold the time at which it was seen')
         self._count += 1
         if self._count >= FEWEST and time.monotonic() - self._began >= PATIENCE:
-            lag = (turn - stamp) / SECOND
-            why = 'our clock has gone back' if is_ahead else 'is the clock of their sender behind?'
-            raise SceneError(f'all clouds are older than the turn, the last one by {lag:.1f} s: {why}')
+            found = 'all clouds are older than the turn'
+            if turn > now:
+                raise SceneError(f'{found}, the last one by {(turn - stamp) / SECOND:.1f} s: our clock has gone back')
+            # Against our clock, as the turn began longer ago with every cloud.
+            lag = f'the stamp of the last one is {(now - stamp) / SECOND:.1f} s ago'
+            raise SceneError(f'{found}, {lag}: is the clock of their sender behind?')

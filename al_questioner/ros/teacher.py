@@ -90,7 +90,7 @@ class _Script:
         self._delay = float(given['delay'])
         self.delivery = Delivery(node, self._acknowledged)
         node.on_document('query', self._consider)
-        node.does('waiting for a query')
+        node.does('waiting for a query', awaited='query')
 
     def close(self) -> None:
         """Nothing is held."""
@@ -107,7 +107,7 @@ class _Script:
         self.delivery.send(answer, self._delay)
 
     def _acknowledged(self, _: Answer, __: Document) -> None:
-        self._node.does('waiting for a query')
+        self._node.does('waiting for a query', awaited='query')
 
 
 def main(arguments: Sequence[str]) -> int:

@@ -64,7 +64,7 @@ class TerminalTeacher:
         node.on_document('query', self._ask)
         node.on_message(PointCloud2, 'objects', self._look, qos.LATCHED)
         node.on_message(Image, 'scene_image', self._see, qos.LATCHED)
-        node.does('waiting for a query')
+        node.does('waiting for a query', awaited='query')
         self._thread = threading.Thread(target=self._run, name='terminal', daemon=True)
         self._thread.start()
 
@@ -135,5 +135,5 @@ class TerminalTeacher:
         self._node.submit(send)
 
     def _acknowledged(self, answer: Answer, document: Document) -> None:
-        self._node.does('waiting for a query')
+        self._node.does('waiting for a query', awaited='query')
         self.session.acknowledge(answer.answer_id, document['accepted'], document['reason'])

@@ -51,7 +51,3 @@ class TurnStamps:
         # That the clock went back is noticed when the next scene comes; before, none could be missed.
         self._since = min(self._since, now)
         return stamp >= self.last or (self._since <= stamp <= now and stamp not in self._given)
-
-    def is_ahead(self, now: int) -> bool:
-        """Whether the present turn's stamp is later than what the clock shows."""
-        return self.last > now

@@ -16,6 +16,7 @@ import yaml
 from al_questioner.cli import main
 from al_questioner.domain import DECISION_FEATURES, InputError
 from al_questioner.imitation.bags import read_demonstrations
+from al_questioner.imitation.demonstration import teacher_of
 from al_questioner.imitation.feature_matching import Iteration
 from al_questioner.questioning import FEATURE_SETS
 from al_questioner.recording import BagWriter, Topic, read_bag, read_sessions
@@ -24,7 +25,7 @@ from al_questioner.simulation import WorldChoice, episode_settings, run_episode
 from al_questioner.teaching import ScriptedTeacher
 from al_questioner.world import load_task
 
-ROOT = Path(__file__).resolve().parents[2]
+ROOT = Path(__file__).resolve().parents[3]
 BAGS = [str(ROOT / 'bags' / f'expert_{number}') for number in range(3)]
 SHIPPED = yaml.safe_load((ROOT / 'config' / 'weights' / 'dt_task_env.yaml').read_text())
 
@@ -69,8 +70,28 @@ def test_choices_train_quickly_and_the_same_twice(tmp_path: Path, capsys: pytest
     assert 'README.md is passed over' in output
     assert '3 demonstrations, 90 turns' in output
     assert 'not identified: remaining_time' in output
-    assert 'the expert asked 42' in output
-    assert 'hardly asks' not in output
+    assert "in the expert's states the best candidate is 49 questions; the expert asked 42" in output
+
+
+def test_what_the_learner_asks_by_itself_is_told_for_both_amplitudes(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    """It asks as much as the expert in the expert's states, and hardly anything where it leads itself."""
+    bags = [Path(bag) for bag in BAGS]
+    assert run(*bags, '--method', 'choice', '--out', tmp_path / 'w.yaml') == 0
+    output = capsys.readouterr().out
+    assert 'WARNING: 3 of 3 demonstrations recorded with amplitude 4; learners have 100 unless told otherwise' in output
+    found = re.search(r'asks (\d+) questions? with amplitude 4, .*, and (\d+) questions? with 100, as learners', output)
+    assert found is not None
+    weights, asked = yaml.safe_load((tmp_path / 'w.yaml').read_text())['weights'], []
+    for amplitude in (4.0, 100.0):
+        asked.append(0)
+        for shown in read_demonstrations(bags):
+            settings = dataclasses.replace(shown.settings, strategy='dt_task_env', weights=weights, amplitude=amplitude)
+            asked[-1] += len(run_episode(shown.choice, settings, teacher_of(shown.choice)).records)
+    assert [int(count) for count in found.groups()] == asked
+    assert asked[1] < 21 < asked[0]
+    assert 'WARNING: with these weights it hardly asks (with 100, as learners have unless told otherwise)' in output
 
 
 def test_weights_with_which_nothing_is_asked_are_warned_of(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
@@ -105,12 +126,15 @@ def test_the_way_is_told_to_a_pipe_too(
             watch(number, Iteration(np.zeros(2), np.array([3.0, 4.0]) / number, np.array([0.0, 1.0])))
         raise InputError('that is enough')
 
-    monkeypatch.setattr('al_questioner.imitation.command.train', train)
-    assert run(BAGS[0], '--out', tmp_path / 'w.yaml') == 2
-    assert [line for line in capsys.readouterr().out.splitlines() if line.startswith('iteration')] == [
-        'iteration 5, at most 100: gap 1.00, validation 1.00',
-        'iteration 10, at most 100: gap 0.50, validation 1.00',
-    ]
+    monkeypatch.setattr('al_questioner.commands.train_weights.command.train', train)
+    for bags, validation in ((BAGS[:2], ', validation 1.00'), (BAGS[:1], '')):
+        assert run(*bags, '--validation', 1, '--out', tmp_path / 'w.yaml') == 2
+        output = capsys.readouterr().out
+        assert [line for line in output.splitlines() if line.startswith('iteration')] == [
+            f'iteration 5, at most 100: gap 1.00{validation}',
+            f'iteration 10, at most 100: gap 0.50{validation}',
+        ]
+        assert output.startswith('no demonstration is held out') is not bool(validation)
 
 
 @pytest.mark.slow
@@ -227,6 +251,20 @@ def write_anew(
     with BagWriter(made, topics, storage) as writer:
         for message in recorded.messages[:end]:
             writer.write(f'{namespace}/{message.topic.rpartition("/")[2]}', message.data, message.stamp + later)
+
+
+def test_a_recording_that_is_cut_short_says_so(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    """Half of an episode would be taken for the whole of it, by who checks it and by who learns from it."""
+    recorded = read_bag(Path(BAGS[0])).messages
+    ends = [at for at, message in enumerate(recorded) if message.topic.endswith('/turn')]
+    write_anew(Path(BAGS[0]), tmp_path / 'b', 'mcap', end=ends[14])
+    (session,) = read_sessions(tmp_path / 'b')
+    played = len(session.turns)
+    assert 10 < played < 30
+    assert main(['replay', str(tmp_path / 'b'), '--check']) == 0
+    assert f': {played} of 30 turns, all as recorded\n' in capsys.readouterr().out
+    assert run(tmp_path / 'b', '--method', 'choice', '--out', tmp_path / 'w.yaml') == 0
+    assert f'1 demonstration, {played} of 30 turns\n' in capsys.readouterr().out
 
 
 def test_what_is_left_out_of_a_bag_is_said(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:

@@ -7,8 +7,7 @@ import pytest
 import yaml
 
 from al_questioner.domain import DECISION_FEATURES, VALUE_FEATURES, InputError
-from al_questioner.imitation.demonstration import demonstrate
-from al_questioner.imitation.pictures import draw_training
+from al_questioner.imitation.demonstration import UnknownWorld, demonstrate
 from al_questioner.imitation.settings import MatchingSettings, TrainingSettings
 from al_questioner.imitation.training import check_alike, expected_gap, train, validation_text, weights_document
 from al_questioner.questioning import FEATURE_SETS, make_strategy, read_weights
@@ -81,6 +80,30 @@ def test_demonstrations_of_different_things_are_refused(experts, made):
             check_alike([first, other])
     with pytest.raises(InputError, match='no demonstration'):
         check_alike([])
+
+
+def test_demonstrations_of_an_unknown_task_are_alike_by_its_name_and_symbols(made):
+    """On a robot whose task is a file of its own nothing could be learnt, or from different tasks at once."""
+    first = dataclasses.replace(made.synthetic(np.ones(7), 0, 30), world=UnknownWorld('table', "unknown task 'table'"))
+    check_alike([first, dataclasses.replace(first, name='b', world=UnknownWorld('table', 'elsewhere'))])
+    assert train([first, first], TrainingSettings('choice')).weights.any()
+    symbols = dataclasses.replace(first.settings, symbols=('cup', 'plate'))
+    for other, reason in (
+        (dataclasses.replace(first, world=UnknownWorld('shelf', '')), 'is of task shelf, synthetic 0 of table'),
+        (dataclasses.replace(first, settings=symbols), 'is about cup, plate'),
+        (dataclasses.replace(first, world=None), 'is of task another world'),
+    ):
+        with pytest.raises(InputError, match=reason):
+            check_alike([first, other])
+    with pytest.raises(InputError, match=r"roll out in \(unknown task 'table'\); use --method choice"):
+        train([first, first], TrainingSettings('maxent', matching=QUICK))
+
+
+def test_objects_that_the_table_does_not_have_are_not_rolled_out_on_it(experts):
+    """A robot's own objects under the name of a simulated task would be compared with a table nobody showed."""
+    other = dataclasses.replace(experts[0], feature_names=('size_x',))
+    with pytest.raises(InputError, match=r'other features than those of prepare_lunch.*use --method choice'):
+        train([other], TrainingSettings('maxent', matching=QUICK))
 
 
 @pytest.mark.parametrize('method', ['maxent', 'choice'])

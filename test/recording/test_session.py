@@ -170,7 +170,8 @@ def test_objects_with_other_features_than_announced_are_named(bags, tmp_path, mo
 def test_decisions_without_features_cannot_be_learnt_from(bags, tmp_path):
     """A control weighs nothing: its bag is no demonstration for the decision features."""
     bags.write_episode(tmp_path / 'b', strategy='random_fsq')
-    with pytest.raises(BagError, match='strategy random_fsq: turn 1: the decision carries no decision features'):
+    reason = 'strategy random_fsq: turn 1: the decision carries no decision features to learn from; record .*'
+    with pytest.raises(BagError, match=f'{reason}strategy:=human .* or train with --strategy value_per_cost'):
         read_demonstrations([tmp_path / 'b'])
 
 

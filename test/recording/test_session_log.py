@@ -93,8 +93,12 @@ def test_one_process_at_a_time(tmp_path: Path) -> None:
 
 def test_no_log(tmp_path: Path) -> None:
     """A mistyped folder would be taken for an empty session."""
-    for folder in (tmp_path, tmp_path / 'nowhere', Path(__file__)):
-        with pytest.raises(SessionLogError, match='there is no session log in it'):
+    for folder, reason in (
+        (tmp_path, 'there is no session log in it'),
+        (tmp_path / 'nowhere', 'nowhere: does not exist$'),
+        (Path(__file__), 'test_log.py: not a folder$'),
+    ):
+        with pytest.raises(SessionLogError, match=reason):
             read_log(folder)
     assert list(tmp_path.iterdir()) == []
     (tmp_path / 'file').write_text('')

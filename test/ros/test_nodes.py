@@ -11,6 +11,7 @@ import numpy as np
 import pytest
 from builtin_interfaces.msg import Time
 from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus
+from rclpy.node import Node
 from sensor_msgs.msg import Image, PointCloud2
 from std_msgs.msg import Header, String
 from visualization_msgs.msg import Marker, MarkerArray
@@ -396,3 +397,29 @@ def test_nothing_is_amiss_in_an_episode_among_ourselves(graph: Any) -> None:
     names = {status.name for array in heard for status in array.status}
     assert {name.rsplit('/', 1)[-1] for name in names} == {'perception', 'learner', 'teacher'}
     assert [s.message for array in heard for s in array.status if s.level != DiagnosticStatus.OK] == []
+
+
+def test_a_node_that_waits_in_vain_names_the_topic_and_who_publishes_there(
+    graph: Any, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Nobody would know what is missing, or under which name."""
+    monkeypatch.setattr('al_questioner.ros.node.SECONDS_FOR_PUBLISHER', 0.0)
+    monkeypatch.setattr('al_questioner.ros.nodes.learner.SECONDS_FOR_OBJECTS', 0.0)
+    diagnostics = graph.listen('/diagnostics', DiagnosticArray, qos.DIAGNOSTICS)
+
+    def says(node: Node, end: str) -> bool:
+        name = node.get_fully_qualified_name().lstrip('/')
+        found = [status for array in diagnostics for status in array.status if status.name == name]
+        return bool(found) and found[-1].level == DiagnosticStatus.WARN and found[-1].message.endswith(end)
+
+    topic = f'/{graph.namespace}/'
+    teacher = graph.start(TeacherNode, **graph.world)
+    end = f'waiting for a query for too long: nobody publishes {topic}query'
+    graph.wait_for(lambda: says(teacher, end), 'the warning of a teacher without a learner')
+    learner = graph.start(LearnerNode, **graph.episode)
+    end = f'turn 1: waiting for objects for too long: nobody publishes {topic}objects'
+    graph.wait_for(lambda: says(learner, end), 'the warning of a learner without eyes')
+    graph.wait_for(lambda: not says(teacher, 'query'), 'the end of the warning')
+    graph.ears.create_publisher(PointCloud2, 'objects', qos.LATCHED)
+    end = f'turn 1: waiting for objects for too long: {topic}objects is published by {topic}ears'
+    graph.wait_for(lambda: says(learner, end), 'the name of who publishes nothing of use')

@@ -95,7 +95,10 @@ def test_a_recording_that_is_ended_is_whole(
     assert recorder.wait(DEADLINE) == 0, processes.log('record')
     assert 'Traceback' not in processes.log('record')
     # A turn that nobody serves is said again now and then.
-    assert {message.topic for message in read_bag(bag).messages} == {f'/{processes.namespace}/turn'}
+    messages = read_bag(bag).messages
+    assert {message.topic for message in messages} == {f'/{processes.namespace}/turn'}
+    count = '1 message' if len(messages) == 1 else f'{len(messages)} messages'
+    assert f'{bag}: {count}, the bag is whole' in processes.log('record').splitlines()
 
 
 def test_a_recording_that_is_ended_before_its_episode_says_so(processes: Any, tmp_path: Path) -> None:

@@ -30,7 +30,7 @@ def test_what_was_under_way_as_the_turn_began_is_no_concern(now: SimpleNamespace
     for turn in range(3):
         stale.begin_turn()
         for _ in range(50):
-            stale.pass_over(TURN - 1, TURN, is_ahead=False)
+            stale.pass_over(TURN - 1, TURN, TURN)
             now.seconds += PATIENCE / 51
         assert now.seconds == pytest.approx((turn + 1) * PATIENCE * 50 / 51)
 
@@ -39,16 +39,25 @@ def test_nothing_but_old_scenes_is_a_concern_after_a_while(now: SimpleNamespace,
     """A camera whose clock is behind would be passed over in silence for ever."""
     for number in range(1, FEWEST):
         now.seconds = PATIENCE * number
-        stale.pass_over(TURN - 5 * SECOND, TURN, is_ahead=False)
-    for is_ahead, why in ((False, 'is the clock of their sender behind?'), (True, 'our clock has gone back')):
-        with pytest.raises(SceneError, match=f'all clouds are older than the turn, the last one by 5.0 s: {why}'):
-            stale.pass_over(TURN - 5 * SECOND, TURN, is_ahead)
+        stale.pass_over(TURN - 5 * SECOND, TURN, TURN)
+    with pytest.raises(SceneError, match=r'older than the turn, the last one by 5\.0 s: our clock has gone back'):
+        stale.pass_over(TURN - 5 * SECOND, TURN, TURN - 1)
     stale.begin_turn()
     for _ in range(FEWEST):
-        stale.pass_over(TURN - 5 * SECOND, TURN, is_ahead=False)
+        stale.pass_over(TURN - 5 * SECOND, TURN, TURN)
 
 
 def test_a_scene_without_a_stamp_is_named_as_such_at_once(stale: StaleScenes) -> None:
     """Who forgot the stamp would look for what is wrong with the clocks."""
     with pytest.raises(SceneError, match='the stamp of the cloud is 0'):
-        stale.pass_over(0, TURN, is_ahead=False)
+        stale.pass_over(0, TURN, TURN)
+
+
+def test_how_far_a_clock_is_behind_stays_the_same_as_the_turn_goes_on(now: SimpleNamespace, stale: StaleScenes) -> None:
+    """A clock that is a minute behind would be said to be so by less and less."""
+    for _ in range(FEWEST):
+        stale.pass_over(TURN - 60 * SECOND, TURN, TURN)
+    for later in (3, 5, 9):
+        now.seconds = later
+        with pytest.raises(SceneError, match=r'is 60\.0 s ago: is the clock of their sender behind\?'):
+            stale.pass_over(TURN + (later - 60) * SECOND, TURN, TURN + later * SECOND)

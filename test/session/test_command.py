@@ -325,7 +325,7 @@ def test_nothing_usable_ends_with_status_2_and_one_line(
     (tmp_path / 'damaged' / DATABASE).write_bytes(b'nonsense' * 1000)
     SessionLog(tmp_path / 'empty').close()
     for name, reason in (
-        ('nowhere', 'there is no session log in it'),
+        ('nowhere', 'nowhere: does not exist'),
         ('damaged', 'nothing usable is in the session log (event 1 cannot be read'),
         ('empty', 'nothing usable is in the session log (no episode was begun)'),
     ):

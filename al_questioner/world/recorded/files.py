@@ -25,6 +25,9 @@ from al_questioner.domain.names import meant
 from al_questioner.domain.spelling import composed
 
 _SUFFIXES = ('_crop.png', '_depthcrop.png', '_maskcrop.png', '_loc.txt')
+LAYOUT = (
+    'each crop is expected as CATEGORY/CATEGORY_N/CATEGORY_N_V_F_crop.png with _depthcrop.png, _maskcrop.png, _loc.txt'
+)
 _STEM = re.compile(r'(?P<category>.+)_(?P<instance>\d+)_(?P<video>\d+)_(?P<frame>\d+)')
 _PNG_START = b'\x89PNG\r\n\x1a\n'
 _AROUND_CHUNK = 12
@@ -111,7 +114,7 @@ def index_crops(root: Path, categories: Iterable[str]) -> CropIndex:
             crops[category] = tuple(sorted(found))
     if not crops:
         missing = f'; {len(skipped)} files were skipped, the first: {skipped[0]}' if skipped else ''
-        raise InputError(f'dataset {root}: no complete crop of any of {", ".join(wanted)}{missing}')
+        raise InputError(f'dataset {root}: no complete crop of any of {", ".join(wanted)}{missing}; {LAYOUT}')
     absent = tuple(category for category in wanted if category not in crops)
     return CropIndex(root, crops, absent, tuple(skipped))
 

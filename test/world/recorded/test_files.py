@@ -118,13 +118,15 @@ def test_root_that_is_a_file_is_refused(tree: Tree) -> None:
 
 def test_root_without_any_wanted_crop_is_refused(tree: Tree) -> None:
     tree.add('stapler')
-    with pytest.raises(InputError, match=r'no complete crop of any of apple, pear$'):
+    with pytest.raises(
+        InputError, match=r'no complete crop of any of apple, pear; each crop is expected as CATEGORY/CATEGORY_N/'
+    ):
         index_crops(tree.root, ['apple', 'pear'])
 
 
 def test_root_with_half_crops_only_says_so(tree: Tree) -> None:
     tree.part(tree.add('apple'), 'loc.txt').unlink()
-    with pytest.raises(InputError, match=r'no complete crop of any of apple; 2 .*incomplete: no _loc.txt$'):
+    with pytest.raises(InputError, match=r'no complete crop of any of apple; 2 .*incomplete: no _loc.txt; each crop'):
         index_crops(tree.root, ['apple'])
 
 
