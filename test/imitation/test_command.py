@@ -88,7 +88,7 @@ def test_what_the_learner_asks_by_itself_is_told_for_both_amplitudes(
         asked.append(0)
         for shown in read_demonstrations(bags):
             settings = dataclasses.replace(shown.settings, strategy='dt_task_env', weights=weights, amplitude=amplitude)
-            asked[-1] += len(run_episode(shown.choice, settings, teacher_of(shown.choice)).records)
+            asked[-1] += len(run_episode(shown.choice, settings, teacher_of(shown.choice)).queries)
     assert [int(count) for count in found.groups()] == asked
     assert asked[1] < 21 < asked[0]
     assert 'WARNING: with these weights it hardly asks (with 100, as learners have unless told otherwise)' in output

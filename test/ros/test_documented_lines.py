@@ -49,7 +49,7 @@ LINES = {
     'ros2 run al_questioner learner --ros-args -p session:=my_session': NODE,
     'ros2 run al_questioner learner --ros-args -p strategy:=dt_task_env -p weights_file:=my_weights.yaml': NODE,
     'ros2 run al_questioner learner --ros-args -p strategy:=dt_task_env -p weights_file:=weights.yaml': NODE,
-    'ros2 run al_questioner learner --ros-args -p strategy:=human': NODE,
+    'ros2 run al_questioner learner --ros-args -p strategy:=human -p wait_for_recorder:=true': NODE,
     'ros2 run al_questioner learner --ros-args -p strategy:=smallest_margin': ELSEWHERE,
     'ros2 run al_questioner learner --ros-args -p task:=/path/to/table.yaml -p budget:=20.0 -p turns:=60': NODE,
     'ros2 run al_questioner learner --ros-args -p task:=kitchen_table -p budget:=25 -p turns:=40': NODE,

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import errno
 import json
-import sys
 from collections import Counter
 from pathlib import Path
 from typing import Any
@@ -24,7 +23,6 @@ from al_questioner.ros.perception import PerceptionNode
 from al_questioner.ros.recorder import RecorderNode
 from al_questioner.ros.teacher import TeacherNode
 
-EXAMPLES = Path(__file__).resolve().parents[2] / 'docs' / 'examples'
 EPISODE = {'strategy': 'expert', 'budget': 8.0, 'turns': 10}
 
 
@@ -57,29 +55,6 @@ def test_a_recording_holds_the_whole_episode(graph: Any, tmp_path: Path, storage
         query['turn'] for query in documents(bag, 'learner_state')[-1]['queries']
     ]
     assert first_divergence(session) is None
-
-
-def test_a_demonstration_with_a_task_file_of_ones_own_can_be_learnt_from(
-    graph: Any, processes: Any, tmp_path: Path, capsys: pytest.CaptureFixture[str]
-) -> None:
-    """The bag names the task alone, which nobody else knows: on a robot of one's own no weights could be learnt."""
-    own = [sys.executable, str(EXAMPLES / 'own_perception.py'), '--ros-args', '-r', f'__ns:=/{graph.namespace}']
-    processes.start('own_perception', own)
-    person = [sys.executable, str(Path(__file__).with_name('person.py')), *own[2:]]
-    processes.start('person', person)
-    task = str(EXAMPLES / 'blobs.yaml')
-    graph.start(LearnerNode, task=task, strategy='expert', wait_for_recorder=True)
-    recorder = graph.start(RecorderNode, bag=str(tmp_path / 'b'), until_done=True)
-    graph.wait_for(lambda: recorder.done, 'the end of the recording')
-    graph.stop(recorder)
-    for strategy in ('dt_task_env', 'value_per_cost'):
-        arguments = [str(tmp_path / 'b'), '--strategy', strategy, '--out', str(tmp_path / f'{strategy}.yaml')]
-        assert main(['train_weights', *arguments, '--method', 'choice']) == 0
-        assert 'what the learner asks by itself is not known: b: no simulated world' in capsys.readouterr().out
-        assert main(['train_weights', *arguments]) == 2
-        (line,) = capsys.readouterr().err.splitlines()
-        assert "unknown task 'blobs'" in line
-        assert 'use --method choice' in line
 
 
 def test_a_correction_is_replayed_in_the_turn_in_which_it_was_made(graph: Any, tmp_path: Path) -> None:

@@ -14,9 +14,8 @@ import pytest
 
 from al_questioner.cli import main
 from al_questioner.imitation.bags import read_demonstrations
-from al_questioner.recording import read_bag
-from al_questioner.recording.storages import storage_files
-from al_questioner.ros.learner import LearnerNode
+from al_questioner.ros.nodes.learner import LearnerNode
+from al_questioner.ros.nodes.recorder import RecorderNode
 
 ROOT = Path(__file__).resolve().parents[2]
 DEADLINE = 90.0
@@ -47,6 +46,30 @@ def test_a_person_shows_how_to_ask(processes: Any, tmp_path: Path) -> None:
     # Nobody is left to choose: the learner says so, and lives.
     processes.node('learner', task='prepare_lunch', seed=4, strategy='human')
     processes.wait_for_log('learner', 'the input has ended')
+
+
+def test_a_demonstration_with_a_task_file_of_ones_own_can_be_learnt_from(
+    graph: Any, processes: Any, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    """The bag names the task alone, which nobody else knows: on a robot of one's own no weights could be learnt."""
+    examples = ROOT / 'docs' / 'examples'
+    own = [sys.executable, str(examples / 'own_perception.py'), '--ros-args', '-r', f'__ns:=/{graph.namespace}']
+    processes.start('own_perception', own)
+    person = [sys.executable, str(Path(__file__).with_name('person.py')), *own[2:]]
+    processes.start('person', person)
+    task = str(examples / 'blobs.yaml')
+    graph.start(LearnerNode, task=task, strategy='expert', wait_for_recorder=True)
+    recorder = graph.start(RecorderNode, bag=str(tmp_path / 'b'), until_done=True)
+    graph.wait_for(lambda: recorder.done, 'the end of the recording')
+    graph.stop(recorder)
+    for strategy in ('dt_task_env', 'value_per_cost'):
+        arguments = [str(tmp_path / 'b'), '--strategy', strategy, '--out', str(tmp_path / f'{strategy}.yaml')]
+        assert main(['train_weights', *arguments, '--method', 'choice']) == 0
+        assert 'what the learner asks by itself is not known: b: no simulated world' in capsys.readouterr().out
+        assert main(['train_weights', *arguments]) == 2
+        (line,) = capsys.readouterr().err.splitlines()
+        assert "unknown task 'blobs'" in line
+        assert 'use --method choice' in line
 
 
 @pytest.mark.slow
