@@ -13,9 +13,9 @@ from pathlib import Path
 from rich.console import Console
 from rich.table import Table
 
-from al_questioner.commands.experiment.arguments import plan_of
 from al_questioner.concepts import compile_models
 from al_questioner.domain import AMPLITUDE, EpisodeError, SettingsError
+from al_questioner.experiments.arguments import plan_of
 from al_questioner.experiments.figures import condition_name, draw_figures
 from al_questioner.experiments.plan import OWN, Cell, Plan, shipped_weights
 from al_questioner.experiments.playing import Played

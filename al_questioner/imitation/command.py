@@ -11,19 +11,19 @@ from rich import progress as bars
 from rich.console import Console
 from rich.table import Table
 
-from al_questioner.bags import digest
-from al_questioner.bags.storages import STORAGE_SUFFIXES
-from al_questioner.commands.train_weights.eagerness import FreePlay, tell_eagerness, warn_of_amplitudes
+from al_questioner import strict_yaml
 from al_questioner.domain import InputError
+from al_questioner.files import check_writable, write_text
 from al_questioner.imitation.assessment import predict_queries
 from al_questioner.imitation.bags import read_demonstrations
+from al_questioner.imitation.eagerness import FreePlay, tell_eagerness, warn_of_amplitudes
 from al_questioner.imitation.feature_matching import Iteration
 from al_questioner.imitation.settings import MatchingSettings, TrainingSettings
 from al_questioner.imitation.training import Training, train, validation_text, weights_document
 from al_questioner.questioning import FEATURE_SETS, read_weights
-from al_questioner.support import strict_yaml
-from al_questioner.support.files import check_writable, write_text
-from al_questioner.support.text import number_of
+from al_questioner.recording import digest
+from al_questioner.recording.storages import STORAGE_SUFFIXES
+from al_questioner.wording import number_of
 
 ITERATIONS_OF_A_LINE = 5
 """Where there is no terminal to show a bar."""

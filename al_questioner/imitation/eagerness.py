@@ -11,7 +11,7 @@ from al_questioner.imitation.assessment import imitate
 from al_questioner.imitation.demonstration import Demonstration
 from al_questioner.imitation.training import Training
 from al_questioner.simulation import PerceivedWorld
-from al_questioner.support.text import number_of
+from al_questioner.wording import number_of
 
 TIMID = 0.5
 """Share of the expert's questions below which learnt weights are warned of."""

@@ -15,7 +15,7 @@ from scipy.special import softmax
 from al_questioner.domain import generator
 from al_questioner.imitation.demonstration import Array, Demonstration, teacher_of
 from al_questioner.questioning import Choice, Episode, FeatureSet, Situation
-from al_questioner.questioning.strategies.choice import settled_actions
+from al_questioner.questioning.choice import settled_actions
 from al_questioner.simulation import turns
 
 

@@ -9,7 +9,8 @@ from typing import TYPE_CHECKING
 from rich.console import Console
 
 from al_questioner.domain import EpisodeError
-from al_questioner.support.text import number_of
+from al_questioner.recording import repair
+from al_questioner.wording import number_of
 
 if TYPE_CHECKING:
     from al_questioner.ros.recorder import RecorderNode

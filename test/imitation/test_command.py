@@ -126,7 +126,7 @@ def test_the_way_is_told_to_a_pipe_too(
             watch(number, Iteration(np.zeros(2), np.array([3.0, 4.0]) / number, np.array([0.0, 1.0])))
         raise InputError('that is enough')
 
-    monkeypatch.setattr('al_questioner.commands.train_weights.command.train', train)
+    monkeypatch.setattr('al_questioner.imitation.command.train', train)
     for bags, validation in ((BAGS[:2], ', validation 1.00'), (BAGS[:1], '')):
         assert run(*bags, '--validation', 1, '--out', tmp_path / 'w.yaml') == 2
         output = capsys.readouterr().out

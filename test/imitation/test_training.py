@@ -8,6 +8,7 @@ import yaml
 
 from al_questioner.domain import DECISION_FEATURES, VALUE_FEATURES, InputError
 from al_questioner.imitation.demonstration import UnknownWorld, demonstrate
+from al_questioner.imitation.pictures import draw_training
 from al_questioner.imitation.settings import MatchingSettings, TrainingSettings
 from al_questioner.imitation.training import check_alike, expected_gap, train, validation_text, weights_document
 from al_questioner.questioning import FEATURE_SETS, make_strategy, read_weights

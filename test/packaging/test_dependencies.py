@@ -132,7 +132,8 @@ def test_all_but_bags_works_without_what_bags_need() -> None:
 
 
 @pytest.mark.parametrize(
-    'arguments', [('replay', 'bag'), ('train_weights', 'bag', '--out', 'w.yaml'), ('record', '--repair', 'bag')]
+    'arguments',
+    [('replay', 'expert_0'), ('train_weights', 'expert_0', '--out', 'w.yaml'), ('record', '--repair', 'expert_0')],
 )
 def test_bags_say_what_they_need(arguments: tuple[str, ...]) -> None:
     """There would be a traceback, or advice that does not help."""

@@ -22,7 +22,7 @@ from rclpy.context import Context
 from al_questioner.imitation.arguments import parser as training_parser
 from al_questioner.recording import read_bag
 from al_questioner.recording.playback import Playback
-from al_questioner.ros.arguments import replay_parser
+from al_questioner.ros.arguments import replay as parse_replay
 from al_questioner.ros.learner import LearnerNode
 from al_questioner.ros.node import QuestionerNode
 from al_questioner.ros.perception import PerceptionNode
@@ -159,7 +159,7 @@ def make_node(executable: str, own: list[str], **arguments: Any) -> QuestionerNo
     if executable == 'record' and not own:
         return RecorderNode(**arguments)
     if executable == 'replay':
-        given = replay_parser().parse_args(own)
+        given = parse_replay(own)
         bag = read_bag(given.bag)
         return ReplayNode(bag, Playback(bag.messages, given.rate), 5.0, given.clock, **arguments)
     if executable == 'train_weights':

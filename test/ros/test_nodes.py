@@ -404,7 +404,7 @@ def test_a_node_that_waits_in_vain_names_the_topic_and_who_publishes_there(
 ) -> None:
     """Nobody would know what is missing, or under which name."""
     monkeypatch.setattr('al_questioner.ros.node.SECONDS_FOR_PUBLISHER', 0.0)
-    monkeypatch.setattr('al_questioner.ros.nodes.learner.SECONDS_FOR_OBJECTS', 0.0)
+    monkeypatch.setattr('al_questioner.ros.learner.SECONDS_FOR_OBJECTS', 0.0)
     diagnostics = graph.listen('/diagnostics', DiagnosticArray, qos.DIAGNOSTICS)
 
     def says(node: Node, end: str) -> bool:

@@ -14,8 +14,10 @@ import pytest
 
 from al_questioner.cli import main
 from al_questioner.imitation.bags import read_demonstrations
-from al_questioner.ros.nodes.learner import LearnerNode
-from al_questioner.ros.nodes.recorder import RecorderNode
+from al_questioner.recording import read_bag
+from al_questioner.recording.storages import storage_files
+from al_questioner.ros.learner import LearnerNode
+from al_questioner.ros.recorder import RecorderNode
 
 ROOT = Path(__file__).resolve().parents[2]
 DEADLINE = 90.0
