@@ -25,7 +25,7 @@ from al_questioner.simulation import WorldChoice, episode_settings, run_episode
 from al_questioner.teaching import ScriptedTeacher
 from al_questioner.world import load_task
 
-ROOT = Path(__file__).resolve().parents[3]
+ROOT = Path(__file__).resolve().parents[2]
 BAGS = [str(ROOT / 'bags' / f'expert_{number}') for number in range(3)]
 SHIPPED = yaml.safe_load((ROOT / 'config' / 'weights' / 'dt_task_env.yaml').read_text())
 

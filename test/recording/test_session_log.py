@@ -96,7 +96,7 @@ def test_no_log(tmp_path: Path) -> None:
     for folder, reason in (
         (tmp_path, 'there is no session log in it'),
         (tmp_path / 'nowhere', 'nowhere: does not exist$'),
-        (Path(__file__), 'test_log.py: not a folder$'),
+        (Path(__file__), 'test_session_log.py: not a folder$'),
     ):
         with pytest.raises(SessionLogError, match=reason):
             read_log(folder)
