@@ -2,10 +2,10 @@
 
 from __future__ import annotations
 
+import contextlib
 import os
 import threading
 from collections.abc import Iterator
-from contextlib import contextmanager
 from pathlib import Path
 
 from al_questioner.domain import InputError
@@ -50,22 +50,33 @@ def write_text(path: Path, text: str) -> None:
 
 
 def write_bytes(path: Path, content: bytes) -> None:
-    """Write a file as a whole, or leave what is there; the folders it lies in are made.
+    """Write a file as a whole, or leave what is there; the folders it lies in are made, or left out with it.
 
     Raises:
         InputError: it cannot be written.
     """
+    made = [folder for folder in path.parents if not folder.exists()]
     make_folder(path.parent)
     with _naming(path):
-        draft = _draft(path)
         try:
-            draft.write_bytes(content)
-            if draft != path:
-                # A link stays a link.
-                draft.replace(path.resolve())
-        finally:
-            if draft != path:
-                draft.unlink(missing_ok=True)
+            _write_whole(path, content)
+        except OSError:
+            with contextlib.suppress(OSError):
+                for folder in made:
+                    folder.rmdir()
+            raise
+
+
+def _write_whole(path: Path, content: bytes) -> None:
+    draft = _draft(path)
+    try:
+        draft.write_bytes(content)
+        if draft != path:
+            # A link stays a link.
+            draft.replace(path.resolve())
+    finally:
+        if draft != path:
+            draft.unlink(missing_ok=True)
 
 
 def _draft(path: Path) -> Path:
@@ -82,7 +93,7 @@ def _draft(path: Path) -> Path:
     return target.with_name(f'.draft-{os.getpid()}-{threading.get_ident()}')
 
 
-@contextmanager
+@contextlib.contextmanager
 def _naming(path: Path) -> Iterator[None]:
     try:
         yield

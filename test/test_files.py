@@ -98,3 +98,10 @@ def test_half_a_character_becomes_a_question_mark(tmp_path: Path) -> None:
     """JSON can say one, UTF-8 cannot; a whole table would be lost for it."""
     write_text(tmp_path / 'table', 'a\ud800b')
     assert (tmp_path / 'table').read_text() == 'a?b'
+
+
+def test_no_folder_is_left_without_the_file_it_was_made_for(tmp_path: Path, small_files: None) -> None:
+    """Of a table that there was no room for an empty folder would be left."""
+    with pytest.raises(InputError, match=r'table\.csv cannot be written'):
+        write_text(tmp_path / 'made' / 'for' / 'table.csv', 'of today\n' * 1000)
+    assert list(tmp_path.iterdir()) == []

@@ -7,6 +7,7 @@ left out or moved unseen. `session.head` names the last event outside of the dat
 from __future__ import annotations
 
 import contextlib
+import errno
 import fcntl
 import hashlib
 import os
@@ -179,7 +180,9 @@ class SessionLog:
 
     def _write_head(self) -> None:
         """Note the last event. It is not waited for: a head that lags behind is still one of this log."""
-        os.pwrite(self._head, f'{self._number:020d} {self._checksum.hex()}\n'.encode(), 0)
+        head = _head_of(self._number, self._checksum)
+        if os.pwrite(self._head, head, 0) < len(head):
+            raise OSError(errno.ENOSPC, os.strerror(errno.ENOSPC))
 
 
 def read_log(folder: Path) -> LogContents:
@@ -246,7 +249,7 @@ def _write_anew(folder: Path, events: Sequence[Event]) -> None:
         rows = [(event.number, event.kind, event.stamp, event.content, event.checksum) for event in events]
         database.executemany('INSERT INTO events VALUES (?, ?, ?, ?, ?)', rows)
         database.commit()
-    (folder / HEAD).write_text(f'{events[-1].number:020d} {events[-1].checksum.hex()}\n', encoding='ascii')
+    (folder / HEAD).write_bytes(_head_of(events[-1].number, events[-1].checksum))
 
 
 def _read(folder: Path, live: bool) -> LogContents | None:
@@ -258,7 +261,7 @@ def _read(folder: Path, live: bool) -> LogContents | None:
     """
     names = [DATABASE, DATABASE + _JOURNALS[0], HEAD]
     unfinished = not (folder / DATABASE).exists() and (folder / f'{BROKEN}{DATABASE}').exists()
-    if not unfinished and not any((folder / name).exists() for name in names):
+    if not unfinished and not any((folder / name).exists() for name in names[:2]) and _is_unused(folder / HEAD):
         return None
     if live:
         head = _read_head(folder / HEAD)
@@ -276,6 +279,11 @@ def _read(folder: Path, live: bool) -> LogContents | None:
     if unfinished and contents.damage is None:
         return LogContents(contents.events, 'a repair was interrupted')
     return contents
+
+
+def _is_unused(head: Path) -> bool:
+    """Whether no event was ever noted: a session that began on a full disk, or was killed at once, leaves no more."""
+    return not head.exists() or _head_of(0, _START).startswith(head.read_bytes())
 
 
 def _quoted(path: Path) -> str:
@@ -301,6 +309,10 @@ def _read_events(uri: str) -> tuple[list[Event], str | None]:
     except (sqlite3.Error, UnicodeError) as error:
         return events, f'event {len(events) + 1} cannot be read ({_one_line(error)})'
     return events, None
+
+
+def _head_of(number: int, checksum: bytes) -> bytes:
+    return f'{number:020d} {checksum.hex()}\n'.encode()
 
 
 def _read_head(path: Path) -> tuple[int, bytes] | str:

@@ -7,6 +7,7 @@ import errno
 import json
 import os
 import re
+import shutil
 import sqlite3
 import struct
 import zlib
@@ -116,7 +117,8 @@ class BagWriter:
 
     What was written before the last `sync` survives whatever happens to the process or, as far as the disk keeps its
     word, to the machine; `repair` makes a bag whole that was never closed. Once something could not be written the bag
-    takes no more and is left for `repair`. Use it as a context manager, by one thread at a time.
+    takes no more and is left for `repair`, or removed if no message had reached the disk. Use it as a context manager,
+    by one thread at a time.
 
     Args:
         path: directory of the bag, which must not exist.
@@ -137,6 +139,7 @@ class BagWriter:
             raise BagError(f'{path}: no message type {", ".join(unknown)} in ROS 2 Jazzy')
         self.path = path
         self._counts = Counter[str]({topic.name: 0 for topic in topics})
+        self._holds_messages = False
         self._writer = _Writer(path, version=9, storage_plugin=_STORAGES[storage])
         try:
             with self._disk():
@@ -177,6 +180,7 @@ class BagWriter:
         """
         with self._disk():
             self._storage().sync()
+        self._holds_messages = any(self._counts.values())
 
     def close(self) -> None:
         """Finish the bag: its index, and `metadata.yaml`; one that could not be written to is left as it is.
@@ -186,6 +190,8 @@ class BagWriter:
         """
         if not self._writer.storage:
             return
+        # First what there is: without an index it can still be repaired.
+        self.sync()
         if not any(self._counts.values()):
             # rosbags would write the largest integer for the start of nothing.
             self._writer.min_timestamp = 0
@@ -216,6 +222,9 @@ class BagWriter:
             # What was buffered is tried once more, and fails once more.
             with contextlib.suppress(OSError, sqlite3.Error):
                 self._writer.abort()
+            if not self._holds_messages:
+                # There is nothing to repair, and a new try must not find a bag in its way.
+                shutil.rmtree(self.path, ignore_errors=True)
             if isinstance(error, sqlite3.Error):
                 raise OSError(errno.EIO, str(error), str(self.path)) from error
             raise

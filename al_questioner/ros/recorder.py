@@ -18,6 +18,8 @@ from rclpy.validate_namespace import validate_namespace
 from sensor_msgs.msg import PointCloud2
 from std_msgs.msg import String
 
+from al_questioner.bags import BagError, BagWriter, Topic
+from al_questioner.bags.topics import CLOUD, STRING, TYPES
 from al_questioner.domain import EpisodeError, InputError
 from al_questioner.messages import documents
 from al_questioner.recording import BagWriter, Topic
@@ -52,7 +54,7 @@ class RecorderNode(QuestionerNode):
         given = declare(self, RECORDER_SETTINGS)
         refuse_unknown(self, all_names())
         self.done = False
-        self.failure: EpisodeError | None = None
+        self.failure: EpisodeError | BagError | None = None
         self.until_done = bool(given['until_done'])
         self._last_turns: dict[str, int] = {}
         self._missed = 0
@@ -172,6 +174,10 @@ class RecorderNode(QuestionerNode):
     def _fail(self, error: OSError) -> None:
         """End the recording: what is on the disk stays as it is, and can be repaired."""
         path, reason = self._bag.path, error.strerror or error
+        if not path.exists():
+            # It is the same as if the bag could not even have been made.
+            self.failure = BagError(f'{path}: cannot be written ({reason})')
+            return
         self.failure = EpisodeError(f'{path}: the recording failed ({reason}); afterwards: record --repair {path}')
         self._failed(self.failure)
 

@@ -3,9 +3,11 @@
 from __future__ import annotations
 
 import contextlib
+import os
 import resource
 import sqlite3
 import threading
+from pathlib import Path
 from types import SimpleNamespace
 
 import pytest
@@ -246,3 +248,28 @@ def test_writing_after_the_end_is_an_error(tmp_path):
     bag.close()
     with pytest.raises(OSError, match='closed'):
         bag.sync()
+
+
+@pytest.mark.parametrize('storage', ['mcap', 'sqlite3'])
+@pytest.mark.parametrize('room', [0, 1000])
+def test_nothing_is_left_of_a_bag_that_there_was_no_room_for(tmp_path, storage, room):
+    """The next try would be told that the bag exists already, and a repair find no message in it."""
+    path, limits = tmp_path / 'b', resource.getrlimit(resource.RLIMIT_FSIZE)
+    resource.setrlimit(resource.RLIMIT_FSIZE, (room, limits[1]))
+    try:
+        with pytest.raises((OSError, BagError), match=r'large|full|I/O'), BagWriter(path, TOPICS, storage) as bag:
+            fill(bag)
+    finally:
+        resource.setrlimit(resource.RLIMIT_FSIZE, limits)
+    assert not path.exists()
+
+
+def test_what_is_neither_a_file_nor_a_folder_is_no_bag(tmp_path):
+    """It would be a traceback, or wait for a writer who never comes."""
+    os.mkfifo(tmp_path / 'pipe')
+    (tmp_path / 'folder').mkdir()
+    os.mkfifo(tmp_path / 'folder' / 'b_0.mcap')
+    for path in (Path('/dev/null'), tmp_path / 'pipe', tmp_path / 'folder'):
+        for use in (read_bag, repair):
+            with pytest.raises(BagError, match='is no bag, but a device or a pipe'):
+                use(path)

@@ -253,7 +253,7 @@ def test_a_full_disk_loses_nothing_and_ends_the_log(tmp_path: Path) -> None:
     """What was not written would be acknowledged, or what was be lost."""
     program = (
         'import resource, signal, sys; from pathlib import Path\n'
-        'from al_questioner.recording import SessionLog, LogWriteError\n'
+        'from al_questioner.event_log.log import SessionLog, LogWriteError\n'
         'log = SessionLog(Path(sys.argv[1])); signal.signal(signal.SIGXFSZ, signal.SIG_IGN)\n'
         'resource.setrlimit(resource.RLIMIT_FSIZE, (200_000, 200_000))\n'
         'try:\n'
@@ -386,3 +386,36 @@ def test_an_event_of_another_version_is_named(tmp_path: Path, kind: str, content
     assert len(found) == 1
     assert f'event 2 ({kind}) cannot be understood' in str(fault)
     assert reason in str(fault)
+
+
+BEGIN = """
+import resource, sys
+from pathlib import Path
+from al_questioner.event_log.log import SessionLog
+resource.setrlimit(resource.RLIMIT_FSIZE, (int(sys.argv[2]), resource.RLIM_INFINITY))
+SessionLog(Path(sys.argv[1]))
+"""
+
+
+@pytest.mark.parametrize('room', [0, 50, 100, 5000, 30_000])
+def test_a_session_that_there_was_no_room_for_begins_once_there_is(tmp_path: Path, room: int) -> None:
+    """The folder would be refused as damaged for ever, with nothing in it that a repair could keep."""
+    done = subprocess.run(
+        [sys.executable, '-c', BEGIN, str(tmp_path / 'log'), str(room)], capture_output=True, text=True, check=False
+    )
+    assert 'the session log cannot be used' in done.stderr
+    write(tmp_path / 'log')
+    assert contents_of(tmp_path / 'log') == ENTRIES
+
+
+def test_an_empty_head_is_no_log_alone_and_damage_beside_events(tmp_path: Path) -> None:
+    """A killed process leaves the former; the latter would hide that the last events are lost."""
+    (tmp_path / 'new').mkdir()
+    (tmp_path / 'new' / HEAD).write_bytes(b'')
+    with pytest.raises(SessionLogError, match='there is no session log in it'):
+        read_log(tmp_path / 'new')
+    killed_after_writing(tmp_path / 'log')
+    (tmp_path / 'log' / HEAD).write_bytes(b'')
+    assert f'{HEAD} is damaged' in str(read_log(tmp_path / 'log').damage)
+    with pytest.raises(SessionLogError, match='--repair` keeps what is before the damage'):
+        SessionLog(tmp_path / 'log')
