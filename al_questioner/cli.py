@@ -118,6 +118,11 @@ def main(arguments: Sequence[str] | None = None) -> int:
     except BrokenPipeError:
         _leave_output()
         return 128 + signal.SIGPIPE
+    except SystemExit as end:
+        # rich ends the process, with a status of its own.
+        if isinstance(end.__context__, BrokenPipeError):
+            return 128 + signal.SIGPIPE
+        raise
     except OSError as error:
         if error.errno not in NO_ROOM:
             raise

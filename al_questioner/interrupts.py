@@ -5,9 +5,11 @@ This is what a process imports first, so that it needs next to nothing itself.
 
 from __future__ import annotations
 
+import contextlib
 import os
 import signal
 import threading
+from collections.abc import Iterator
 from types import FrameType
 
 STATUS = 130
@@ -57,6 +59,19 @@ class _Within:
 def raised() -> _Within:
     """Have an interrupt raise KeyboardInterrupt within, where it would end the process without."""
     return _Within(end_at_once, raise_or_end)
+
+
+@contextlib.contextmanager
+def blocked() -> Iterator[None]:
+    """Have an interrupt wait until this is over; processes that are started within never hear of one.
+
+    It is for this process to end them. They would print how they were interrupted.
+    """
+    before = signal.pthread_sigmask(signal.SIG_BLOCK, [signal.SIGINT])
+    try:
+        yield
+    finally:
+        signal.pthread_sigmask(signal.SIG_SETMASK, before)
 
 
 def _exchange(present: object, wanted: object) -> None:

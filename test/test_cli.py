@@ -92,7 +92,9 @@ def test_what_a_terminal_has_no_character_for_is_replaced(tmp_path: Path) -> Non
     assert error.count('\n') == 1
 
 
-@pytest.mark.parametrize('command', [['--help'], ['replay', '--help'], ['demo', '--help']])
+@pytest.mark.parametrize(
+    'command', [['--help'], ['replay', '--help'], ['replay', 'expert_0', '--check'], ['record', '--repair', 'expert_0']]
+)
 def test_a_reader_who_has_gone_is_no_error(command: list[str]) -> None:
     """`--help | head` would end in a complaint of Python's."""
     reader, writer = os.pipe()
@@ -145,7 +147,10 @@ def test_an_interrupt_while_modules_are_imported_ends_quietly(tmp_path: Path, mo
 
 def test_an_interrupt_that_is_ignored_in_the_background_stays_ignored() -> None:
     """`nohup` and `&` in a script would no longer shield an experiment."""
-    code = 'import signal; from al_questioner import interrupts; interrupts.install(); print(signal.getsignal(2).name)'
+    code = (
+        'import signal; from al_questioner.support import interrupts;'
+        ' interrupts.install(); print(signal.getsignal(2).name)'
+    )
     ignoring = f'trap "" INT; exec {sys.executable} -c "{code}"'
     done = subprocess.run(['sh', '-c', ignoring], capture_output=True, text=True, check=True)
     assert done.stdout == 'SIG_IGN\n'

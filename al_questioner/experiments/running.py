@@ -6,6 +6,7 @@ import asyncio
 import itertools
 from collections.abc import Callable, Iterator, Sequence
 from concurrent.futures import BrokenExecutor
+from multiprocessing import resource_tracker
 
 from joblib import Parallel, delayed
 
@@ -13,6 +14,7 @@ from al_questioner.domain import EpisodeError, InputError
 from al_questioner.experiments.plan import Cell
 from al_questioner.experiments.playing import Played, play_cells
 from al_questioner.experiments.storing import Store
+from al_questioner.support import interrupts
 
 GROUPS_PER_JOB = 4
 """With fewer worlds for each process than that, the conditions of one are spread over several processes."""
@@ -94,8 +96,13 @@ def _locally(work: Sequence[Work], jobs: int) -> Results:
     except ValueError:
         # Before joblib 1.4 what is finished early is told in its turn.
         parallel = Parallel(return_as='generator', **options)
+    # It unblocks interrupts as it starts, and would start among the workers; joblib's own does so with `parallel`.
+    resource_tracker.ensure_running()
     try:
-        yield from parallel(delayed(_play)(*piece) for piece in work)
+        with parallel:
+            with interrupts.blocked():
+                results = parallel(delayed(_play)(*piece) for piece in work)
+            yield from results
     except BrokenExecutor as error:
         raise EpisodeError('a worker process died (of memory?); what was played is kept, start it again') from error
 
