@@ -171,6 +171,10 @@ def typestore() -> Typestore:
 def _check_there(path: Path) -> None:
     if not path.exists():
         raise BagError(f'{path}: there is no such bag')
+    for file in [path, *(filter(holds_messages, path.iterdir()) if path.is_dir() else [])]:
+        # To open a pipe would wait for a writer.
+        if file.exists() and not (file.is_file() or file.is_dir()):
+            raise BagError(f'{file}: is no bag, but a device or a pipe')
     is_bag = path.is_dir() and (path / 'metadata.yaml').is_file()
     try:
         old = of_ros_1(path)
@@ -192,7 +196,8 @@ def _check_there(path: Path) -> None:
 
 
 def _hint(path: Path) -> str:
-    return f'; try record --repair {path}' if path.is_dir() else ''
+    """What can be done about a broken bag: nothing without a file that is not compressed."""
+    return f'; try record --repair {path}' if path.is_dir() and any(storage_files(path)) else ''
 
 
 def _is_latched(extension: object) -> bool:

@@ -7,17 +7,17 @@ import re
 import sqlite3
 import tempfile
 from collections import Counter
-from collections.abc import Iterable, Iterator, Mapping
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
 
 from mcap.records import Channel, Chunk, Message, Schema
 from mcap.stream_reader import StreamReader, breakup_chunk
 
-from al_questioner.files import sync_to_disk
-from al_questioner.recording.bags import BagError, BagMessage, Topic, read_bag, typestore
-from al_questioner.recording.storages import plain, storage_files
-from al_questioner.recording.writing import FIRST, BagWriter
+from al_questioner.bags.reading import BagError, BagMessage, Topic, read_bag, typestore
+from al_questioner.bags.storages import COMPRESSED, holds_messages, place_of, plain, storage_files
+from al_questioner.bags.writing import FIRST, BagWriter
+from al_questioner.support.files import sync_to_disk
 
 _BROKEN = '.broken'
 """Added to the name of the file that is kept as it was."""
@@ -30,18 +30,18 @@ class RepairReport:
     Attributes:
         was_whole: nothing had to be done.
         kept: number of messages, by topic.
-        original: the broken file, which was kept under another name; None if the bag was whole.
+        originals: the broken files, which were kept under other names; none if the bag was whole.
     """
 
     was_whole: bool
     kept: Mapping[str, int]
-    original: Path | None = None
+    originals: tuple[Path, ...] = ()
 
 
 def repair(path: Path) -> RepairReport:
-    """Rewrite a bag from every message that reached the disk; a whole bag is left alone.
+    """Rewrite a bag, of one file or several, as one file of every message that reached the disk.
 
-    A repair that is itself interrupted can be repeated.
+    A whole bag is left alone. A repair that is itself interrupted can be repeated.
 
     Args:
         path: directory of the bag.
@@ -52,40 +52,63 @@ def repair(path: Path) -> RepairReport:
     try:
         whole = read_bag(path)
     except BagError as error:
-        # A kept original alone is what an interrupted repair leaves.
-        kept = sorted(path.glob(f'*{_BROKEN}')) if path.is_dir() else []
-        files = (list(storage_files(path)) if path.is_dir() else []) or kept
-        if not files:
-            raise
-        if len(files) > 1:
-            raise BagError(f'{path}: a bag of {len(files)} files cannot be repaired') from error
-        return _rewrite(path, files[0])
+        files = _broken_files(path) if path.is_dir() else []
+        if files:
+            return _rewrite(path, files)
+        if (path / 'metadata.yaml').is_file():
+            raise BagError(f'{error}; nothing can be recovered') from error
+        raise
     return RepairReport(True, Counter(message.topic for message in whole.messages))
 
 
-def _rewrite(path: Path, broken: Path) -> RepairReport:
-    name = broken.name.removesuffix(_BROKEN)
-    kept_as = broken.with_name(name + _BROKEN)
-    if broken != kept_as and kept_as.exists():
-        raise BagError(f'{kept_as}: exists already; move it away to repair once more')
+def _broken_files(path: Path) -> list[Path]:
+    """The files to repair a bag from, in order: an interrupted repair may have renamed some of them, or all.
+
+    Raises:
+        BagError: there are files of a repair before, or files that do not belong together.
+    """
+    files, kept = list(storage_files(path)), [*filter(Path.is_file, path.glob(f'*{_BROKEN}'))]
+    if any(_kept_as(file) in kept for file in files):
+        names = ', '.join(file.name for file in sorted(kept))
+        raise BagError(f'{path}: {names}: kept by an earlier repair; move away to repair once more')
+    files = sorted([*files, *kept], key=lambda file: place_of(file.name))
+    if len({file.name.removesuffix(_BROKEN).rpartition('.')[2] for file in files}) > 1:
+        raise BagError(f'{path}: cannot be repaired, as its files are of different kinds')
+    compressed = [file.name for file in path.iterdir() if file.suffix == COMPRESSED and holds_messages(file)]
+    if files and compressed:
+        raise BagError(f'{path}: is compressed in part; decompress {", ".join(sorted(compressed))} (unzstd) first')
+    return files
+
+
+def _kept_as(file: Path) -> Path:
+    return file.with_name(file.name.removesuffix(_BROKEN) + _BROKEN)
+
+
+def _rewrite(path: Path, broken: Sequence[Path]) -> RepairReport:
+    """Make one file of all that can be read of the broken ones."""
+    name = broken[0].name.removesuffix(_BROKEN)
     is_mcap = name.endswith('.mcap')
     try:
-        topics, messages = _salvage_mcap(broken) if is_mcap else _salvage_sqlite3(broken)
+        found = [_salvage_mcap(file) if is_mcap else _salvage_sqlite3(file) for file in broken]
+        topics, messages = _consistent(
+            [topic for topics, _ in found for topic in topics], [message for _, some in found for message in some]
+        )
         if not messages:
-            raise BagError(f'{path}: no message can be read from {broken.name}')
+            raise BagError(f'{path}: no message can be read from {", ".join(file.name for file in broken)}')
         with tempfile.TemporaryDirectory(dir=path, prefix='.repairing-') as folder:
             rewritten = Path(folder) / Path(name).stem.removesuffix(FIRST)
             with BagWriter(rewritten, topics, 'mcap' if is_mcap else 'sqlite3') as writer:
                 for message in messages:
                     writer.write(message.topic, message.data, message.stamp)
-            broken.rename(kept_as)
+            for file in broken:
+                file.rename(_kept_as(file))
             # The messages last: as long as they are not there, the bag is seen to be broken.
             for file in (rewritten / 'metadata.yaml', *storage_files(rewritten)):
                 file.replace(path / file.name)
         sync_to_disk(path)
     except OSError as error:
         raise BagError(f'{path}: cannot be repaired ({error.strerror})') from error
-    return RepairReport(False, Counter(message.topic for message in messages), kept_as)
+    return RepairReport(False, Counter(message.topic for message in messages), tuple(map(_kept_as, broken)))
 
 
 def _salvage_mcap(file: Path) -> tuple[list[Topic], list[BagMessage]]:
@@ -110,7 +133,7 @@ def _salvage_mcap(file: Path) -> tuple[list[Topic], list[BagMessage]]:
         for message in found
         if message.channel_id in topics
     ]
-    return _consistent(topics.values(), messages)
+    return list(topics.values()), messages
 
 
 def _is_latched(offered_qos_profiles: str) -> bool:
@@ -158,7 +181,7 @@ def _salvage_sqlite3(file: Path) -> tuple[list[Topic], list[BagMessage]]:
     except sqlite3.Error:
         # What was read before the broken page is kept.
         pass
-    return _consistent(topics.values(), messages)
+    return list(topics.values()), messages
 
 
 def _consistent(topics: Iterable[Topic], messages: Iterable[BagMessage]) -> tuple[list[Topic], list[BagMessage]]:

@@ -73,6 +73,11 @@ class Session:
     begun: RecordedTurn | None = None
 
     @property
+    def decisions(self) -> int:
+        """How many were recorded, that of a turn included whose end was not."""
+        return len(self.turns) + (self.begun is not None)
+
+    @property
     def records(self) -> tuple[QueryRecord, ...]:
         """What came of the queries, in the order of their turns."""
         return tuple(turn.record for turn in self.turns if turn.record is not None)
@@ -145,8 +150,7 @@ def _sessions(path: Path, recorded: Recorded) -> Iterator[Session | LeftOut]:
             yield LeftOut(run.episode_id, str(error))
             continue
         yield session
-        last = len(session.turns) + (session.begun is not None)
-        beyond = [turn for turn in decided if turn > last]
+        beyond = [turn for turn in decided if turn > session.decisions]
         if beyond:
             turns = f'turn {beyond[0]}' if len(beyond) == 1 else f'turns {beyond[0]} to {beyond[-1]}'
             before = 'what was answered before was not recorded (no message on learner_state)'

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Iterator
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -30,7 +31,13 @@ _MCAP_OF_ROS_1 = b'\x04\x00\x00\x00ros1'
 def storage_files(path: Path) -> Iterator[Path]:
     """The files of a bag's directory that hold messages and are not compressed."""
     for suffix in STORAGE_SUFFIXES.values():
-        yield from sorted(path.glob(f'*{suffix}'))
+        yield from sorted(filter(Path.is_file, path.glob(f'*{suffix}')), key=lambda file: place_of(file.name))
+
+
+def place_of(name: str) -> tuple[int, str]:
+    """Where a file comes among those of a bag, which are numbered without leading zeros."""
+    number = re.search(r'_(\d+)\.(mcap|db3)', name)
+    return (int(number[1]) if number else -1, name)
 
 
 def holds_messages(file: Path) -> bool:
@@ -40,13 +47,15 @@ def holds_messages(file: Path) -> bool:
 
 def is_compressed(path: Path) -> bool:
     """Whether it is a compressed file of messages, or a directory with one."""
-    files = [path] if path.is_file() else path.iterdir()
+    files = path.iterdir() if path.is_dir() else [path]
     return any(holds_messages(file) and file.suffix == COMPRESSED for file in files)
 
 
 def of_ros_1(path: Path) -> Path | None:
     """The file that was recorded by ROS 1: the path itself, or one of a bag's directory; None if there is none."""
-    files = [path] if path.is_file() else list(storage_files(path)) or sorted(path.glob('*.bag'))
+    files = (
+        [path] if path.is_file() else list(storage_files(path)) or [*filter(Path.is_file, sorted(path.glob('*.bag')))]
+    )
     for file in files:
         with file.open('rb') as stream:
             head = stream.read(64)

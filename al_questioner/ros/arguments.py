@@ -53,7 +53,7 @@ def record(arguments: Sequence[str]) -> argparse.Namespace:
     if arguments and arguments[0] == '--repair':
         if len(arguments) != 2:
             raise InputError(f'--repair takes one bag, not {len(arguments) - 1}')
-        return argparse.Namespace(repair=Path(arguments[1]))
+        return argparse.Namespace(repair=named_bag(arguments[1]))
     return argparse.Namespace(repair=None, ros=_of_node(arguments, RECORD, RECORDER_SETTINGS))
 
 

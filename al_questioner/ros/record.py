@@ -51,7 +51,9 @@ def _repair(path: Path) -> int:
     if report.was_whole:
         console.print(f'{path} is whole: {total} messages', highlight=False, soft_wrap=True)
         return 0
-    console.print(f'{path}: {total} messages kept, the broken file is now {report.original}', soft_wrap=True)
+    broken = 'broken file is' if len(report.originals) == 1 else 'broken files are'
+    names = ', '.join(map(str, report.originals))
+    console.print(f'{path}: {total} messages kept, the {broken} now {names}', soft_wrap=True)
     for topic, count in sorted(report.kept.items()):
         console.print(f'  {count:>6}  {topic}', highlight=False, soft_wrap=True)
     return 0

@@ -61,7 +61,7 @@ def test_a_killed_recording_is_repaired(tmp_path, storage):
     report = repair(path)
     assert not report.was_whole
     assert report.kept['/x/turn'] == 40
-    assert report.original.is_file()
+    assert report.originals[0].is_file()
     assert [message.stamp for message in read_bag(path).messages] == list(range(1000, 1040))
     with Reader(path) as reader:
         assert reader.message_count == 40
@@ -96,7 +96,7 @@ def test_an_interrupted_repair_can_be_repeated(tmp_path, storage):
             (path / 'metadata.yaml').unlink()
             file.unlink()
         report = repair(path)
-        assert (report.kept['/x/turn'], report.original) == (10, kept_as)
+        assert (report.kept['/x/turn'], report.originals) == (10, (kept_as,))
         assert len(read_bag(path).messages) == 10
         assert sorted(path.iterdir()) == sorted([file, kept_as, path / 'metadata.yaml'])
 
@@ -115,7 +115,7 @@ def test_an_original_that_was_kept_is_not_overwritten(tmp_path):
     path = write(tmp_path / 'b')
     (path / 'b_0.mcap.broken').write_bytes(b'precious')
     (path / 'metadata.yaml').unlink()
-    with pytest.raises(BagError, match='exists already; move it away'):
+    with pytest.raises(BagError, match=r'b_0\.mcap\.broken: kept by an earlier repair; move away'):
         repair(path)
     assert (path / 'b_0.mcap.broken').read_bytes() == b'precious'
 
@@ -245,3 +245,78 @@ def test_what_cannot_be_repaired_is_said(tmp_path):
     (path / 'b_0.mcap').write_bytes(b'nothing')
     with pytest.raises(BagError, match='no message can be read'):
         repair(path)
+
+
+def split(path, storage='mcap'):
+    """A bag of three files of four messages each, as `ros2 bag record --max-bag-size` leaves it when it is killed."""
+    path.mkdir()
+    # 10 comes after 9, and not after 1.
+    for place, number in enumerate((2, 9, 10)):
+        with BagWriter(path.with_name('part'), TOPICS, storage) as bag:
+            for stamp in range(4 * place, 4 * place + 4):
+                bag.write('/x/turn', text(f'message {stamp}'), stamp)
+                bag.sync()
+        (file,) = path.with_name('part').glob('part_0.*')
+        file.rename(path / f'b_{number}{file.suffix}')
+        shutil.rmtree(path.with_name('part'))
+    return path
+
+
+@pytest.mark.parametrize('storage', ['mcap', 'sqlite3'])
+def test_a_bag_of_several_files_is_repaired(tmp_path, storage):
+    """The advice to repair it would be followed by a refusal."""
+    path = split(tmp_path / 'b', storage)
+    originals = {file.name: file.read_bytes() for file in path.iterdir()}
+    with pytest.raises(BagError, match='record --repair'):
+        read_bag(path)
+    assert repair(path).kept['/x/turn'] == 12
+    assert [message.stamp for message in read_bag(path).messages] == list(range(12))
+    assert {file.name: file.read_bytes() for file in path.glob('*.broken')} == {
+        f'{name}.broken': content for name, content in originals.items()
+    }
+
+
+def test_of_several_files_the_broken_ones_are_kept_as_far_as_they_go(tmp_path):
+    path = split(tmp_path / 'b')
+    file = path / 'b_9.mcap'
+    file.write_bytes(file.read_bytes().replace(b'message 6', b'massage 6'))
+    assert repair(path).kept['/x/turn'] == 11
+    assert [message.stamp for message in read_bag(path).messages] == [*range(6), *range(7, 12)]
+
+
+@pytest.mark.parametrize('renamed', [1, 2, 3])
+def test_an_interrupted_repair_of_several_files_can_be_repeated(tmp_path, renamed):
+    """What was renamed already would be missing."""
+    path = split(tmp_path / 'b')
+    for number in (2, 9, 10)[:renamed]:
+        (path / f'b_{number}.mcap').rename(path / f'b_{number}.mcap.broken')
+    assert repair(path).kept['/x/turn'] == 12
+    assert [message.stamp for message in read_bag(path).messages] == list(range(12))
+
+
+def test_no_repair_is_advised_that_cannot_work(tmp_path):
+    """The user would be sent in a circle."""
+    path = tmp_path / 'b'
+    bag = Writer(path, version=9)
+    bag.set_compression(CompressionMode.FILE, CompressionFormat.ZSTD)
+    with bag:
+        bag.write(bag.add_connection('/x/turn', STRING, typestore=typestore()), 5, text('a'))
+    (file,) = path.glob('*.zstd')
+    file.write_bytes(file.read_bytes()[:-20])
+    gone = write(tmp_path / 'gone')
+    (gone / 'gone_0.mcap').unlink()
+    for broken in (path, gone):
+        with pytest.raises(BagError, match='cannot be read') as reading:
+            read_bag(broken)
+        with pytest.raises(BagError, match='nothing can be recovered') as repairing:
+            repair(broken)
+        assert '--repair' not in f'{reading.value}{repairing.value}'
+
+
+def test_files_that_are_still_compressed_are_not_left_out_of_a_repair(tmp_path):
+    """A bag that was killed while a file was compressed would lose all files before."""
+    path = split(tmp_path / 'b')
+    (path / 'b_2.mcap').rename(path / 'b_2.mcap.zstd')
+    with pytest.raises(BagError, match=r'decompress'):
+        repair(path)
+    assert not list(path.glob('*.broken'))

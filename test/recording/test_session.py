@@ -21,9 +21,11 @@ from al_questioner.recording import (
     read_sessions,
     repair,
 )
-from al_questioner.recording.bags import typestore
-from al_questioner.recording.topics import CLOUD, STRING
-from al_questioner.rerun import first_divergence
+from al_questioner.bags.reading import typestore
+from al_questioner.bags.rerun import first_divergence
+from al_questioner.bags.topics import CLOUD, STRING
+from al_questioner.cli import main
+from al_questioner.imitation.bags import read_demonstrations
 
 
 @pytest.mark.parametrize('storage', ['mcap', 'sqlite3'])
@@ -421,3 +423,12 @@ def test_the_scene_of_the_next_learner_is_not_taken_for_one_that_is_missing(bags
     (session,) = read_sessions(written(tmp_path / 'b', [*first, *second]), left_out)
     assert len(session.turns) == 8
     assert [reason[:47] for _, reason in left_out] == ['turn 8 of 8 was recorded without its objects; i']
+
+
+def test_a_decision_that_was_compared_is_counted(bags, tmp_path, capsys):
+    """Where only the last learner_state is missing, the last decision would seem not to have been checked."""
+    bags.write_episode(tmp_path / 'b', missing=[('learner_state', 8)])
+    (session,) = read_sessions(tmp_path / 'b')
+    assert (len(session.turns), session.decisions) == (7, 8)
+    assert main(['replay', str(tmp_path / 'b'), '--check']) == 0
+    assert '8 decisions, all as recorded' in capsys.readouterr().out.replace('\n', ' ')
