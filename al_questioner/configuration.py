@@ -72,6 +72,10 @@ def shipped_names(folder: str) -> list[str]:
     return sorted(path.stem for path in (config_dir() / folder).glob('*.yaml'))
 
 
+class NoMappingError(InputError):
+    """A YAML file that is empty, or holds something else than a mapping."""
+
+
 def read_yaml(path: Path) -> Mapping[str, Any]:
     """The mapping that a YAML file holds.
 
@@ -108,7 +112,7 @@ def _mapping_in(path: Path, parse: Callable[[bytes], Any]) -> Mapping[str, Any]:
         raise InputError(_described(path, error)) from error
     if not isinstance(content, Mapping):
         found = 'nothing' if content is None else type(content).__name__
-        raise InputError(f'{path}: expected a mapping of settings, found {found}')
+        raise NoMappingError(f'{path}: expected a mapping of settings, found {found}')
     return content
 
 

@@ -12,6 +12,7 @@ from al_questioner.configuration import read_parameter_file
 from al_questioner.domain import InputError
 from al_questioner.ros.node import QuestionerNode
 from al_questioner.ros.overrides import given_overrides
+from al_questioner.support.configuration import NoMappingError, read_yaml
 
 VALUES = 'ros__parameters'
 """What stands below the name of a node in a parameter file."""
@@ -74,14 +75,43 @@ def addresses(pattern: str, name: str) -> bool:
     return re.fullmatch(regex, name) is not None
 
 
+def refuse_files_without_parameters(arguments: Sequence[str]) -> None:
+    """Refuse what ROS takes for a file without parameters.
+
+    Args:
+        arguments: of the process.
+
+    Raises:
+        InputError: a parameter file is empty or holds no mapping; the text names it.
+    """
+    for option, value in _ros_options(arguments):
+        if option == '--params-file':
+            try:
+                read_yaml(Path(value))
+            except NoMappingError:
+                raise
+            except InputError:
+                # To be told by the node that takes it.
+                continue
+
+
 def _addressees(arguments: Sequence[str], warn: Callable[[str], None]) -> Iterator[tuple[str, list[str]]]:
     """Every source of parameters among ROS arguments, and the names of the nodes that it speaks of."""
-    for option, value in _sources(arguments):
+    for option, value in _ros_options(arguments):
         if option == '--params-file':
             yield value, list(_names_in(value, warn))
-        else:
+        elif option in ('-p', '--param'):
             node, colon, _ = value.split(':=', 1)[0].rpartition(':')
             yield f'-p {value}', [f'/{node.lstrip("/")}'] if colon else []
+
+
+def _ros_options(arguments: Sequence[str]) -> Iterator[tuple[str, str]]:
+    """The ROS arguments, each with that which follows it."""
+    is_ros = False
+    for option, value in pairwise([*arguments, '']):
+        is_ros = option == '--ros-args' or (is_ros and option != '--')
+        if is_ros:
+            yield option, value
 
 
 def _sources(arguments: Sequence[str]) -> Iterator[tuple[str, str]]:

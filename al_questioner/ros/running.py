@@ -16,7 +16,8 @@ from rclpy.utilities import remove_ros_args, try_shutdown
 from al_questioner.domain import InputError
 from al_questioner.ros.arguments import check_ros_arguments
 from al_questioner.ros.node import QuestionerNode
-from al_questioner.ros.parameter_files import tell_what_has_no_effect, with_doubts
+from al_questioner.ros.node_arguments import check_ros_arguments
+from al_questioner.ros.parameter_files import refuse_files_without_parameters, tell_what_has_no_effect
 
 TRANSPORTS = ('FASTDDS_BUILTIN_TRANSPORTS', 'UDPv4')
 """Environment variable and our value: a process that is killed may leave a lock of Fast DDS's shared memory behind, on
@@ -60,6 +61,7 @@ def run_nodes(
         if interrupted.is_set():
             # Before rclpy had a handler of its own.
             raise ExternalShutdownException
+        refuse_files_without_parameters(arguments)
         for make in makers:
             try:
                 nodes.append(make())

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import subprocess
 import sys
 from pathlib import Path
 from types import SimpleNamespace
@@ -135,45 +136,11 @@ def test_a_file_that_can_be_read_in_two_ways_is_told_of(tmp_path: Path, content:
     assert f'{path}, line ' in said[1]
 
 
-def test_a_doubtful_file_is_read_for_its_names_all_the_same(tmp_path: Path) -> None:
-    """A misspelt node would be told of only once every other line is mended."""
+@pytest.mark.parametrize(('content', 'found'), [('', 'nothing'), ('# later', 'nothing'), ('seed', 'str')])
+def test_a_file_without_parameters_is_refused(tmp_path: Path, content: str, found: str) -> None:
+    """The node would run at its defaults: ROS takes such a file for one that sets nothing."""
     path = tmp_path / 'params.yaml'
-    path.write_text('lerner:\n  ros__parameters:\n    seed: 010\n    session: y\n')
-    said = said_to('/learner', ['--ros-args', '--params-file', str(path)])
-    assert [line.removeprefix(str(path))[:8] for _, line in said] == [', line 3', ', line 4', ' sets pa']
-
-
-def test_a_refused_value_comes_with_the_line_that_ros_took_otherwise(tmp_path: Path) -> None:
-    """`strategy: no` would be refused as False, which nobody wrote."""
-    path, other = tmp_path / 'params.yaml', tmp_path / 'other.yaml'
-    path.write_text('learner:\n  ros__parameters:\n    turns: 3\n    turns: 4\n    strategy: no\n')
-    other.write_text('learner:\n  ros__parameters:\n    turns: 3\n')
-    arguments = ['--ros-args', '--params-file', str(path), '--params-file', str(other)]
-    assert with_doubts('refused', arguments) == (
-        f"refused; {path}, line 4: key 'turns' occurs twice, first in line 3;"
-        f" {path}, line 5: no is a truth value in YAML 1.1 and a text in YAML 1.2; write false or 'no'"
-    )
-    assert with_doubts('refused', ['--ros-args', '--params-file', str(other), '-p', 'a:=no']) == 'refused'
-
-
-@pytest.mark.parametrize(
-    ('line', 'refused'),
-    [
-        ('strategy: no', 'parameter strategy must be of type str, not False; '),
-        ('budget: 1_0.5', "parameter budget must be of type float, not '1_0.5'; "),
-        ('symbols: [cup, no]', 'unusable ROS arguments: '),
-        ('session: y', 'parameter session must be of type str, not True; '),
-    ],
-)
-def test_a_node_names_the_line_of_what_it_refuses(
-    tmp_path: Path, capfd: pytest.CaptureFixture[str], line: str, refused: str
-) -> None:
-    """Whoever has ten lines of parameters would have to guess which one it is."""
-    path = tmp_path / 'params.yaml'
-    path.write_text(f'learner:\n  ros__parameters:\n    turns: 3\n    {line}\n    turns: 3\n')
-    assert main(['learner', '--ros-args', '--params-file', str(path)]) == 2
-    error = capfd.readouterr().err
-    assert error.startswith(f'learner: {refused}')
-    assert f'{path}, line 4: ' in error
-    assert f"{path}, line 5: key 'turns' occurs twice" in error
-    assert error.count('\n') == 1
+    path.write_text(content)
+    command = [sys.executable, '-m', 'al_questioner', 'perception', '--ros-args', '--params-file', str(path)]
+    done = subprocess.run(command, capture_output=True, text=True, check=False)
+    assert (done.returncode, done.stderr) == (2, f'perception: {path}: expected a mapping of settings, found {found}\n')
