@@ -10,11 +10,11 @@ from multiprocessing import resource_tracker
 
 from joblib import Parallel, delayed
 
+from al_questioner import interrupts
 from al_questioner.domain import EpisodeError, InputError
 from al_questioner.experiments.plan import Cell
 from al_questioner.experiments.playing import Played, play_cells
 from al_questioner.experiments.storing import Store
-from al_questioner.support import interrupts
 
 GROUPS_PER_JOB = 4
 """With fewer worlds for each process than that, the conditions of one are spread over several processes."""

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import argparse
 from collections.abc import Iterator, Sequence
-from pathlib import Path
 
 from al_questioner.arguments import Parser, number
 from al_questioner.configuration import named_bag

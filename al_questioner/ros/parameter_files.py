@@ -8,11 +8,10 @@ from itertools import pairwise
 from pathlib import Path
 from typing import Any
 
-from al_questioner.configuration import read_parameter_file
+from al_questioner.configuration import NoMappingError, read_parameter_file, read_yaml
 from al_questioner.domain import InputError
 from al_questioner.ros.node import QuestionerNode
 from al_questioner.ros.overrides import given_overrides
-from al_questioner.support.configuration import NoMappingError, read_yaml
 
 VALUES = 'ros__parameters'
 """What stands below the name of a node in a parameter file."""

@@ -18,11 +18,9 @@ from rclpy.validate_namespace import validate_namespace
 from sensor_msgs.msg import PointCloud2
 from std_msgs.msg import String
 
-from al_questioner.bags import BagError, BagWriter, Topic
-from al_questioner.bags.topics import CLOUD, STRING, TYPES
 from al_questioner.domain import EpisodeError, InputError
 from al_questioner.messages import documents
-from al_questioner.recording import BagWriter, Topic
+from al_questioner.recording import BagError, BagWriter, Topic
 from al_questioner.recording.topics import CLOUD, STRING, TYPES
 from al_questioner.ros import qos
 from al_questioner.ros.node import RECORDER, QuestionerNode

@@ -135,8 +135,9 @@ def _check(path: Path, console: Console) -> int:
         divergence = first_divergence(session)
         if divergence is not None:
             raise EpisodeError(f'{where}: turn {divergence.turn}: {divergence.what}')
-        decisions = number_of(session.decisions, 'decision')
-        console.print(f'{where}: {decisions}, all as recorded', highlight=False, soft_wrap=True)
+        played, of = session.decisions, session.settings.turns
+        checked = number_of(played, 'decision') if played == of else f'{played} of {number_of(of, "turn")}'
+        console.print(f'{where}: {checked}, all as recorded', highlight=False, soft_wrap=True)
     for what, reason in left_out:
         console.print(f'{path}: {what}: cannot be checked: {reason}', highlight=False, markup=False, soft_wrap=True)
     if left_out:

@@ -16,8 +16,7 @@ from rclpy.utilities import remove_ros_args, try_shutdown
 from al_questioner.domain import InputError
 from al_questioner.ros.arguments import check_ros_arguments
 from al_questioner.ros.node import QuestionerNode
-from al_questioner.ros.node_arguments import check_ros_arguments
-from al_questioner.ros.parameter_files import refuse_files_without_parameters, tell_what_has_no_effect
+from al_questioner.ros.parameter_files import refuse_files_without_parameters, tell_what_has_no_effect, with_doubts
 
 TRANSPORTS = ('FASTDDS_BUILTIN_TRANSPORTS', 'UDPv4')
 """Environment variable and our value: a process that is killed may leave a lock of Fast DDS's shared memory behind, on

@@ -9,6 +9,7 @@ import numpy as np
 import pytest
 import yaml
 
+from al_questioner.cli import main
 from al_questioner.imitation.bags import read_demonstrations
 from al_questioner.recording import (
     BagError,
@@ -21,11 +22,9 @@ from al_questioner.recording import (
     read_sessions,
     repair,
 )
-from al_questioner.bags.reading import typestore
-from al_questioner.bags.rerun import first_divergence
-from al_questioner.bags.topics import CLOUD, STRING
-from al_questioner.cli import main
-from al_questioner.imitation.bags import read_demonstrations
+from al_questioner.recording.bags import typestore
+from al_questioner.recording.topics import CLOUD, STRING
+from al_questioner.rerun import first_divergence
 
 
 @pytest.mark.parametrize('storage', ['mcap', 'sqlite3'])

@@ -253,7 +253,7 @@ def test_a_full_disk_loses_nothing_and_ends_the_log(tmp_path: Path) -> None:
     """What was not written would be acknowledged, or what was be lost."""
     program = (
         'import resource, signal, sys; from pathlib import Path\n'
-        'from al_questioner.event_log.log import SessionLog, LogWriteError\n'
+        'from al_questioner.recording.session_log import SessionLog, LogWriteError\n'
         'log = SessionLog(Path(sys.argv[1])); signal.signal(signal.SIGXFSZ, signal.SIG_IGN)\n'
         'resource.setrlimit(resource.RLIMIT_FSIZE, (200_000, 200_000))\n'
         'try:\n'
@@ -391,7 +391,7 @@ def test_an_event_of_another_version_is_named(tmp_path: Path, kind: str, content
 BEGIN = """
 import resource, sys
 from pathlib import Path
-from al_questioner.event_log.log import SessionLog
+from al_questioner.recording import SessionLog
 resource.setrlimit(resource.RLIMIT_FSIZE, (int(sys.argv[2]), resource.RLIM_INFINITY))
 SessionLog(Path(sys.argv[1]))
 """

@@ -11,8 +11,7 @@ from typing import Any
 import pytest
 import yaml
 
-from al_questioner.cli import main
-from al_questioner.ros.parameter_files import addresses, tell_what_has_no_effect, with_doubts
+from al_questioner.ros.parameter_files import addresses, tell_what_has_no_effect
 
 
 @pytest.mark.parametrize(
