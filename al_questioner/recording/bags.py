@@ -15,8 +15,8 @@ from rosbags.rosbag2 import Reader
 from rosbags.typesys import Stores, get_typestore
 from rosbags.typesys.store import Typestore
 
-from al_questioner.domain import InputError
-from al_questioner.recording.storages import (
+from al_questioner.bags.storages import (
+    BROKEN,
     STORAGE_SUFFIXES,
     files_of,
     holds_messages,
@@ -197,7 +197,9 @@ def _check_there(path: Path) -> None:
 
 def _hint(path: Path) -> str:
     """What can be done about a broken bag: nothing without a file that is not compressed."""
-    return f'; try record --repair {path}' if path.is_dir() and any(storage_files(path)) else ''
+    # An interrupted repair may have left the originals alone.
+    usable = path.is_dir() and (any(storage_files(path)) or any(path.glob(f'*{BROKEN}')))
+    return f'; try record --repair {path}' if usable else ''
 
 
 def _is_latched(extension: object) -> bool:

@@ -14,13 +14,10 @@ from pathlib import Path
 from mcap.records import Channel, Chunk, Message, Schema
 from mcap.stream_reader import StreamReader, breakup_chunk
 
-from al_questioner.files import sync_to_disk
-from al_questioner.recording.bags import BagError, BagMessage, Topic, read_bag, typestore
-from al_questioner.recording.storages import COMPRESSED, holds_messages, place_of, plain, storage_files
-from al_questioner.recording.writing import FIRST, BagWriter
-
-_BROKEN = '.broken'
-"""Added to the name of the file that is kept as it was."""
+from al_questioner.bags.reading import BagError, BagMessage, Topic, read_bag, typestore
+from al_questioner.bags.storages import BROKEN, COMPRESSED, holds_messages, place_of, plain, storage_files
+from al_questioner.bags.writing import FIRST, BagWriter
+from al_questioner.support.files import sync_to_disk
 
 
 @dataclass(frozen=True)
@@ -67,12 +64,12 @@ def _broken_files(path: Path) -> list[Path]:
     Raises:
         BagError: there are files of a repair before, or files that do not belong together.
     """
-    files, kept = list(storage_files(path)), [*filter(Path.is_file, path.glob(f'*{_BROKEN}'))]
+    files, kept = list(storage_files(path)), [*filter(Path.is_file, path.glob(f'*{BROKEN}'))]
     if any(_kept_as(file) in kept for file in files):
         names = ', '.join(file.name for file in sorted(kept))
         raise BagError(f'{path}: {names}: kept by an earlier repair; move away to repair once more')
     files = sorted([*files, *kept], key=lambda file: place_of(file.name))
-    if len({file.name.removesuffix(_BROKEN).rpartition('.')[2] for file in files}) > 1:
+    if len({file.name.removesuffix(BROKEN).rpartition('.')[2] for file in files}) > 1:
         raise BagError(f'{path}: cannot be repaired, as its files are of different kinds')
     compressed = [file.name for file in path.iterdir() if file.suffix == COMPRESSED and holds_messages(file)]
     if files and compressed:
@@ -81,12 +78,12 @@ def _broken_files(path: Path) -> list[Path]:
 
 
 def _kept_as(file: Path) -> Path:
-    return file.with_name(file.name.removesuffix(_BROKEN) + _BROKEN)
+    return file.with_name(file.name.removesuffix(BROKEN) + BROKEN)
 
 
 def _rewrite(path: Path, broken: Sequence[Path]) -> RepairReport:
     """Make one file of all that can be read of the broken ones."""
-    name = broken[0].name.removesuffix(_BROKEN)
+    name = broken[0].name.removesuffix(BROKEN)
     is_mcap = name.endswith('.mcap')
     try:
         found = [_salvage_mcap(file) if is_mcap else _salvage_sqlite3(file) for file in broken]

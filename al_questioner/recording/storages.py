@@ -21,6 +21,9 @@ STORAGE_SUFFIXES = {'mcap': '.mcap', 'sqlite3': '.db3'}
 COMPRESSED = '.zstd'
 """Added to the name of a file that was compressed as a whole."""
 
+BROKEN = '.broken'
+"""Added to the name of a file that a repair keeps as it was."""
+
 _ZSTD = b'\x28\xb5\x2f\xfd'
 """How everything begins that zstd has compressed; a serialised message begins with 0."""
 _ROS_1 = b'#ROSBAG V'
@@ -42,7 +45,7 @@ def place_of(name: str) -> tuple[int, str]:
 
 def holds_messages(file: Path) -> bool:
     """Whether it is one of the files of a bag, compressed or not."""
-    return file.suffix != '.broken' and bool({*file.suffixes} & {*STORAGE_SUFFIXES.values()})
+    return file.suffix != BROKEN and bool({*file.suffixes} & {*STORAGE_SUFFIXES.values()})
 
 
 def is_compressed(path: Path) -> bool:

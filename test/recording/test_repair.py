@@ -92,7 +92,10 @@ def test_an_interrupted_repair_can_be_repeated(tmp_path, storage):
     (file,) = path.glob('b_0.*')
     kept_as = file.rename(f'{file}.broken')
     for with_metadata in (True, False):
-        if not with_metadata:
+        if with_metadata:
+            with pytest.raises(BagError, match='record --repair'):
+                read_bag(path)
+        else:
             (path / 'metadata.yaml').unlink()
             file.unlink()
         report = repair(path)
