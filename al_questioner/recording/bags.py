@@ -15,7 +15,8 @@ from rosbags.rosbag2 import Reader
 from rosbags.typesys import Stores, get_typestore
 from rosbags.typesys.store import Typestore
 
-from al_questioner.bags.storages import (
+from al_questioner.domain import InputError
+from al_questioner.recording.storages import (
     BROKEN,
     STORAGE_SUFFIXES,
     files_of,

@@ -14,10 +14,10 @@ from pathlib import Path
 from mcap.records import Channel, Chunk, Message, Schema
 from mcap.stream_reader import StreamReader, breakup_chunk
 
-from al_questioner.bags.reading import BagError, BagMessage, Topic, read_bag, typestore
-from al_questioner.bags.storages import BROKEN, COMPRESSED, holds_messages, place_of, plain, storage_files
-from al_questioner.bags.writing import FIRST, BagWriter
-from al_questioner.support.files import sync_to_disk
+from al_questioner.files import sync_to_disk
+from al_questioner.recording.bags import BagError, BagMessage, Topic, read_bag, typestore
+from al_questioner.recording.storages import BROKEN, COMPRESSED, holds_messages, place_of, plain, storage_files
+from al_questioner.recording.writing import FIRST, BagWriter
 
 
 @dataclass(frozen=True)
