@@ -96,12 +96,18 @@ def refuse_files_without_parameters(arguments: Sequence[str]) -> None:
 
 def _addressees(arguments: Sequence[str], warn: Callable[[str], None]) -> Iterator[tuple[str, list[str]]]:
     """Every source of parameters among ROS arguments, and the names of the nodes that it speaks of."""
-    for option, value in _ros_options(arguments):
+    for option, value in _sources(arguments):
         if option == '--params-file':
             yield value, list(_names_in(value, warn))
-        elif option in ('-p', '--param'):
+        else:
             node, colon, _ = value.split(':=', 1)[0].rpartition(':')
             yield f'-p {value}', [f'/{node.lstrip("/")}'] if colon else []
+
+
+def _sources(arguments: Sequence[str]) -> Iterator[tuple[str, str]]:
+    """The options among ROS arguments that give parameters, each with its value."""
+    found = _ros_options(arguments)
+    return (pair for pair in found if pair[0] in ('--params-file', '-p', '--param'))
 
 
 def _ros_options(arguments: Sequence[str]) -> Iterator[tuple[str, str]]:
@@ -110,15 +116,6 @@ def _ros_options(arguments: Sequence[str]) -> Iterator[tuple[str, str]]:
     for option, value in pairwise([*arguments, '']):
         is_ros = option == '--ros-args' or (is_ros and option != '--')
         if is_ros:
-            yield option, value
-
-
-def _sources(arguments: Sequence[str]) -> Iterator[tuple[str, str]]:
-    """The options among ROS arguments that give parameters, each with its value."""
-    is_ros = False
-    for option, value in pairwise([*arguments, '']):
-        is_ros = option == '--ros-args' or (is_ros and option != '--')
-        if is_ros and option in ('--params-file', '-p', '--param'):
             yield option, value
 
 

@@ -11,7 +11,8 @@ from typing import Any
 import pytest
 import yaml
 
-from al_questioner.ros.parameter_files import addresses, tell_what_has_no_effect
+from al_questioner.cli import main
+from al_questioner.ros.parameter_files import addresses, tell_what_has_no_effect, with_doubts
 
 
 @pytest.mark.parametrize(
@@ -133,6 +134,50 @@ def test_a_file_that_can_be_read_in_two_ways_is_told_of(tmp_path: Path, content:
     (said,) = said_to('/learner', ['--ros-args', '--params-file', str(path)])
     assert said[0] == 'warning'
     assert f'{path}, line ' in said[1]
+
+
+def test_a_doubtful_file_is_read_for_its_names_all_the_same(tmp_path: Path) -> None:
+    """A misspelt node would be told of only once every other line is mended."""
+    path = tmp_path / 'params.yaml'
+    path.write_text('lerner:\n  ros__parameters:\n    seed: 010\n    session: y\n')
+    said = said_to('/learner', ['--ros-args', '--params-file', str(path)])
+    assert [line.removeprefix(str(path))[:8] for _, line in said] == [', line 3', ', line 4', ' sets pa']
+
+
+def test_a_refused_value_comes_with_the_line_that_ros_took_otherwise(tmp_path: Path) -> None:
+    """`strategy: no` would be refused as False, which nobody wrote."""
+    path, other = tmp_path / 'params.yaml', tmp_path / 'other.yaml'
+    path.write_text('learner:\n  ros__parameters:\n    turns: 3\n    turns: 4\n    strategy: no\n')
+    other.write_text('learner:\n  ros__parameters:\n    turns: 3\n')
+    arguments = ['--ros-args', '--params-file', str(path), '--params-file', str(other)]
+    assert with_doubts('refused', arguments) == (
+        f"refused; {path}, line 4: key 'turns' occurs twice, first in line 3;"
+        f" {path}, line 5: no is a truth value in YAML 1.1 and a text in YAML 1.2; write false or 'no'"
+    )
+    assert with_doubts('refused', ['--ros-args', '--params-file', str(other), '-p', 'a:=no']) == 'refused'
+
+
+@pytest.mark.parametrize(
+    ('line', 'refused'),
+    [
+        ('strategy: no', 'parameter strategy must be of type str, not False; '),
+        ('budget: 1_0.5', "parameter budget must be of type float, not '1_0.5'; "),
+        ('symbols: [cup, no]', 'unusable ROS arguments: '),
+        ('session: y', 'parameter session must be of type str, not True; '),
+    ],
+)
+def test_a_node_names_the_line_of_what_it_refuses(
+    tmp_path: Path, capfd: pytest.CaptureFixture[str], line: str, refused: str
+) -> None:
+    """Whoever has ten lines of parameters would have to guess which one it is."""
+    path = tmp_path / 'params.yaml'
+    path.write_text(f'learner:\n  ros__parameters:\n    turns: 3\n    {line}\n    turns: 3\n')
+    assert main(['learner', '--ros-args', '--params-file', str(path)]) == 2
+    error = capfd.readouterr().err
+    assert error.startswith(f'learner: {refused}')
+    assert f'{path}, line 4: ' in error
+    assert f"{path}, line 5: key 'turns' occurs twice" in error
+    assert error.count('\n') == 1
 
 
 @pytest.mark.parametrize(('content', 'found'), [('', 'nothing'), ('# later', 'nothing'), ('seed', 'str')])
