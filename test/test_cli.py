@@ -7,6 +7,7 @@ import os
 import signal
 import subprocess
 import sys
+from collections.abc import Iterator
 from pathlib import Path
 
 import pytest
@@ -17,6 +18,14 @@ HEAVY = ('scipy', 'numba', 'matplotlib', 'rclpy', 'joblib', 'rosbags', 'prompt_t
 """What takes long to import."""
 LOADED = 'import sys; print(*sorted(set(sys.argv[1].split()) & sys.modules.keys()), file=sys.stderr)'
 MODULE = [sys.executable, '-m', 'al_questioner']
+
+
+@pytest.fixture(autouse=True)
+def _interrupts_are_heard() -> Iterator[None]:
+    """What a shell starts in the background ignores interrupts, and so does all that it starts in turn."""
+    before = signal.signal(signal.SIGINT, signal.default_int_handler)
+    yield
+    signal.signal(signal.SIGINT, before)
 
 
 def loaded(code: str) -> list[str]:
