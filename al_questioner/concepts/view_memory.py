@@ -187,10 +187,10 @@ class ViewMemory:
     def _was_wrong(
         self, object_id: int, view: _KnownView, look: NDArray[np.float32], size: float, is_confirmed: bool
     ) -> bool:
-        """Whether the only look at a view was wrong, since a look that differs by this size shows the thing better.
+        """Whether the only look at a view was wrong, now that another look differs from it by this size.
 
-        That is what the look is like nothing among: this one and the other things. Without a second look that confirms
-        it, most of the features must be.
+        It was if the two are near and the look before agreed with the new one; or if it is far from the new look and
+        from all other things: in one feature if the look before agreed, else in half of them.
         """
         if is_confirmed and size <= FIRST_LOOK_ERROR:
             return True
