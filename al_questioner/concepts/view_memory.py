@@ -131,10 +131,6 @@ class ViewMemory:
         if not self._names:
             self._names, self._noise = scene.feature_names, ViewNoise(len(scene.feature_names))
         self._spread, self._spread_is_known = spread, len(self._tracks) >= LEAST_THINGS
-        if len(self._tracks) == 1:
-            # The views of one thing say nothing of the spread among things.
-            (only,) = self._tracks.values()
-            self._spread = np.maximum(spread, _size_of(only.views[0].kept))
         looks = np.array(scene.features, dtype=np.float32)
         known = [row for row, object_id in enumerate(scene.object_ids) if object_id in self._tracks]
         tracks = [self._tracks[scene.object_ids[row]] for row in known]
