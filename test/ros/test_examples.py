@@ -34,7 +34,7 @@ def test_a_robots_own_perception_teaches_the_learner(graph: Any, processes: Any)
 
     def noise() -> str:
         latest = diagnostics[-1].status if diagnostics else []
-        return dict((value.key, value.value) for status in latest for value in status.values).get('view noise', '')
+        return {value.key: value.value for status in latest for value in status.values}.get('view noise', '')
 
     # They are told once a second, and the episode may be shorter.
     graph.wait_for(lambda: 'the noisiest is size_width' in noise(), 'the noise on /diagnostics')
