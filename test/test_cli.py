@@ -7,6 +7,7 @@ import os
 import signal
 import subprocess
 import sys
+from collections.abc import Iterator
 from pathlib import Path
 
 import pytest
@@ -18,6 +19,14 @@ HEAVY = ('scipy', 'numba', 'matplotlib', 'rclpy', 'joblib', 'rosbags', 'prompt_t
 """What takes long to import."""
 LOADED = 'import sys; print(*sorted(set(sys.argv[1].split()) & sys.modules.keys()), file=sys.stderr)'
 MODULE = [sys.executable, '-m', 'al_questioner']
+
+
+@pytest.fixture(autouse=True)
+def _interrupts_are_heard() -> Iterator[None]:
+    """What a shell starts in the background ignores interrupts, and so does all that it starts in turn."""
+    before = signal.signal(signal.SIGINT, signal.default_int_handler)
+    yield
+    signal.signal(signal.SIGINT, before)
 
 
 def loaded(code: str) -> list[str]:
@@ -148,10 +157,7 @@ def test_an_interrupt_while_modules_are_imported_ends_quietly(tmp_path: Path, mo
 
 def test_an_interrupt_that_is_ignored_in_the_background_stays_ignored() -> None:
     """`nohup` and `&` in a script would no longer shield an experiment."""
-    code = (
-        'import signal; from al_questioner.support import interrupts\n'
-        'interrupts.install(); print(signal.getsignal(2).name)'
-    )
+    code = 'import signal; from al_questioner import interrupts\ninterrupts.install(); print(signal.getsignal(2).name)'
     ignoring = f'trap "" INT; exec {sys.executable} -c "{code}"'
     done = subprocess.run(['sh', '-c', ignoring], capture_output=True, text=True, check=True)
     assert done.stdout == 'SIG_IGN\n'

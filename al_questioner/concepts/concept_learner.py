@@ -143,7 +143,7 @@ class Knowledge:
     def implausible_readings(self, scene: Scene) -> list[tuple[int, str, float]]:
         """Object id, feature name and value of each reading of a scene that no sensor means, see `PlausibleRange`.
 
-        They count as the end of the feature's range.
+        Of a thing that was seen before they are passed over; of another one they count as the end of the range.
         """
         found = np.argwhere(self.are_implausible(scene))
         return [

@@ -131,10 +131,6 @@ class ViewMemory:
         if not self._names:
             self._names, self._noise = scene.feature_names, ViewNoise(len(scene.feature_names))
         self._spread, self._spread_is_known = spread, len(self._tracks) >= LEAST_THINGS
-        if len(self._tracks) == 1:
-            # The views of one thing say nothing of the spread among things.
-            (only,) = self._tracks.values()
-            self._spread = np.maximum(spread, _size_of(only.views[0].kept))
         looks = np.array(scene.features, dtype=np.float32)
         known = [row for row, object_id in enumerate(scene.object_ids) if object_id in self._tracks]
         tracks = [self._tracks[scene.object_ids[row]] for row in known]
@@ -187,10 +183,10 @@ class ViewMemory:
     def _was_wrong(
         self, object_id: int, view: _KnownView, look: NDArray[np.float32], size: float, is_confirmed: bool
     ) -> bool:
-        """Whether the only look at a view was wrong, since a look that differs by this size shows the thing better.
+        """Whether the only look at a view was wrong, now that another look differs from it by this size.
 
-        That is what the look is like nothing among: this one and the other things. Without a second look that confirms
-        it, most of the features must be.
+        It was if the two are near and the look before agreed with the new one; or if it is far from the new look and
+        from all other things: in one feature if the look before agreed, else in half of them.
         """
         if is_confirmed and size <= FIRST_LOOK_ERROR:
             return True

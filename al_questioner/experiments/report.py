@@ -34,7 +34,7 @@ A claim about significance counts as reproduced if one-tailed Mann-Whitney U tes
 time (the test of the paper), Holm-corrected for the comparisons with the paper's strategies in that condition (the
 paper corrects nothing), are below .05 for all that it names. Superiority is the probability that a sample of
 dt_task_env is above one of the other. Where the paper gives no number, the bound in brackets is ours. Of the lunchbox
-it shows C1 alone and says that its results are replicated there: hence the rows for the other conditions."""
+it shows C1 alone and says that its results are replicated there, so there are rows for the other conditions."""
 
 ABOUT_ACCURACIES = """\
 Mean and standard deviation over the samples; in brackets the mean number of queries."""

@@ -127,7 +127,7 @@ class Demonstration:
 
     def _unplayable(self, reason: str) -> InputError:
         why = f' ({reason})' if reason else ''
-        return InputError(f'{self.name}: no simulated world to roll out in{why}; use --method choice, which needs none')
+        return InputError(f'{self.name}: no simulated world to roll out in{why}')
 
     @cached_property
     def feature_counts(self) -> Array:

@@ -12,7 +12,7 @@ from multiprocessing import get_context
 import numpy as np
 from scipy.special import softmax
 
-from al_questioner.domain import generator
+from al_questioner.domain import InputError, generator
 from al_questioner.imitation.demonstration import Array, Demonstration, teacher_of
 from al_questioner.questioning import Choice, Episode, FeatureSet, Situation
 from al_questioner.questioning.strategies.choice import settled_actions
@@ -122,14 +122,16 @@ class _Stage:
     """The scenario of one demonstration."""
 
     def __init__(self, demonstration: Demonstration) -> None:
-        choice = demonstration.choice
+        try:
+            choice, self._world = demonstration.choice, demonstration.open_world()
+        except InputError as error:
+            raise InputError(f'{error}; use --method choice, which needs none') from error
         self._seed = choice.seed
         self._teacher = teacher_of(choice)
         self._settings, self._tolerance = demonstration.settings, demonstration.view_tolerance
         self._feature_set = demonstration.feature_set
         # Of a demonstration that was cut off, a rollout is to be compared with what there is.
         self._turns = demonstration.turns
-        self._world = demonstration.open_world()
         for turn in (1, *self._world.change_turns(self._turns)):
             self._world.scene(turn)
 

@@ -151,7 +151,7 @@ class Graph:
 
 
 def stop(processes: Iterable[subprocess.Popen[bytes]]) -> None:
-    """End processes by SIGINT, and by SIGKILL those that do not heed it in time."""
+    """End processes by SIGINT, and by SIGKILL those that have not ended in time."""
     running = [process for process in processes if process.poll() is None]
     for process in running:
         with contextlib.suppress(ProcessLookupError):

@@ -73,7 +73,7 @@ class ByKey:
         self._size = Size(rows=0, columns=0)
 
     def run(self) -> None:
-        """Show and heed until nothing is left to say, the person quits, or it is stopped; then all is as it was."""
+        """Take keys until nothing is left to say, the person quits, or it is stopped; then leave all as it was."""
         control = FormattedTextControl(lambda: ANSI(self._drawn()), focusable=True, show_cursor=False)
         application: Application[None] = Application(
             layout=Layout(Window(control, always_hide_cursor=True)),

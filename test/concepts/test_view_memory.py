@@ -201,6 +201,33 @@ def test_the_only_look_at_a_view_is_corrected_by_those_after_it(error: float) ->
     np.testing.assert_array_equal(kept, correction.right)
 
 
+def test_a_view_is_known_again_after_a_drift_that_was_followed() -> None:
+    """A burst in the last look at a thing, or a lamp that is switched off again, would make another view of it."""
+
+    def shift(look: int) -> float:
+        return 0.05 * look if look < 12 else 0.0
+
+    for seed in range(3):
+        assert views_seen(lambda rng, look, shape: shift(look) + 0.02 * rng.normal(size=shape), 5, 4, seed) == [[1]] * 5
+
+
+@pytest.mark.parametrize('seed', range(4))
+def test_a_change_amid_bursts_is_not_followed_as_if_it_were_noise(seed: int) -> None:
+    """Its own noise would seem to explain it, and what the thing is now would never be asked."""
+
+    def noise(rng: np.random.Generator, look: int, shape: tuple[int, int]) -> np.ndarray:
+        return 0.05 * rng.normal(size=shape) * (10 if look in (17, 19, 21) else 1)
+
+    first, *others = views_seen(noise, 6, 5, seed, np.random.default_rng(seed).choice([-1.5, 1.5], size=5))
+    assert len(first) == 2
+    assert others == [[1]] * 5
+
+
+def test_a_thing_far_noisier_than_the_others_keeps_its_view() -> None:
+    for seed in range(8):
+        assert views_seen(one_noisy_thing(0.2), 10, 3, seed) == [[1]] * 10
+
+
 def test_a_thing_that_was_seen_twice_as_it_was_is_not_corrected() -> None:
     memory = ViewMemory()
     change = np.array([0.0, 0.6, 0.0, 0.0])

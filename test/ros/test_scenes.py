@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import dataclasses
 from collections import Counter
 from pathlib import Path
 from types import SimpleNamespace
@@ -62,6 +63,27 @@ def test_an_empty_table_is_a_turn_in_which_nothing_is_asked_about_things(
     graph.wait_for(lambda: again._session.is_ready, 'the session to be gone through')
     assert again._session.episode.turn == 6
     assert not again._failure
+
+
+def test_a_wrong_reading_of_a_thing_that_stands_still_is_named(graph: Any, capfd: pytest.CaptureFixture[str]) -> None:
+    """Nobody would look for the loose cable: the learner keeps what the thing read before, and says nothing."""
+    turns, states = graph.listen('turn'), graph.listen('learner_state', profile=qos.RECORDED_LATCHED)
+    eyes = graph.ears.create_publisher(PointCloud2, 'objects', qos.EVENTS)
+    learner = graph.start(LearnerNode, **{**graph.episode, 'strategy': 'random_fsq', 'budget': 0.0, 'turns': 3})
+    still = scene(6)
+
+    def goes_on() -> bool:
+        if turns:
+            features = still.features.copy()
+            if turns[-1]['turn'] == 3:
+                features[4, 1] = 65535
+            shown = dataclasses.replace(still, features=features)
+            eyes.publish(cloud_of_scene(shown, header(stamp_of(turns[-1]['stamp']), 'camera'), CLOUD_TYPES))
+        return bool(states and states[-1]['done'])
+
+    graph.wait_for(goes_on, 'the end of the episode')
+    assert learner.measurements()['implausible size_height'] == '65535 of object 4'
+    assert capfd.readouterr().err.count('size_height of object 4 reads 65535, far from all else it ever read') == 1
 
 
 def test_a_stream_of_nonsense_is_logged_once_a_second(graph: Any, capfd: pytest.CaptureFixture[str]) -> None:

@@ -48,6 +48,7 @@ class FreePlay:
         self._weights = training.weights
         self._demonstrations = demonstrations
         self._worlds: list[PerceivedWorld] = []
+        self._played: dict[float | None, Queries] = {}
         self.hindrance = ''
         try:
             self._worlds = [demonstration.open_world() for demonstration in demonstrations]
@@ -56,8 +57,10 @@ class FreePlay:
 
     def play(self, amplitude: float | None = None) -> Queries:
         """What it asks with classifiers of this amplitude, or of that of each demonstration."""
-        pairs = zip(self._demonstrations, self._worlds, strict=True)
-        return [imitate(self._weights, shown, world, amplitude).queries for shown, world in pairs]
+        if amplitude not in self._played:
+            pairs = zip(self._demonstrations, self._worlds, strict=True)
+            self._played[amplitude] = [imitate(self._weights, *pair, amplitude).queries for pair in pairs]
+        return self._played[amplitude]
 
 
 def tell_eagerness(demonstrations: Sequence[Demonstration], in_place: Queries | None, free: FreePlay) -> Iterator[str]:

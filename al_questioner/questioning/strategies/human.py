@@ -260,6 +260,8 @@ def _reason_against(action: Action, situation: Situation) -> str:
         return 'nothing is in view' if action.kind is QueryKind.DEMONSTRATION else 'it has only one possible answer'
     if action.symbol in situation.excluded_symbols:
         return 'all things here have been named otherwise'
+    if action in situation.known_answers:
+        return 'its only possible answer is known'
     if action in settled_actions(situation):
         return 'it was asked before and would tell nothing new'
     return '' if action in situation.candidates else 'the budget does not pay for it'

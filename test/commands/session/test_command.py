@@ -9,11 +9,12 @@ import json
 import resource
 import sqlite3
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
 
-from al_questioner.bags import read_sessions
+from al_questioner.bags import of_session, read_sessions
 from al_questioner.bags.rerun import decisions_anew, first_divergence
 from al_questioner.cli import main
 from al_questioner.domain import Answer, EpisodeSettings, LateAnswerError, Outcome, Scene, generator
@@ -158,6 +159,25 @@ def test_nothing_is_left_of_a_bag_that_does_not_fit_on_the_disk(
     finally:
         resource.setrlimit(resource.RLIMIT_FSIZE, before)
     assert 'bag: cannot be written (File too large)' in capsys.readouterr().err
+    assert [path.name for path in tmp_path.iterdir()] == ['log']
+
+
+@pytest.mark.parametrize('fault', [OSError(28, 'No space left on device'), KeyboardInterrupt()])
+def test_nothing_is_left_of_a_bag_whose_writing_ends_in_between(
+    tmp_path: Path, world: PerceivedWorld, monkeypatch: pytest.MonkeyPatch, fault: BaseException
+) -> None:
+    """The part that was written is finished like a whole bag, and nobody could tell that it is none."""
+    write_session(tmp_path / 'log', world)
+    left = iter(range(5))
+    whole = of_session.state_members
+
+    def state_members(*arguments: Any) -> Any:
+        if next(left, None) is None:
+            raise fault
+        return whole(*arguments)
+
+    monkeypatch.setattr(of_session, 'state_members', state_members)
+    assert main(['session', str(tmp_path / 'log'), '--bag', str(tmp_path / 'bag')]) in (2, 130)
     assert [path.name for path in tmp_path.iterdir()] == ['log']
 
 

@@ -73,6 +73,7 @@ def test_a_line_names_a_candidate(toy: Any, line: str, action: Action) -> None:
         ('22', {'scene': 'empty'}, 'no such object'),
         ('f', {'scene': 'one group'}, 'only one possible answer'),
         ('main', {'scene': 'named'}, 'named otherwise'),
+        ('21', {'scene': 'named'}, 'its only possible answer is known'),
     ],
 )
 def test_a_line_that_names_none_is_explained(toy: Any, line: str, changes: dict[str, Any], reason: str) -> None:
