@@ -15,10 +15,10 @@ from collections.abc import Iterator
 
 import numpy as np
 
-from al_questioner.concepts import Knowledge
-from al_questioner.domain import NO_SYMBOL, Scene, generator
+from al_questioner.concepts import ConceptLearner
+from al_questioner.domain import NO_SYMBOL, Scene, random_stream
 from al_questioner.perception import perceive
-from al_questioner.simulation import Task, World, WorldChoice, accuracy, load_task
+from al_questioner.simulation import Task, World, WorldSpec, accuracy, load_task
 
 LABELS = 25
 POOL = 400
@@ -33,31 +33,31 @@ def test_set(world: World) -> tuple[np.ndarray, tuple[str, ...]]:
     return np.concatenate(scenes), tuple(labels[i] for i in chosen)
 
 
-def told(task: Task, pool: Scene, labels: list[str], rows: list[int], with_subset: bool) -> Knowledge:
+def told(task: Task, pool: Scene, labels: list[str], rows: list[int], with_subset: bool) -> ConceptLearner:
     """A learner that saw the whole pool and was told the labels of some rows."""
-    knowledge = Knowledge(task.symbols)
-    knowledge.observe(pool)
+    concepts = ConceptLearner(task.symbols)
+    concepts.observe(pool)
     if with_subset:
-        knowledge.restrict_to_groups(task.relevant_groups)
-    knowledge.label_scene(pool, {pool.object_ids[row]: labels[row] for row in rows}, 1)
-    return knowledge
+        concepts.restrict_to_groups(task.relevant_groups)
+    concepts.label_scene(pool, {pool.object_ids[row]: labels[row] for row in rows}, 1)
+    return concepts
 
 
 def measure(task: Task, sample: int) -> Iterator[tuple[str, float]]:
     """Each figure of one sample, by name."""
     start = time.perf_counter()
-    world = WorldChoice(task, sample, sample).open()
+    world = WorldSpec(task, sample, sample).open()
     all_labels = world.training_labels()
-    chosen = sorted(generator(sample, 'calibration/pool').permutation(len(all_labels))[:POOL].tolist())
+    chosen = sorted(random_stream(sample, 'calibration/pool').permutation(len(all_labels))[:POOL].tolist())
     pool = perceive(world.training_pool(chosen))
     labels = [all_labels[i] for i in chosen]
     features, truth = test_set(world)
     yield 'seconds to make', time.perf_counter() - start
-    some = generator(sample, 'calibration/labels').permutation(len(labels))[:LABELS].tolist()
+    some = random_stream(sample, 'calibration/labels').permutation(len(labels))[:LABELS].tolist()
     for name, rows in (('all labels', list(range(len(labels)))), (f'{LABELS} labels', some)):
         for with_subset in (False, True):
-            knowledge = told(task, pool, labels, rows, with_subset)
-            value = accuracy(knowledge.predict_proba(features), truth, task.symbols)
+            concepts = told(task, pool, labels, rows, with_subset)
+            value = accuracy(concepts.predict_proba(features), truth, task.symbols)
             yield f'{name}, {"relevant" if with_subset else "all"} features', value
     yield 'share of clutter', labels.count(NO_SYMBOL) / len(labels)
 

@@ -13,9 +13,9 @@ import matplotlib as mpl
 import numpy as np
 from matplotlib import pyplot as plt
 
-from al_questioner.domain import generator
+from al_questioner.domain import random_stream
 from al_questioner.simulation import load_task
-from al_questioner.simulation.kitchen.pool import Sight, Thing, observe
+from al_questioner.simulation.kitchen.pool import ObjectInstance, ViewSpec, observe
 from al_questioner.simulation.kitchen.things.catalogue import CATALOGUES
 from al_questioner.simulation.kitchen.things.vessels import Look
 from al_questioner.simulation.simulated_world import describe
@@ -32,11 +32,11 @@ def main() -> None:
     given = parser.parse_args()
     task = load_task(given.task)
     kinds = [k for k in CATALOGUES[task.appearance.catalogue or 'pack_lunchbox'] if given.only in (None, k.symbol)]
-    rng = generator(1, 'catalogue_sheet')
+    rng = random_stream(1, 'catalogue_sheet')
     sights = []
     for kind in kinds:
-        thing = Thing(kind, Look(size=1.0, hue_deg=0.0, tone=1.0, variant=float(rng.random())), 1.0, 0, (0,))
-        sights += [Sight(f'{kind.name}/{state}', thing, state, 0) for state in range(len(kind.states))]
+        thing = ObjectInstance(kind, Look(size=1.0, hue_deg=0.0, tone=1.0, variant=float(rng.random())), 1.0, 0, (0,))
+        sights += [ViewSpec(f'{kind.name}/{state}', thing, state, 0) for state in range(len(kind.states))]
     mpl.use('Agg')
     rows = -(-len(sights) // COLUMNS)
     figure, grid = plt.subplots(rows, COLUMNS, figsize=(1.5 * COLUMNS, 1.3 * rows), layout='constrained', squeeze=False)

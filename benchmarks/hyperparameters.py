@@ -31,7 +31,7 @@ from al_questioner.questioning import known_strategies
 from al_questioner.simulation import (
     PerceivedWorld,
     ScriptedTeacher,
-    WorldChoice,
+    WorldSpec,
     episode_settings,
     load_task,
     run_episode,
@@ -90,7 +90,7 @@ class Outcome(NamedTuple):
 @lru_cache(maxsize=1)
 def opened(task: str, sample: int) -> PerceivedWorld:
     """A world that the episodes on it share, so that its views are drawn and measured once."""
-    return PerceivedWorld(WorldChoice(load_task(task), sample, sample).open())
+    return PerceivedWorld(WorldSpec(load_task(task), sample, sample).open())
 
 
 def play(case: Case) -> Outcome:
@@ -103,7 +103,7 @@ def play(case: Case) -> Outcome:
     settings = episode_settings(
         task, case.strategy, case.budget, case.turns, amplitude=case.amplitude, tune_every=case.tune_every
     )
-    choice = WorldChoice(task, case.sample, case.sample)
+    choice = WorldSpec(task, case.sample, case.sample)
     result = run_episode(choice, settings, teacher, world=opened(case.task, case.sample))
     return Outcome(
         result.final_accuracy,

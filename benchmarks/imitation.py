@@ -17,6 +17,8 @@ import os
 from collections.abc import Mapping, Sequence
 from pathlib import Path
 
+from al_questioner.support.arrays import Array
+
 os.environ.setdefault('OMP_NUM_THREADS', '1')
 
 import numpy as np
@@ -26,14 +28,14 @@ from al_questioner.domain import DECISION_FEATURES, EpisodeSettings, QueryKind
 from al_questioner.imitation.assessment import agreement, count_gap, imitate
 from al_questioner.imitation.bags import read_demonstrations
 from al_questioner.imitation.choice_likelihood import fit_temperature
-from al_questioner.imitation.demonstration import Array, Demonstration, all_steps, demonstrate, feature_scale
+from al_questioner.imitation.demonstration import Demonstration, all_steps, demonstrate, feature_scale
 from al_questioner.imitation.settings import MatchingSettings, TrainingSettings
 from al_questioner.imitation.training import train
 from al_questioner.questioning import read_weights
 from al_questioner.simulation import (
     PerceivedWorld,
     ScriptedTeacher,
-    WorldChoice,
+    WorldSpec,
     episode_settings,
     load_task,
     run_episode,
@@ -59,7 +61,7 @@ def held_out(like: EpisodeSettings, task_name: str, count: int) -> list[tuple[De
     task = load_task(task_name)
     found = []
     for seed in range(FIRST_HELD_OUT, FIRST_HELD_OUT + count):
-        choice = WorldChoice(task, seed, seed)
+        choice = WorldSpec(task, seed, seed)
         world = PerceivedWorld(choice.open())
         teacher = ScriptedTeacher(task.symbols, task.relevant_groups, seed, repeat_shown=True)
         found.append((demonstrate(choice, like, teacher, world), world))
@@ -90,7 +92,7 @@ def imitation_rows(
 def condition_rows(policies: Mapping[str, Array], task_name: str, samples: int) -> list[list[str]]:
     """A row for each policy and condition."""
     task = load_task(task_name)
-    worlds = {sample: PerceivedWorld(WorldChoice(task, sample, sample).open()) for sample in range(samples)}
+    worlds = {sample: PerceivedWorld(WorldSpec(task, sample, sample).open()) for sample in range(samples)}
     rows = []
     for name, weights in policies.items():
         for budget, turns in CONDITIONS:
@@ -101,7 +103,7 @@ def condition_rows(policies: Mapping[str, Array], task_name: str, samples: int) 
             results = []
             for sample, world in worlds.items():
                 teacher = ScriptedTeacher(task.symbols, task.relevant_groups, sample, repeat_shown=True)
-                results.append(run_episode(WorldChoice(task, sample, sample), settings, teacher, world=world))
+                results.append(run_episode(WorldSpec(task, sample, sample), settings, teacher, world=world))
             queries = [len(result.queries) for result in results]
             subset = [
                 next((str(q.turn) for q in result.queries if q.kind is QueryKind.FEATURE_SUBSET), 'never')

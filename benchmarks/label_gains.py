@@ -26,20 +26,20 @@ from numpy.typing import NDArray
 from scipy.stats import mannwhitneyu
 
 from al_questioner.concepts import Selector
-from al_questioner.domain import NO_SYMBOL, InputError, generator
-from al_questioner.questioning import Choice, Episode, Situation, Strategy, known_strategies, make_strategy
+from al_questioner.domain import NO_SYMBOL, InputError, random_stream
+from al_questioner.questioning import Choice, Episode, Strategy, TurnContext, known_strategies, make_strategy
 from al_questioner.questioning.beliefs import class_beliefs
 from al_questioner.questioning.strategies.value_per_cost import DEFAULTS, called_shares
 from al_questioner.simulation import (
     PerceivedWorld,
     ScriptedTeacher,
-    WorldChoice,
+    WorldSpec,
     accuracy,
     episode_settings,
     load_task,
     turns,
 )
-from al_questioner.support.arguments import number
+from al_questioner.support.arguments import number_within
 
 EXAMPLES = (range(1), range(1, 2), range(2, 4), range(4, 8), range(8, 1000))
 """Groups of numbers of examples."""
@@ -88,45 +88,45 @@ class Measuring:
         """That of the strategy."""
         return self._strategy.selector
 
-    def choose(self, situation: Situation, rng: np.random.Generator) -> Choice:
+    def choose(self, context: TurnContext, rng: np.random.Generator) -> Choice:
         """The strategy's choice."""
-        if situation.turn % self._every == 0:
-            self.found += measured(situation, self._world.truth(situation.turn), self._world.test_set)
-        return self._strategy.choose(situation, rng)
+        if context.turn % self._every == 0:
+            self.found += measured(context, self._world.truth(context.turn), self._world.test_set)
+        return self._strategy.choose(context, rng)
 
 
 def measured(
-    situation: Situation, truth: Mapping[int, str], test_set: tuple[NDArray[np.float32], Sequence[str]]
+    context: TurnContext, truth: Mapping[int, str], test_set: tuple[NDArray[np.float32], Sequence[str]]
 ) -> list[Label]:
     """The labels of all views in sight that have none."""
-    knowledge, scene, symbols = situation.knowledge, situation.scene, situation.symbols
-    rows = np.flatnonzero(~situation.labelled)
+    concepts, scene, symbols = context.concepts, context.scene, context.symbols
+    rows = np.flatnonzero(~context.labelled)
     if len(rows) == 0:
         return []
     names = [truth[scene.object_ids[row]] for row in rows]
     features, labels = test_set
-    before = accuracy(knowledge.predict_proba(features), labels, symbols)
-    after = knowledge.predict_after_each(scene.features[rows], names, features)
-    q = situation.probabilities[rows]
+    before = accuracy(concepts.predict_proba(features), labels, symbols)
+    after = concepts.predict_after_each(scene.features[rows], names, features)
+    q = context.probabilities[rows]
     called = called_shares(q)
     odds = (q / (1 - q)).sum(axis=1)
-    beliefs = 1 - class_beliefs(situation, DEFAULTS.reach, DEFAULTS.doubt)[rows, -1]
+    beliefs = 1 - class_beliefs(context, DEFAULTS.reach, DEFAULTS.doubt)[rows, -1]
     found = []
     for i, name in enumerate(names):
         share = 0.0 if name == NO_SYMBOL else float(called[i, symbols.index(name)])
         gain = accuracy(after[i], labels, symbols) - before
-        found.append(Label(name, knowledge.positives.get(name, 0), share, gain, float(odds[i]), float(beliefs[i])))
+        found.append(Label(name, concepts.positives.get(name, 0), share, gain, float(odds[i]), float(beliefs[i])))
     return found
 
 
 def play(case: Case) -> list[Label]:
     """The labels that an episode measured."""
-    choice = WorldChoice(load_task(case.task), case.sample, case.sample)
+    choice = WorldSpec(load_task(case.task), case.sample, case.sample)
     settings = episode_settings(choice.task, case.strategy, case.budget, case.turns)
     world = PerceivedWorld(choice.open())
     strategy = Measuring(make_strategy(settings.strategy, settings.weights), world, case.every)
     teacher = ScriptedTeacher(choice.task.symbols, choice.task.relevant_groups, case.sample, repeat_shown=True)
-    for _ in turns(Episode(settings, generator(case.sample, 'learner'), strategy=strategy), world, teacher):
+    for _ in turns(Episode(settings, random_stream(case.sample, 'learner'), strategy=strategy), world, teacher):
         pass
     return strategy.found
 
@@ -174,12 +174,12 @@ def main() -> None:
     parser.add_argument('--task', nargs='+', default=['prepare_lunch', 'pack_lunchbox', 'kitchen_table'])
     strategies = [name for name in known_strategies() if name != 'human']
     parser.add_argument('--strategy', nargs='+', default=['random_fsq', 'value_per_cost'], choices=strategies)
-    parser.add_argument('--budget', type=number(float, 0, 1e6), default=25.0)
-    parser.add_argument('--turns', type=number(int, 1, 10_000), default=40)
-    parser.add_argument('--first', type=number(int, 0, 1_000_000), default=1000)
-    parser.add_argument('--samples', type=number(int, 1, 100_000), default=20)
-    parser.add_argument('--every', type=number(int, 1, 10_000), default=5)
-    parser.add_argument('--jobs', type=number(int, 1, 1024), default=os.cpu_count())
+    parser.add_argument('--budget', type=number_within(float, 0, 1e6), default=25.0)
+    parser.add_argument('--turns', type=number_within(int, 1, 10_000), default=40)
+    parser.add_argument('--first', type=number_within(int, 0, 1_000_000), default=1000)
+    parser.add_argument('--samples', type=number_within(int, 1, 100_000), default=20)
+    parser.add_argument('--every', type=number_within(int, 1, 10_000), default=5)
+    parser.add_argument('--jobs', type=number_within(int, 1, 1024), default=os.cpu_count())
     given = parser.parse_args()
     try:
         for task in given.task:

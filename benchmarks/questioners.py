@@ -19,15 +19,13 @@ from pathlib import Path
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
 from al_questioner.domain import InputError
 from al_questioner.experiments.figures import draw_cost_curves
 from al_questioner.experiments.plan import CONTROLS, PAPER_CONDITIONS, PAPER_STRATEGIES, Condition
 from al_questioner.experiments.results import EpisodeRow, Results, read_together
 from al_questioner.experiments.statistics import best_of, holm, paired_p, u_test
-
-Array = NDArray[np.float64]
+from al_questioner.support.arrays import Array
 
 
 class Cell(NamedTuple):

@@ -16,9 +16,9 @@ from collections.abc import Iterator
 import numpy as np
 from measuring import print_table
 
-from al_questioner.domain import Outcome, QueryKind, generator
+from al_questioner.domain import Outcome, QueryKind, random_stream
 from al_questioner.questioning import Episode
-from al_questioner.simulation import PerceivedWorld, ScriptedTeacher, WorldChoice, episode_settings, load_task
+from al_questioner.simulation import PerceivedWorld, ScriptedTeacher, WorldSpec, episode_settings, load_task
 
 WRONG_RATES = (0.0, 0.1, 0.3, 0.5)
 
@@ -26,11 +26,11 @@ WRONG_RATES = (0.0, 0.1, 0.3, 0.5)
 def play(given: argparse.Namespace, sample: int, wrong_rate: float, colleague: bool) -> tuple[float, float]:
     """Estimated and actual reliability of a teacher after an episode."""
     task = load_task(given.task)
-    world = PerceivedWorld(WorldChoice(task, sample, sample).open())
+    world = PerceivedWorld(WorldSpec(task, sample, sample).open())
     own = episode_settings(task, given.strategy, given.budget, given.turns)
     teacher = ScriptedTeacher(task.symbols, task.relevant_groups, sample, wrong_rate, teacher_id='tested')
     careful = ScriptedTeacher(task.symbols, task.relevant_groups, sample, teacher_id='careful')
-    episode, right = Episode(own, generator(sample, 'learner')), []
+    episode, right = Episode(own, random_stream(sample, 'learner')), []
     for turn in range(1, own.turns + 1):
         query = episode.ask(world.scene(turn)).query
         if query is None:

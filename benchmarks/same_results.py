@@ -25,10 +25,10 @@ from unittest import mock
 from al_questioner.cli import main as run
 from al_questioner.domain import Answer, LateAnswerError, Outcome
 from al_questioner.event_log.durable_episode import DurableEpisode
-from al_questioner.event_log.events import Begun, Seen
+from al_questioner.event_log.events import EpisodeStarted, SceneObserved
 from al_questioner.event_log.log import SessionLog
 from al_questioner.questioning import STRATEGIES
-from al_questioner.simulation import PerceivedWorld, ScriptedTeacher, WorldChoice, episode_settings, load_task
+from al_questioner.simulation import PerceivedWorld, ScriptedTeacher, WorldSpec, episode_settings, load_task
 from al_questioner.support.configuration import named_bag
 
 TASKS = ('prepare_lunch', 'pack_lunchbox', 'kitchen_table')
@@ -74,19 +74,19 @@ def write_training(folder: Path) -> None:
 def write_session(folder: Path) -> None:
     """A session's log as SQL, its exports, and what can be read of its bag."""
     task = load_task('prepare_lunch')
-    world = PerceivedWorld(WorldChoice(task, 4, 4).open())
+    world = PerceivedWorld(WorldSpec(task, 4, 4).open())
     teacher = ScriptedTeacher(task.symbols, task.relevant_groups, 4)
     members = {'task': 'prepare_lunch', 'seed': 4, 'sample': 4, 'dataset': None}
     settings = episode_settings(task, 'dt_task_env', 12.0, 16, tune_every=3)
     moments = itertools.count(FIRST_MOMENT_NS, 10**9)
     with mock.patch('time.time_ns', moments.__next__):
-        session = DurableEpisode(Begun('e1', settings, 4, 1e-3, members, '1'), SessionLog(folder / 'log'))
+        session = DurableEpisode(EpisodeStarted('e1', settings, 4, 1e-3, members, '1'), SessionLog(folder / 'log'))
         session.start()
         while not session.episode.done:
             turn = session.episode.turn + 1
-            query = session.ask(Seen(turn, turn * 10**9, 'table', world.scene(turn))).query
+            query = session.ask(SceneObserved(turn, turn * 10**9, 'table', world.scene(turn))).query
             if query is not None and turn % 5 == 0:
-                session.let_pass()
+                session.time_out()
             elif query is not None:
                 session.take(teacher.answer(query, world.truth(turn)))
                 session.take(teacher.answer(query, world.truth(turn)))

@@ -34,7 +34,7 @@ from rclpy.parameter import Parameter
 from std_msgs.msg import String
 
 from al_questioner.domain import Answer, Outcome
-from al_questioner.event_log.events import Decided, Encoder, Seen, Told, decoded
+from al_questioner.event_log.events import ActionChosen, AnswerAccepted, Encoder, SceneObserved, decoded
 from al_questioner.event_log.log import SessionLog, read_log
 from al_questioner.messages import documents
 from al_questioner.ros import qos
@@ -127,10 +127,10 @@ def appends(kind: str, events: list[Any], folder: Path) -> tuple[list[float], li
     with make(folder) as log:
         for first, second in itertools.pairwise(events):
             start = time.perf_counter()
-            if isinstance(first, Seen) and isinstance(second, Decided):
+            if isinstance(first, SceneObserved) and isinstance(second, ActionChosen):
                 log.append(encoder.encode(first), encoder.encode(second))
                 turns.append(time.perf_counter() - start)
-            elif isinstance(first, Told):
+            elif isinstance(first, AnswerAccepted):
                 log.append(encoder.encode(first))
                 answers.append(time.perf_counter() - start)
     return answers, turns

@@ -23,7 +23,7 @@ from turn_parts.accounts import remainders, sent_away, transport_seconds, waited
 from turn_parts.offline import GRAPH_STAGES, OFFLINE_STAGES, PlayedEpisode, play_timed
 
 from al_questioner.domain import EpisodeError, EpisodeSettings, InputError
-from al_questioner.simulation import ScriptedTeacher, WorldChoice, episode_settings, load_task, run_episode
+from al_questioner.simulation import ScriptedTeacher, WorldSpec, episode_settings, load_task, run_episode
 
 PATIENCE = 60.0
 """Seconds without progress after which the graph is given up."""
@@ -76,7 +76,7 @@ def measure(given: argparse.Namespace) -> Figures:
         need_ros()
         if given.turns < 3:
             raise InputError('--turns must be 3 or more for the graph: its first and last turn are not timed')
-    choice = WorldChoice(load_task(given.task), given.seed, given.seed)
+    choice = WorldSpec(load_task(given.task), given.seed, given.seed)
     settings = episode_settings(choice.task, given.strategy, given.budget, given.turns)
     print(f'{os.cpu_count()} cores; load average at the start: {os.getloadavg()[0]:.1f}\n')
     start = time.perf_counter()
@@ -107,7 +107,7 @@ def need_ros() -> None:
         raise InputError(f'ROS 2 cannot be imported ({error}): use --offline') from error
 
 
-def teacher_of(choice: WorldChoice) -> ScriptedTeacher:
+def teacher_of(choice: WorldSpec) -> ScriptedTeacher:
     """A teacher who never errs, as the teacher node by default."""
     return ScriptedTeacher(choice.task.symbols, choice.task.relevant_groups, choice.seed)
 
@@ -145,7 +145,7 @@ def report_offline(played: Sequence[PlayedEpisode], settings: EpisodeSettings, p
 
 
 def measure_graph(
-    given: argparse.Namespace, choice: WorldChoice, settings: EpisodeSettings, played: Sequence[PlayedEpisode]
+    given: argparse.Namespace, choice: WorldSpec, settings: EpisodeSettings, played: Sequence[PlayedEpisode]
 ) -> Figures:
     """Measure what needs ROS, and print it.
 

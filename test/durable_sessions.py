@@ -7,7 +7,7 @@ from pathlib import Path
 
 from al_questioner.domain import Answer, Decision
 from al_questioner.event_log.durable_episode import DurableEpisode
-from al_questioner.event_log.events import Begun, Seen, decoded
+from al_questioner.event_log.events import EpisodeStarted, SceneObserved, decoded
 from al_questioner.event_log.log import SessionLog, read_log
 from al_questioner.simulation import PerceivedWorld, ScriptedTeacher, episode_settings, load_task
 
@@ -16,9 +16,9 @@ TEACHER = ScriptedTeacher(TASK.symbols, TASK.relevant_groups, 4)
 WORLD = {'task': 'prepare_lunch', 'seed': 4, 'sample': 4, 'dataset': None}
 
 
-def begun(**changes: object) -> Begun:
+def begun(**changes: object) -> EpisodeStarted:
     settings = episode_settings(TASK, 'u_sampling_fsq', 8.0, 6, tune_every=2)
-    return dataclasses.replace(Begun('e1', settings, 4, 1e-3, WORLD, '1'), **changes)
+    return dataclasses.replace(EpisodeStarted('e1', settings, 4, 1e-3, WORLD, '1'), **changes)
 
 
 def started(folder: Path | None, **changes: object) -> DurableEpisode:
@@ -29,7 +29,7 @@ def started(folder: Path | None, **changes: object) -> DurableEpisode:
 
 def ask(session: DurableEpisode, world: PerceivedWorld) -> Decision:
     turn = session.episode.turn + 1
-    return session.ask(Seen(turn, turn * 1000, 'table', world.scene(turn)))
+    return session.ask(SceneObserved(turn, turn * 1000, 'table', world.scene(turn)))
 
 
 def answer(session: DurableEpisode, world: PerceivedWorld) -> Answer:

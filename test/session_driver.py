@@ -19,19 +19,19 @@ from pathlib import Path
 
 from al_questioner.domain import Answer, LateAnswerError, Outcome, Query, Scene
 from al_questioner.event_log.durable_episode import DurableEpisode
-from al_questioner.event_log.events import Begun, Seen
+from al_questioner.event_log.events import EpisodeStarted, SceneObserved
 from al_questioner.event_log.log import SessionLog, read_log
-from al_questioner.simulation import PerceivedWorld, ScriptedTeacher, WorldChoice, episode_settings, load_task
+from al_questioner.simulation import PerceivedWorld, ScriptedTeacher, WorldSpec, episode_settings, load_task
 
 TASK = load_task('prepare_lunch')
 SETTINGS = episode_settings(TASK, 'u_sampling_fsq', 6.0, 5, change_interval=2, tune_every=2)
-BEGUN = Begun('e1', SETTINGS, 4, 1e-3, None, '0')
+BEGUN = EpisodeStarted('e1', SETTINGS, 4, 1e-3, None, '0')
 TEACHER = ScriptedTeacher(TASK.symbols, TASK.relevant_groups, 4)
 
 
 @lru_cache(maxsize=1)
 def world() -> PerceivedWorld:
-    return PerceivedWorld(WorldChoice(TASK, 4, 4).open())
+    return PerceivedWorld(WorldSpec(TASK, 4, 4).open())
 
 
 @cache
@@ -64,7 +64,7 @@ def play(folder: Path, acknowledge: Callable[[Answer], None], at_write_point: Ca
     episode = session.episode
     while True:
         if episode.awaited is not None and is_away(episode.awaited, episode.turn):
-            session.let_pass()
+            session.time_out()
         elif episode.awaited is not None:
             for answer in said(episode.awaited):
                 try:
@@ -76,7 +76,7 @@ def play(folder: Path, acknowledge: Callable[[Answer], None], at_write_point: Ca
         if episode.done:
             break
         turn = episode.turn + 1
-        session.ask(Seen(turn, turn * 1000, 'table', scene(turn)))
+        session.ask(SceneObserved(turn, turn * 1000, 'table', scene(turn)))
     session.close()
 
 

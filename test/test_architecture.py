@@ -118,8 +118,8 @@ try:
 except SystemExit:
     pass"""
 LEARNER_SETTINGS = """
-from al_questioner.simulation import WorldChoice, episode_settings, load_task
-episode_settings(WorldChoice(load_task('kitchen_table'), 0, 0).task)"""
+from al_questioner.simulation import WorldSpec, episode_settings, load_task
+episode_settings(WorldSpec(load_task('kitchen_table'), 0, 0).task)"""
 
 
 @pytest.mark.parametrize('program', [LEARNER_HELP, 'import al_questioner.ros.nodes.learner', LEARNER_SETTINGS])

@@ -157,7 +157,10 @@ def test_an_interrupt_while_modules_are_imported_ends_quietly(tmp_path: Path, mo
 
 def test_an_interrupt_that_is_ignored_in_the_background_stays_ignored() -> None:
     """`nohup` and `&` in a script would no longer shield an experiment."""
-    code = 'import signal; from al_questioner import interrupts\ninterrupts.install(); print(signal.getsignal(2).name)'
+    code = (
+        'import signal; from al_questioner.support import interrupts\n'
+        'interrupts.install(); print(signal.getsignal(2).name)'
+    )
     ignoring = f'trap "" INT; exec {sys.executable} -c "{code}"'
     done = subprocess.run(['sh', '-c', ignoring], capture_output=True, text=True, check=True)
     assert done.stdout == 'SIG_IGN\n'

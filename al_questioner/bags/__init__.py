@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 from al_questioner.support.lazy_names import lazy_names
 
 if TYPE_CHECKING:
-    from al_questioner.bags.episodes import LeftOut, RecordedTurn, Session, read_sessions
+    from al_questioner.bags.episodes import LeftOut, RecordedEpisode, RecordedTurn, read_episodes
     from al_questioner.bags.reading import Bag, BagError, BagMessage, Topic, deserialize, digest, read_bag
     from al_questioner.bags.repairing import RepairReport, repair
     from al_questioner.bags.writing import BagWriter
@@ -19,14 +19,14 @@ __all__ = [
     'BagMessage',
     'BagWriter',
     'LeftOut',
+    'RecordedEpisode',
     'RecordedTurn',
     'RepairReport',
-    'Session',
     'Topic',
     'deserialize',
     'digest',
     'read_bag',
-    'read_sessions',
+    'read_episodes',
     'repair',
 ]
 
@@ -40,8 +40,8 @@ _HOMES = {
     'read_bag': 'reading',
     'LeftOut': 'episodes',
     'RecordedTurn': 'episodes',
-    'Session': 'episodes',
-    'read_sessions': 'episodes',
+    'RecordedEpisode': 'episodes',
+    'read_episodes': 'episodes',
     'RepairReport': 'repairing',
     'repair': 'repairing',
     'BagWriter': 'writing',

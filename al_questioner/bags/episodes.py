@@ -47,7 +47,7 @@ class RecordedTurn:
 
 
 @dataclass(frozen=True, eq=False)
-class Session:
+class RecordedEpisode:
     """One recorded episode, or its first turns if the recording ended before it did.
 
     Attributes:
@@ -101,7 +101,7 @@ class LeftOut(NamedTuple):
     reason: str
 
 
-def read_sessions(path: Path, left_out: list[LeftOut] | None = None) -> list[Session]:
+def read_episodes(path: Path, left_out: list[LeftOut] | None = None) -> list[RecordedEpisode]:
     """All episodes of a bag, in the order in which they began; what other nodes say on such topics is passed over.
 
     An episode that was over before the recording began is none of the bag's: only latched topics tell of it.
@@ -114,11 +114,11 @@ def read_sessions(path: Path, left_out: list[LeftOut] | None = None) -> list[Ses
         BagError: not a bag, a broken one, or one without an episode that can be used; the text names the bag.
     """
     bag = read_bag(path)
-    sessions: list[Session] = []
+    sessions: list[RecordedEpisode] = []
     missing: list[LeftOut] = []
     for recorded in recorded_in(bag, ('episode', 'turn')):
         for found in _sessions(path, recorded):
-            if isinstance(found, Session):
+            if isinstance(found, RecordedEpisode):
                 sessions.append(found)
             else:
                 missing.append(found)
@@ -131,7 +131,7 @@ def read_sessions(path: Path, left_out: list[LeftOut] | None = None) -> list[Ses
     return sessions
 
 
-def _sessions(path: Path, recorded: Recorded) -> Iterator[Session | LeftOut]:
+def _sessions(path: Path, recorded: Recorded) -> Iterator[RecordedEpisode | LeftOut]:
     """The episodes of a namespace, and what of them cannot be used."""
     is_one_whole = any(run.document is not None and 1 in run.begins for run in recorded.runs)
     for run in recorded.runs:
@@ -192,7 +192,7 @@ def _states(recorded: Recorded, run: Run) -> list[_State]:
     return found
 
 
-def _session(path: Path, recorded: Recorded, run: Run, document: Document) -> Session:
+def _session(path: Path, recorded: Recorded, run: Run, document: Document) -> RecordedEpisode:
     """The session of a run.
 
     Raises:
@@ -215,7 +215,7 @@ def _session(path: Path, recorded: Recorded, run: Run, document: Document) -> Se
     begun = None
     with contextlib.suppress(InputError):
         begun = recorded_turn(last + 1)
-    return Session(
+    return RecordedEpisode(
         source=path,
         episode_id=run.episode_id,
         settings=settings,

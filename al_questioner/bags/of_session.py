@@ -11,10 +11,10 @@ import numpy as np
 from al_questioner.bags.reading import BagError, Topic, typestore
 from al_questioner.bags.topics import CLOUD, STRING, TYPES
 from al_questioner.bags.writing import BagWriter
-from al_questioner.event_log.events import Decided, KeptLate, Seen, SessionEvent, Told
+from al_questioner.event_log.events import ActionChosen, AnswerAccepted, LateAnswerKept, SceneObserved, SessionEvent
 from al_questioner.event_log.replay import Replay
 from al_questioner.event_log.reports import episode_members, state_members
-from al_questioner.event_log.summary import Account
+from al_questioner.event_log.summary import SessionSummary
 from al_questioner.messages import documents
 from al_questioner.messages.clouds import CloudTypes, cloud_of_decision, cloud_of_scene
 from al_questioner.messages.documents import Document
@@ -23,7 +23,7 @@ from al_questioner.messages.stamps import SECOND, stamp_members
 _VOLATILE = ('answer', 'answer_ack', 'decision')
 
 
-def write_bag(account: Account, path: Path) -> None:
+def write_bag(account: SessionSummary, path: Path) -> None:
     """Write the session into a new bag, its topics without a namespace, each message at the time of its event.
 
     Nothing is left of a bag that could not be written as a whole.
@@ -50,7 +50,7 @@ def write_bag(account: Account, path: Path) -> None:
 class _Writing:
     """Turns events into messages, with a replay beside them that knows what was weighed and believed."""
 
-    def __init__(self, account: Account, bag: BagWriter) -> None:
+    def __init__(self, account: SessionSummary, bag: BagWriter) -> None:
         self._begun = account.begun
         self._replay = Replay(account.begun)
         self._bag = bag
@@ -64,18 +64,18 @@ class _Writing:
 
     def write(self, stamp: int, event: SessionEvent) -> None:
         """Write what was published because of an event."""
-        if isinstance(event, Seen):
+        if isinstance(event, SceneObserved):
             self.end_turn()
         self._replay.play(event)
         self._stamp = stamp
-        if isinstance(event, Seen):
+        if isinstance(event, SceneObserved):
             self._say('turn', {'turn': event.turn, 'stamp': stamp_members(event.stamp), 'world': self._begun.world})
             self._send('objects', cloud_of_scene(event.scene, self._header(event), self._cloud_types))
-        elif isinstance(event, Decided):
+        elif isinstance(event, ActionChosen):
             self._decided(event)
-        elif isinstance(event, (Told, KeptLate)):
+        elif isinstance(event, (AnswerAccepted, LateAnswerKept)):
             answer = event.answer
-            reason = event.reason if isinstance(event, KeptLate) else ''
+            reason = event.reason if isinstance(event, LateAnswerKept) else ''
             ids = {'query_id': answer.query_id, 'answer_id': answer.answer_id}
             self._say('answer', documents.answer_members(answer))
             self._say('answer_ack', {**ids, 'accepted': not reason, 'reason': reason})
@@ -84,10 +84,10 @@ class _Writing:
         """Write the state of the learner after a turn; none before the first, and none while it waits."""
         seen, episode = self._replay.seen, self._replay.episode
         if seen is not None and not episode.awaits_answer:
-            beliefs = episode.knowledge.predict_proba(episode.scene.features)
+            beliefs = episode.concepts.predict_proba(episode.scene.features)
             self._say('learner_state', state_members(episode, beliefs))
 
-    def _decided(self, event: Decided) -> None:
+    def _decided(self, event: ActionChosen) -> None:
         seen, decision = self._replay.seen, self._replay.decision
         if seen is None or decision is None:
             return
@@ -99,7 +99,7 @@ class _Writing:
         if event.query is not None:
             self._say('query', {**documents.query_members(event.query), 'world': self._begun.world})
 
-    def _header(self, seen: Seen) -> Any:
+    def _header(self, seen: SceneObserved) -> Any:
         time = self._types['builtin_interfaces/msg/Time'](seen.stamp // SECOND, seen.stamp % SECOND)
         return self._types['std_msgs/msg/Header'](time, seen.frame_id)
 

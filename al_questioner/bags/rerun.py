@@ -8,7 +8,7 @@ from itertools import chain
 
 import numpy as np
 
-from al_questioner.bags.episodes import RecordedTurn, Session
+from al_questioner.bags.episodes import RecordedEpisode, RecordedTurn
 from al_questioner.domain import (
     NO_SYMBOL,
     Answer,
@@ -18,9 +18,18 @@ from al_questioner.domain import (
     Outcome,
     QueryKind,
     QueryRecord,
-    generator,
+    random_stream,
 )
-from al_questioner.questioning import Choice, Episode, FeatureSet, Human, Observed, Remembered, Situation, Strategy
+from al_questioner.questioning import (
+    Choice,
+    Episode,
+    FeatureRecorder,
+    FeatureSet,
+    Human,
+    ReplayedPicks,
+    Strategy,
+    TurnContext,
+)
 
 ROUNDING = 1e-8
 """Difference, absolute or relative, up to which numbers are equal: processors differ in their last digits."""
@@ -39,7 +48,7 @@ class Divergence:
     what: str
 
 
-def first_divergence(session: Session) -> Divergence | None:
+def first_divergence(session: RecordedEpisode) -> Divergence | None:
     """Play the scenes and answers of a session to a learner with its settings, and compare every decision.
 
     Decisions are the same if they weigh the same candidates, choose the same one and, but for rounding, see the same
@@ -48,9 +57,9 @@ def first_divergence(session: Session) -> Divergence | None:
     Raises:
         InputError: the strategy of the session, or its weights, do not exist.
     """
-    choices = Remembered()
+    choices = ReplayedPicks()
     strategy = Human(choices) if session.settings.strategy == 'human' else None
-    episode = Episode(session.settings, generator(session.seed, 'learner'), session.view_tolerance, strategy)
+    episode = Episode(session.settings, random_stream(session.seed, 'learner'), session.view_tolerance, strategy)
     for recorded in chain(_turns(session, episode), [session.begun] if session.begun else []):
         choices.action = recorded.decision.candidates[recorded.decision.chosen]
         decision = episode.ask(recorded.scene)
@@ -81,27 +90,27 @@ class _Follower:
     def __init__(self) -> None:
         self.decision: Decision | None = None
 
-    def choose(self, situation: Situation, rng: np.random.Generator) -> Choice:
-        if self.decision is None or self.decision.candidates != situation.candidates:
-            raise InputError(f'turn {situation.turn}: other candidates than the settings and scenes make were recorded')
+    def choose(self, context: TurnContext, rng: np.random.Generator) -> Choice:
+        if self.decision is None or self.decision.candidates != context.candidates:
+            raise InputError(f'turn {context.turn}: other candidates than the settings and scenes make were recorded')
         return Choice(self.decision.chosen, self.decision.utilities)
 
 
-def decisions_anew(session: Session, feature_set: FeatureSet) -> Iterator[Decision]:
+def decisions_anew(session: RecordedEpisode, feature_set: FeatureSet) -> Iterator[Decision]:
     """The decisions of a session as they were made, but with features that were not recorded.
 
     Raises:
         InputError: the recorded candidates are not those that the session's scenes and settings make.
     """
     follower = _Follower()
-    strategy: Strategy = Observed(follower, feature_set)
-    episode = Episode(session.settings, generator(session.seed, 'learner'), session.view_tolerance, strategy)
+    strategy: Strategy = FeatureRecorder(follower, feature_set)
+    episode = Episode(session.settings, random_stream(session.seed, 'learner'), session.view_tolerance, strategy)
     for recorded in _turns(session, episode):
         follower.decision = recorded.decision
         yield episode.ask(recorded.scene)
 
 
-def _turns(session: Session, episode: Episode) -> Iterator[RecordedTurn]:
+def _turns(session: RecordedEpisode, episode: Episode) -> Iterator[RecordedTurn]:
     """Each turn, to ask the episode about its scene; then the episode is told what was said, and the turn is ended."""
     queries: dict[int, str] = {}
     answers: dict[int, Answer] = {}
@@ -112,9 +121,9 @@ def _turns(session: Session, episode: Episode) -> Iterator[RecordedTurn]:
         for record in (record for record in recorded.told if record.turn in queries):
             corrected = answers.get(record.turn)
             answers[record.turn] = answer = _answer(record, queries[record.turn], corrected)
-            (episode.tell if corrected is None else episode.amend)(answer)
+            (episode.tell if corrected is None else episode.correct)(answer)
         if episode.awaits_answer:
-            episode.let_pass()
+            episode.time_out()
         episode.tune()
 
 

@@ -1,6 +1,6 @@
 """What the learner believes: one Gaussian process classifier per symbol, and everything it has been told."""
 
-from al_questioner.concepts.concept_learner import VIEW_TOLERANCE, Knowledge
+from al_questioner.concepts.concept_learner import VIEW_TOLERANCE, ConceptLearner
 from al_questioner.concepts.feature_selection import Selector, rank_p_values, select_features
 from al_questioner.concepts.laplace.hyperparameters import Kernel
 from al_questioner.concepts.models import ConceptModels, compile_models
@@ -9,9 +9,9 @@ from al_questioner.concepts.view_memory import ViewMemory
 
 __all__ = [
     'VIEW_TOLERANCE',
+    'ConceptLearner',
     'ConceptModels',
     'Kernel',
-    'Knowledge',
     'Selector',
     'Standardiser',
     'ViewMemory',

@@ -8,7 +8,6 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from al_questioner.concepts.arrays import Array
 from al_questioner.concepts.feature_selection import Selector, select_features
 from al_questioner.concepts.laplace.hyperparameters import Kernel, tuned_kernel
 from al_questioner.concepts.models import ConceptModels
@@ -24,6 +23,7 @@ from al_questioner.domain import (
     SceneError,
     group_of,
 )
+from al_questioner.support.arrays import Array
 
 VIEW_TOLERANCE = 1e-3
 """Root mean square change, in standard deviations, up to which an object is still the same view: none but rounding.
@@ -42,7 +42,7 @@ class LabelledView:
     turn: int
 
 
-class Knowledge:
+class ConceptLearner:
     """What was seen and what was told, as concept models: a deterministic function of the events, in their order.
 
     The features are standardised with what was seen, restricted to what the teacher called relevant, and, if so

@@ -7,8 +7,8 @@ from collections.abc import Callable, Sequence
 import numpy as np
 from numpy.typing import NDArray
 
-from al_questioner.concepts.arrays import Array
 from al_questioner.domain import FloatArray, InputError
+from al_questioner.support.arrays import Array
 from al_questioner.support.late_imports import late
 
 fdtrc = late('scipy.special', 'fdtrc')

@@ -8,10 +8,10 @@ from collections.abc import Iterator, Sequence
 import numpy as np
 from numpy.typing import ArrayLike
 
-from al_questioner.concepts.arrays import Array
 from al_questioner.concepts.laplace.gaussian_process import expected_logistic, rbf_kernel
 from al_questioner.concepts.laplace.posterior import Marginals, Posterior, laplace_posterior
 from al_questioner.domain import NO_SYMBOL, InputError
+from al_questioner.support.arrays import Array
 
 EXACT_OPERATIONS = 2e10
 """Multiplications and additions of an exact look-ahead, some seconds, above which `look_ahead` approximates."""

@@ -5,8 +5,8 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from al_questioner.concepts.arrays import Array
 from al_questioner.domain import FloatArray
+from al_questioner.support.arrays import Array
 
 LARGEST_MEANT = 1e30
 """Size beyond which no sensor means a reading: 3e38, the largest number of 32 bits, is what stands for none."""

@@ -4,9 +4,9 @@ from __future__ import annotations
 
 import numpy as np
 
-from al_questioner.concepts.arrays import Array
 from al_questioner.concepts.plausible_range import PlausibleRange
 from al_questioner.domain import FloatArray, InputError
+from al_questioner.support.arrays import Array
 
 
 class Standardiser:

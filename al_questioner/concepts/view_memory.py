@@ -11,9 +11,9 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from al_questioner.concepts.arrays import Array
 from al_questioner.concepts.view_noise import ViewNoise
 from al_questioner.domain import FloatArray, Scene
+from al_questioner.support.arrays import Array
 
 MANY_FEATURES_MOVED, FAR_IN_ALL = 0.15, 0.5
 """In spreads: no noise moves half of the features by more than the first, and all by the second in root mean square."""

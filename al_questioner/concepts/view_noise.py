@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from al_questioner.concepts.arrays import Array
+from al_questioner.support.arrays import Array
 from al_questioner.support.late_imports import late
 
 chdtri, ndtri = late('scipy.special', 'chdtri'), late('scipy.special', 'ndtri')

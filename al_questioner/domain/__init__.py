@@ -25,7 +25,7 @@ from al_questioner.domain.query import (
     QueryKind,
     QueryRecord,
 )
-from al_questioner.domain.random_streams import generator
+from al_questioner.domain.random_streams import random_stream
 from al_questioner.domain.scene import Camera, FloatArray, Observation, Scene, View, group_of
 from al_questioner.domain.settings import (
     AMPLITUDE,
@@ -76,6 +76,6 @@ __all__ = [
     'SettingsError',
     'View',
     'ViewTolerance',
-    'generator',
     'group_of',
+    'random_stream',
 ]

@@ -9,7 +9,7 @@ import numpy as np
 from al_questioner.domain.errors import SettingsError
 
 
-def generator(seed: int, stream: str) -> np.random.Generator:
+def random_stream(seed: int, stream: str) -> np.random.Generator:
     """An independent random stream for one part of an episode, the same in every process for the same seed.
 
     Raises:

@@ -78,11 +78,11 @@ class Costs:
     skip: float = 1.0
     unanswered: float = 0.0
 
-    def of(self, kind: QueryKind) -> float:
+    def price(self, kind: QueryKind) -> float:
         """Price of a query of this kind."""
         return 0.0 if kind is QueryKind.NO_QUERY else float(getattr(self, kind.value))
 
-    def share(self, outcome: Outcome) -> float:
+    def charged_fraction(self, outcome: Outcome) -> float:
         """Share of the price that is charged in the end."""
         return 1.0 if outcome is Outcome.ANSWERED else float(getattr(self, outcome.value))
 
@@ -144,7 +144,7 @@ class EpisodeSettings:
                 raise SettingsError(f'the cost of a {kind} query must be a number of 0 or more, not {cost}')
             _check_range(f'the cost of a {kind} query', cost, 0, LARGEST_AMOUNT)
         for outcome in Outcome:
-            share = self.costs.share(outcome)
+            share = self.costs.charged_fraction(outcome)
             if not 0.0 <= share <= 1.0:
                 raise SettingsError(f'the share charged for outcome {outcome.value} must be in [0, 1], not {share}')
         _check_range('amplitude', self.amplitude, *AMPLITUDE_RANGE)

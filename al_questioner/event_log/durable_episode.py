@@ -6,23 +6,23 @@ import contextlib
 
 from al_questioner.domain import AUTO, Answer, Decision, LateAnswerError
 from al_questioner.event_log.events import (
-    Begun,
-    Decided,
+    ActionChosen,
+    AnswerAccepted,
     Encoder,
-    KeptLate,
-    Passed,
-    Refused,
-    Seen,
+    EpisodeStarted,
+    InputRejected,
+    KernelTuned,
+    LateAnswerKept,
+    SceneObserved,
     SessionEvent,
-    Told,
-    Tuned,
+    TurnTimedOut,
     decoded,
 )
 from al_questioner.event_log.log import LogContents, LogWriteError, SessionLog, SessionLogError
 from al_questioner.event_log.replay import Replay, learn
 from al_questioner.questioning import Episode
 from al_questioner.support.differences import differences
-from al_questioner.support.rate_limiter import Throttle
+from al_questioner.support.rate_limiter import RateLimiter
 
 NOT_SETTINGS = frozenset({'version'})
 """What a log tells of its episode that a learner that goes on with it need not share."""
@@ -48,13 +48,13 @@ class DurableEpisode:
         SessionLogError: the log is of an episode with other settings, which the text names, or it cannot be understood.
     """
 
-    def __init__(self, wanted: Begun, log: SessionLog | None = None) -> None:
+    def __init__(self, wanted: EpisodeStarted, log: SessionLog | None = None) -> None:
         self._log = log
         self._encoder = Encoder()
         self._events: list[SessionEvent] = []
         self._replay: Replay | None = None
-        self._last_refused: Refused | None = None
-        self._throttle = Throttle(REFUSED_KEPT, REFUSED_PERIOD)
+        self._last_refused: InputRejected | None = None
+        self._throttle = RateLimiter(REFUSED_KEPT, REFUSED_PERIOD)
         self._only_counted = 0
         self.begun = wanted
         if log is not None and log.events:
@@ -74,7 +74,7 @@ class DurableEpisode:
         return self._started.episode
 
     @property
-    def seen(self) -> Seen | None:
+    def seen(self) -> SceneObserved | None:
         """The scene of the present turn; None before the first."""
         return self._started.seen
 
@@ -99,7 +99,7 @@ class DurableEpisode:
         self._events = []
         self._replay = replay
 
-    def ask(self, seen: Seen) -> Decision:
+    def ask(self, seen: SceneObserved) -> Decision:
         """See `Episode.ask`.
 
         Raises:
@@ -107,7 +107,7 @@ class DurableEpisode:
             LogWriteError: scene and decision cannot be written; the episode cannot go on.
         """
         decision = self.episode.ask(seen.scene)
-        self._write(seen, Decided(decision.turn, decision.candidates[decision.chosen], decision.query))
+        self._write(seen, ActionChosen(decision.turn, decision.candidates[decision.chosen], decision.query))
         self._started.asked(seen, decision)
         return decision
 
@@ -129,11 +129,11 @@ class DurableEpisode:
             late = self.episode.answers.late
             if answer not in late and sum(one.query_id == answer.query_id for one in late) < LATE_KEPT:
                 self.episode.check_late(answer)
-                self._write(KeptLate(answer, str(error)))
+                self._write(LateAnswerKept(answer, str(error)))
                 self.episode.answers.keep_late(answer)
             raise
         self.episode.check(answer)
-        self._write(Told(answer))
+        self._write(AnswerAccepted(answer))
         learn(self.episode, answer)
         return True
 
@@ -143,7 +143,7 @@ class DurableEpisode:
         Raises:
             LogWriteError: it cannot be written.
         """
-        refused = Refused(text, reason)
+        refused = InputRejected(text, reason)
         if refused == self._last_refused:
             return
         self._last_refused = refused
@@ -157,10 +157,10 @@ class DurableEpisode:
         """Write down how many refused texts were counted only."""
         count, self._only_counted = self._only_counted, 0
         if count:
-            self._write(Refused('', f'{count} more, too many to keep', count))
+            self._write(InputRejected('', f'{count} more, too many to keep', count))
 
-    def let_pass(self) -> None:
-        """See `Episode.let_pass`.
+    def time_out(self) -> None:
+        """See `Episode.time_out`.
 
         Raises:
             LogWriteError: it cannot be written, and the turn is not over.
@@ -168,8 +168,8 @@ class DurableEpisode:
         query = self.episode.awaited
         if query is None:
             raise RuntimeError('no query waits for its answer')
-        self._write(Passed(self.episode.turn, query.query_id))
-        self.episode.let_pass()
+        self._write(TurnTimedOut(self.episode.turn, query.query_id))
+        self.episode.time_out()
 
     def tune(self) -> bool:
         """See `Episode.tune`.
@@ -180,7 +180,7 @@ class DurableEpisode:
         if not self.episode.tune_is_due:
             return False
         changed = self.episode.tune()
-        self._write(Tuned(self.episode.turn, self.episode.knowledge.model_version))
+        self._write(KernelTuned(self.episode.turn, self.episode.concepts.model_version))
         return changed
 
     def close(self) -> None:
@@ -201,9 +201,9 @@ class DurableEpisode:
             self._log.append(*map(self._encoder.encode, events))
 
 
-def _same_episode(log: SessionLog, first: SessionEvent, wanted: Begun) -> Begun:
+def _same_episode(log: SessionLog, first: SessionEvent, wanted: EpisodeStarted) -> EpisodeStarted:
     """The episode that a log begins with, if it is the one that is wanted."""
-    if not isinstance(first, Begun):
+    if not isinstance(first, EpisodeStarted):
         raise SessionLogError(f'{log.folder}: its first event is not the beginning of an episode')
     ignored = NOT_SETTINGS if wanted.episode_id else NOT_SETTINGS | {'episode_id'}
     if wanted.view_tolerance == AUTO:

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import base64
 import json
-from collections.abc import Iterable
 from dataclasses import dataclass
 from typing import Any
 
@@ -18,7 +17,7 @@ from al_questioner.messages.documents import Document
 
 
 @dataclass(frozen=True)
-class Begun:
+class EpisodeStarted:
     """The episode: all that determines what is asked, given scenes and answers.
 
     Attributes:
@@ -50,7 +49,7 @@ class Begun:
 
 
 @dataclass(frozen=True, eq=False)
-class Seen:
+class SceneObserved:
     """The scene of a turn, as the learner took it.
 
     Attributes:
@@ -67,7 +66,7 @@ class Seen:
 
 
 @dataclass(frozen=True)
-class Decided:
+class ActionChosen:
     """What was chosen in a turn, and the question if it asks one."""
 
     turn: int
@@ -76,14 +75,14 @@ class Decided:
 
 
 @dataclass(frozen=True)
-class Told:
+class AnswerAccepted:
     """An answer that was accepted; a correction if it replaces another."""
 
     answer: Answer
 
 
 @dataclass(frozen=True)
-class KeptLate:
+class LateAnswerKept:
     """An answer to a query that another answer had settled: kept, with its own query, and not learnt from."""
 
     answer: Answer
@@ -91,7 +90,7 @@ class KeptLate:
 
 
 @dataclass(frozen=True)
-class Refused:
+class InputRejected:
     """A text that could not be taken for an answer, shortened if it is long.
 
     Attributes:
@@ -106,7 +105,7 @@ class Refused:
 
 
 @dataclass(frozen=True)
-class Tuned:
+class KernelTuned:
     """The kernel was re-optimised at the end of a turn; `model_version` is that after it."""
 
     turn: int
@@ -114,55 +113,81 @@ class Tuned:
 
 
 @dataclass(frozen=True)
-class Passed:
+class TurnTimedOut:
     """A turn that was over although nobody had answered the query that waits."""
 
     turn: int
     query_id: str
 
 
-SessionEvent = Begun | Seen | Decided | Told | KeptLate | Refused | Tuned | Passed
+SessionEvent = (
+    EpisodeStarted
+    | SceneObserved
+    | ActionChosen
+    | AnswerAccepted
+    | LateAnswerKept
+    | InputRejected
+    | KernelTuned
+    | TurnTimedOut
+)
 
 LONGEST_REFUSED = 1000
 """Characters of a refused text that are kept."""
+
+KINDS = {
+    EpisodeStarted: 'episode',
+    SceneObserved: 'scene',
+    ActionChosen: 'decision',
+    AnswerAccepted: 'answer',
+    LateAnswerKept: 'late',
+    InputRejected: 'refused',
+    KernelTuned: 'tune',
+    TurnTimedOut: 'passed',
+}
+"""The word for each event in a log; an answer that replaces another is a 'correction' there."""
+
+
+def kind_of(event: SessionEvent) -> str:
+    """Return the word for an event in a log."""
+    if isinstance(event, AnswerAccepted) and event.answer.replaces is not None:
+        return 'correction'
+    return KINDS[type(event)]
 
 
 class Encoder:
     """Writes events as lines of a log; a scene that is the last one again is written as a reference."""
 
     def __init__(self) -> None:
-        self._last: Seen | None = None
+        self._last: SceneObserved | None = None
 
     def encode(self, event: SessionEvent) -> tuple[str, bytes]:
-        """Kind and content."""
-        kind, members = self._members(event)
-        return kind, json.dumps(members, allow_nan=False, separators=(',', ':')).encode()
+        """Return kind and content."""
+        return kind_of(event), json.dumps(self._members(event), allow_nan=False, separators=(',', ':')).encode()
 
-    def _members(self, event: SessionEvent) -> tuple[str, Document]:
-        if isinstance(event, Begun):
-            return 'episode', event.members()
-        if isinstance(event, Seen):
+    def _members(self, event: SessionEvent) -> Document:
+        if isinstance(event, EpisodeStarted):
+            return event.members()
+        if isinstance(event, SceneObserved):
             last, self._last = self._last, event
             scene = None if last is not None and last.scene.equals(event.scene) else _scene_members(event.scene)
-            return 'scene', {'turn': event.turn, 'stamp': event.stamp, 'frame_id': event.frame_id, 'scene': scene}
-        if isinstance(event, Decided):
+            return {'turn': event.turn, 'stamp': event.stamp, 'frame_id': event.frame_id, 'scene': scene}
+        if isinstance(event, ActionChosen):
             query = None if event.query is None else documents.query_members(event.query)
-            return 'decision', {'turn': event.turn, 'action': _action_members(event.action), 'query': query}
-        if isinstance(event, Told):
-            kind = 'answer' if event.answer.replaces is None else 'correction'
-            return kind, documents.answer_members(event.answer)
-        if isinstance(event, KeptLate):
-            return 'late', {**documents.answer_members(event.answer), 'reason': event.reason}
-        if isinstance(event, Refused):
+            return {'turn': event.turn, 'action': _action_members(event.action), 'query': query}
+        if isinstance(event, AnswerAccepted):
+            return documents.answer_members(event.answer)
+        if isinstance(event, LateAnswerKept):
+            return {**documents.answer_members(event.answer), 'reason': event.reason}
+        if isinstance(event, InputRejected):
             counted = {} if event.count == 1 else {'count': event.count}
-            return 'refused', {'text': event.text[:LONGEST_REFUSED], 'reason': event.reason, **counted}
-        if isinstance(event, Passed):
-            return 'passed', {'turn': event.turn, 'query_id': event.query_id}
-        return 'tune', {'turn': event.turn, 'model_version': event.model_version}
+            return {'text': event.text[:LONGEST_REFUSED], 'reason': event.reason, **counted}
+        if isinstance(event, TurnTimedOut):
+            return {'turn': event.turn, 'query_id': event.query_id}
+        return {'turn': event.turn, 'model_version': event.model_version}
 
     def follow(self, event: SessionEvent) -> None:
         """Take note of an event that is in the log already."""
-        if isinstance(event, Seen):
+        if isinstance(event, SceneObserved):
             self._last = event
 
 
@@ -176,7 +201,7 @@ def decoded(contents: LogContents) -> tuple[list[SessionEvent], str | None]:
         except (KeyError, TypeError, ValueError) as error:
             reason = ' '.join(str(error).split())
             return found, f'event {event.number} ({event.kind}) cannot be understood ({reason})'
-        if isinstance(understood, Seen):
+        if isinstance(understood, SceneObserved):
             last = understood.scene
         found.append(understood)
     return found, contents.damage
@@ -184,7 +209,7 @@ def decoded(contents: LogContents) -> tuple[list[SessionEvent], str | None]:
 
 def _decode(event: Event, members: Document, last: Scene | None) -> SessionEvent:
     if event.kind == 'episode':
-        return Begun(
+        return EpisodeStarted(
             settings=documents.settings_of(members),
             **{name: members[name] for name in ('episode_id', 'seed', 'view_tolerance', 'world', 'version')},
         )
@@ -192,20 +217,20 @@ def _decode(event: Event, members: Document, last: Scene | None) -> SessionEvent
         scene = last if members['scene'] is None else _scene_of(members['scene'])
         if scene is None:
             raise ValueError('it refers to a scene before, and there is none')
-        return Seen(members['turn'], members['stamp'], members['frame_id'], scene)
+        return SceneObserved(members['turn'], members['stamp'], members['frame_id'], scene)
     if event.kind == 'decision':
         query = None if members['query'] is None else documents.query_of(members['query'])
-        return Decided(members['turn'], _action_of(members['action']), query)
+        return ActionChosen(members['turn'], _action_of(members['action']), query)
     if event.kind in ('answer', 'correction'):
-        return Told(documents.answer_of(members))
+        return AnswerAccepted(documents.answer_of(members))
     if event.kind == 'late':
-        return KeptLate(documents.answer_of(members), members['reason'])
+        return LateAnswerKept(documents.answer_of(members), members['reason'])
     if event.kind == 'refused':
-        return Refused(members['text'], members['reason'], members.get('count', 1))
+        return InputRejected(members['text'], members['reason'], members.get('count', 1))
     if event.kind == 'passed':
-        return Passed(members['turn'], members['query_id'])
+        return TurnTimedOut(members['turn'], members['query_id'])
     if event.kind == 'tune':
-        return Tuned(members['turn'], members['model_version'])
+        return KernelTuned(members['turn'], members['model_version'])
     raise ValueError(f'unknown kind {event.kind!r}')
 
 
@@ -243,8 +268,3 @@ def _action_members(action: Action) -> dict[str, Any]:
 
 def _action_of(members: Document) -> Action:
     return Action(QueryKind(members['kind']), members['object_id'], members['symbol'])
-
-
-def answers_among(events: Iterable[SessionEvent]) -> list[Told | KeptLate]:
-    """All that was said, in the order in which it was heard."""
-    return [event for event in events if isinstance(event, (Told, KeptLate))]

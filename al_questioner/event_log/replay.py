@@ -4,9 +4,19 @@ from __future__ import annotations
 
 import dataclasses
 
-from al_questioner.domain import Answer, Decision, InputError, Query, generator
-from al_questioner.event_log.events import Begun, Decided, KeptLate, Passed, Seen, SessionEvent, Told, Tuned
-from al_questioner.questioning import Episode, Human, Remembered
+from al_questioner.domain import Answer, Decision, InputError, Query, random_stream
+from al_questioner.event_log.events import (
+    ActionChosen,
+    AnswerAccepted,
+    EpisodeStarted,
+    KernelTuned,
+    LateAnswerKept,
+    SceneObserved,
+    SessionEvent,
+    TurnTimedOut,
+    kind_of,
+)
+from al_questioner.questioning import Episode, Human, ReplayedPicks
 
 
 class ReplayError(InputError):
@@ -28,14 +38,14 @@ class Replay:
         InputError: the strategy, or its weights, do not exist.
     """
 
-    def __init__(self, begun: Begun) -> None:
-        self._choices = Remembered()
+    def __init__(self, begun: EpisodeStarted) -> None:
+        self._choices = ReplayedPicks()
         strategy = Human(self._choices) if begun.settings.strategy == 'human' else None
-        rng = generator(begun.seed, 'learner')
+        rng = random_stream(begun.seed, 'learner')
         self.episode = Episode(begun.settings, rng, begun.view_tolerance, strategy)
-        self.seen: Seen | None = None
+        self.seen: SceneObserved | None = None
         self.decision: Decision | None = None
-        self._next_seen: Seen | None = None
+        self._next_seen: SceneObserved | None = None
 
     def play(self, event: SessionEvent) -> None:
         """Play the next event.
@@ -48,29 +58,29 @@ class Replay:
         except ReplayError:
             raise
         except (InputError, RuntimeError) as error:
-            raise ReplayError(f'turn {self.episode.turn}: {type(event).__name__.lower()}: {error}') from error
+            raise ReplayError(f'turn {self.episode.turn}: {kind_of(event)}: {error}') from error
 
-    def asked(self, seen: Seen, decision: Decision) -> None:
+    def asked(self, seen: SceneObserved, decision: Decision) -> None:
         """Take note of what the episode was asked."""
         self.seen, self.decision = seen, decision
 
     def _play(self, event: SessionEvent) -> None:
-        if isinstance(event, Begun):
+        if isinstance(event, EpisodeStarted):
             raise ReplayError('another episode begins within the log')
-        if isinstance(event, Seen):
+        if isinstance(event, SceneObserved):
             self._next_seen = event
-        elif isinstance(event, Decided):
+        elif isinstance(event, ActionChosen):
             self._decide(event)
-        elif isinstance(event, Told):
+        elif isinstance(event, AnswerAccepted):
             learn(self.episode, event.answer)
-        elif isinstance(event, KeptLate):
+        elif isinstance(event, LateAnswerKept):
             self.episode.answers.keep_late(event.answer)
-        elif isinstance(event, Passed):
+        elif isinstance(event, TurnTimedOut):
             self._pass(event)
-        elif isinstance(event, Tuned):
+        elif isinstance(event, KernelTuned):
             self._tune(event)
 
-    def _decide(self, recorded: Decided) -> None:
+    def _decide(self, recorded: ActionChosen) -> None:
         seen, self._next_seen = self._next_seen, None
         if seen is None or seen.turn != self.episode.turn + 1 or recorded.turn != seen.turn:
             raise ReplayError(f'turn {recorded.turn}: the decision is not about the scene of the next turn')
@@ -84,15 +94,15 @@ class Replay:
             raise ReplayError(f'turn {recorded.turn}: {decision.query} is asked, {recorded.query} was recorded')
         self.asked(seen, decision)
 
-    def _pass(self, recorded: Passed) -> None:
+    def _pass(self, recorded: TurnTimedOut) -> None:
         query = self.episode.awaited
         if query is None or (self.episode.turn, query.query_id) != (recorded.turn, recorded.query_id):
             raise ReplayError(f'turn {recorded.turn}: query {recorded.query_id} does not wait for an answer')
-        self.episode.let_pass()
+        self.episode.time_out()
 
-    def _tune(self, recorded: Tuned) -> None:
+    def _tune(self, recorded: KernelTuned) -> None:
         self.episode.tune()
-        version = self.episode.knowledge.model_version
+        version = self.episode.concepts.model_version
         if (self.episode.turn, version) != (recorded.turn, recorded.model_version):
             raise ReplayError(
                 f'turn {self.episode.turn}: the models have version {version} after tuning,'
@@ -108,7 +118,7 @@ def _is_same_query(query: Query | None, recorded: Query | None) -> bool:
 
 
 def learn(episode: Episode, answer: Answer) -> None:
-    """Tell an episode an answer, or amend it by one that replaces another.
+    """Tell an episode an answer, or correct it by one that replaces another.
 
     Raises:
         AnswerError: it is refused.
@@ -116,4 +126,4 @@ def learn(episode: Episode, answer: Answer) -> None:
     if answer.replaces is None:
         episode.tell(answer)
     else:
-        episode.amend(answer)
+        episode.correct(answer)

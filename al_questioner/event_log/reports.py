@@ -9,13 +9,13 @@ from collections.abc import Mapping, Sequence
 import numpy as np
 from numpy.typing import NDArray
 
-from al_questioner.event_log.events import Begun
+from al_questioner.event_log.events import EpisodeStarted
 from al_questioner.messages import documents
 from al_questioner.messages.documents import Document
 from al_questioner.questioning import Episode
 
 
-def episode_members(begun: Begun, feature_names: Sequence[str]) -> Document:
+def episode_members(begun: EpisodeStarted, feature_names: Sequence[str]) -> Document:
     """Members of the `episode` document, once the features are known."""
     return {
         **documents.settings_members(begun.settings),
@@ -41,10 +41,10 @@ def state_members(episode: Episode, beliefs: NDArray[np.float64]) -> Document:
         'done': episode.done,
         'queries': [documents.record_members(record) for record in episode.records],
         'labels': dict(episode.positives),
-        'model_version': episode.knowledge.model_version,
+        'model_version': episode.concepts.model_version,
         'last_answer': _last_answer(episode),
         'teachers': {name: dataclasses.asdict(record) for name, record in episode.teachers.items()},
-        'kernel': dataclasses.asdict(episode.knowledge.kernel),
+        'kernel': dataclasses.asdict(episode.concepts.kernel),
         'beliefs': {
             str(object_id): {
                 symbol: round(float(p), 6) for symbol, p in zip(episode.settings.symbols, row, strict=True)

@@ -6,14 +6,23 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from al_questioner.domain import Answer, Query
-from al_questioner.event_log.events import Begun, Decided, KeptLate, Refused, Seen, SessionEvent, Told, decoded
+from al_questioner.event_log.events import (
+    ActionChosen,
+    AnswerAccepted,
+    EpisodeStarted,
+    InputRejected,
+    LateAnswerKept,
+    SceneObserved,
+    SessionEvent,
+    decoded,
+)
 from al_questioner.event_log.log import LogContents, SessionLogError
 from al_questioner.event_log.replay import Replay, ReplayError
 from al_questioner.questioning import Episode
 
 
 @dataclass(frozen=True)
-class Said:
+class StatedAnswer:
     """Something that was said to a query.
 
     Attributes:
@@ -30,7 +39,7 @@ class Said:
 
 
 @dataclass(frozen=True, eq=False)
-class Account:
+class SessionSummary:
     """A session, up to where its log can be trusted.
 
     Attributes:
@@ -42,7 +51,7 @@ class Account:
     """
 
     folder: Path
-    begun: Begun
+    begun: EpisodeStarted
     events: tuple[tuple[int, SessionEvent], ...]
     episode: Episode
     fault: str | None
@@ -53,40 +62,40 @@ class Account:
         return self.episode.turns_over
 
     @property
-    def seen(self) -> tuple[Seen, ...]:
+    def seen(self) -> tuple[SceneObserved, ...]:
         """The scene of each turn that began."""
-        by_turn = {event.turn: event for _, event in self.events if isinstance(event, Seen)}
+        by_turn = {event.turn: event for _, event in self.events if isinstance(event, SceneObserved)}
         return tuple(by_turn[turn] for turn in range(1, self.episode.turn + 1))
 
     @property
     def queries(self) -> dict[str, Query]:
         """All that was asked, by `query_id`, in order."""
-        decided = (event for _, event in self.events if isinstance(event, Decided))
+        decided = (event for _, event in self.events if isinstance(event, ActionChosen))
         return {decision.query.query_id: decision.query for decision in decided if decision.query is not None}
 
     @property
-    def said(self) -> list[Said]:
+    def said(self) -> list[StatedAnswer]:
         """All that was said to a query, in the order in which it was heard."""
         queries = self.queries
-        told = [event.answer for _, event in self.events if isinstance(event, Told)]
+        told = [event.answer for _, event in self.events if isinstance(event, AnswerAccepted)]
         replaced = {(answer.query_id, answer.replaces): answer.answer_id for answer in told if answer.replaces}
         result = []
         for stamp, event in self.events:
-            if isinstance(event, (Told, KeptLate)):
+            if isinstance(event, (AnswerAccepted, LateAnswerKept)):
                 answer = event.answer
                 by = replaced.get((answer.query_id, answer.answer_id))
                 taken = 'taken' if by is None else f'taken, then replaced by {by}'
-                status = 'late' if isinstance(event, KeptLate) else taken
-                result.append(Said(stamp, answer, queries.get(answer.query_id), status))
+                status = 'late' if isinstance(event, LateAnswerKept) else taken
+                result.append(StatedAnswer(stamp, answer, queries.get(answer.query_id), status))
         return result
 
     @property
-    def refused(self) -> list[tuple[int, Refused]]:
+    def refused(self) -> list[tuple[int, InputRejected]]:
         """The texts that were not taken for answers, with their times."""
-        return [(stamp, event) for stamp, event in self.events if isinstance(event, Refused)]
+        return [(stamp, event) for stamp, event in self.events if isinstance(event, InputRejected)]
 
 
-def account_of(folder: Path, contents: LogContents) -> Account:
+def summarise_session(folder: Path, contents: LogContents) -> SessionSummary:
     """Play a log up to where it can be trusted.
 
     Raises:
@@ -95,7 +104,7 @@ def account_of(folder: Path, contents: LogContents) -> Account:
     """
     events, fault = decoded(contents)
     begun = events[0] if events else None
-    if not isinstance(begun, Begun):
+    if not isinstance(begun, EpisodeStarted):
         raise SessionLogError(f'{folder}: nothing usable is in the session log ({fault or "no episode was begun"})')
     replay, played = Replay(begun), 1
     try:
@@ -109,4 +118,4 @@ def account_of(folder: Path, contents: LogContents) -> Account:
         for event in events[1:played]:
             replay.play(event)
     stamps = [event.stamp for event in contents.events]
-    return Account(folder, begun, tuple(zip(stamps, events[:played], strict=False)), replay.episode, fault)
+    return SessionSummary(folder, begun, tuple(zip(stamps, events[:played], strict=False)), replay.episode, fault)

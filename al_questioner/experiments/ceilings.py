@@ -7,8 +7,8 @@ from collections.abc import Callable, Mapping
 import numpy as np
 from numpy.typing import NDArray
 
-from al_questioner.concepts import Knowledge
-from al_questioner.questioning import Situation, Teacher, UnlabelledFirst, symbol_given_object
+from al_questioner.concepts import ConceptLearner
+from al_questioner.questioning import Teacher, TurnContext, UnlabelledFirst, symbol_given_object
 from al_questioner.simulation import EpisodeResult, Evaluation, PerceivedWorld, Task, accuracy, play
 
 CEILING_SETTINGS = 'random_fsq'
@@ -30,16 +30,16 @@ class GreedyOracle(UnlabelledFirst):
         self._world = world
         self._features, self._labels = world.validation_set
 
-    def score(self, situation: Situation) -> NDArray[np.float64]:
+    def score(self, context: TurnContext) -> NDArray[np.float64]:
         """(|X|,) rank of each object's label; NaN for what the scene's share of the budget does not allow."""
-        ranks = np.full(len(situation.scene), np.nan)
-        rows = np.flatnonzero(~situation.labelled)
-        if situation.allowance < situation.costs.label or not len(rows):
+        ranks = np.full(len(context.scene), np.nan)
+        rows = np.flatnonzero(~context.labelled)
+        if context.allowance < context.costs.label or not len(rows):
             return ranks
-        symbols, scene, truth = situation.symbols, situation.scene, self._world.truth(situation.turn)
+        symbols, scene, truth = context.symbols, context.scene, self._world.truth(context.turn)
         true = np.array([symbols.index(label) for label in self._labels])
         labels = [truth[scene.object_ids[row]] for row in rows]
-        after = situation.knowledge.predict_after_each(scene.features[rows], labels, self._features)
+        after = context.concepts.predict_after_each(scene.features[rows], labels, self._features)
         accuracies = [accuracy(q, self._labels, symbols) for q in after]
         likelihoods = np.mean(np.log(symbol_given_object(after)[:, np.arange(len(true)), true]), axis=1)
         ranks[rows[np.lexsort((likelihoods, accuracies))]] = np.arange(len(rows))
@@ -62,17 +62,17 @@ def follow_all_labels(evaluation: Evaluation, task: Task, teacher: Teacher) -> E
     It asks nothing. No questioner in these scenes can be told more; fewer labels, well chosen, can be more accurate.
     """
     settings, world = evaluation.settings, evaluation.world
-    knowledge = Knowledge(settings.symbols, settings.amplitude, settings.length_scale)
+    concepts = ConceptLearner(settings.symbols, settings.amplitude, settings.length_scale)
     for turn in range(1, settings.turns + 1):
         scene = world.scene(turn)
-        knowledge.observe(scene)
-        if task.relevant_groups and not knowledge.subset_was_told:
-            knowledge.restrict_to_groups(task.relevant_groups)
-        fresh = [scene.object_ids[row] for row in np.flatnonzero(~knowledge.is_labelled(scene))]
+        concepts.observe(scene)
+        if task.relevant_groups and not concepts.subset_was_told:
+            concepts.restrict_to_groups(task.relevant_groups)
+        fresh = [scene.object_ids[row] for row in np.flatnonzero(~concepts.is_labelled(scene))]
         if fresh:
             truth = world.truth(turn)
-            knowledge.label_scene(scene, {object_id: truth[object_id] for object_id in fresh}, turn)
-        evaluation.next_turn(None, knowledge)
+            concepts.label_scene(scene, {object_id: truth[object_id] for object_id in fresh}, turn)
+        evaluation.next_turn(None, concepts)
     return evaluation.result()
 
 

@@ -13,15 +13,15 @@ from al_questioner.experiments.plan import PAPER_CONDITIONS, PAPER_STRATEGIES, P
 from al_questioner.experiments.results import Results, TurnRow
 from al_questioner.experiments.statistics import Comparison, compare, exceeds, p_text, paired_p
 
-OURS = 'dt_task_env'
-BASELINES = tuple(name for name in PAPER_STRATEGIES if name != OURS)
+PAPER_METHOD = 'dt_task_env'
+BASELINES = tuple(name for name in PAPER_STRATEGIES if name != PAPER_METHOD)
 TASK_CENTRIC = ('dt_iros', 'dt_task')
-DECISION_THEORETIC = (*TASK_CENTRIC, OURS)
+DECISION_THEORETIC = (*TASK_CENTRIC, PAPER_METHOD)
 EQUAL_IN_C2 = 'dt_task'
-CONSERVATIVE = (EQUAL_IN_C2, OURS)
+CONSERVATIVE = (EQUAL_IN_C2, PAPER_METHOD)
 """Those that the paper calls conservative, and very similar, where the budget is small and the time ample."""
 SIGNIFICANT = 0.05
-PAPER_COUNTS = {OURS: 134, 'dt_task': 22, 'dt_iros': 9}
+PAPER_COUNTS = {PAPER_METHOD: 134, 'dt_task': 22, 'dt_iros': 9}
 """Queries in C4 on prepare_lunch, of one sample."""
 COUNT_FACTOR = 1.5
 EARLY_TURN = 5
@@ -82,7 +82,7 @@ def verdicts(results: Results, change_intervals: Mapping[str, int]) -> Iterator[
 def baseline_comparisons(results: Results, task: str, condition: Condition) -> list[Comparison]:
     """Comparisons of dt_task_env with each of the paper's baselines, corrected within the condition."""
     accuracies = results.final_accuracies(task, condition)
-    return compare(accuracies[OURS], {name: accuracies[name] for name in BASELINES if name in accuracies})
+    return compare(accuracies[PAPER_METHOD], {name: accuracies[name] for name in BASELINES if name in accuracies})
 
 
 def _was_played(results: Results, task: str, name: str) -> bool:
@@ -104,11 +104,17 @@ def _accuracy_verdicts(results: Results, task: str, name: str) -> Iterator[Verdi
         ahead = min(means[strategy] for strategy in CONSERVATIVE)
         rest = max(means[strategy] for strategy in PAPER_STRATEGIES if strategy not in CONSERVATIVE)
         yield Verdict(
-            f'{where}: accuracy order: {OURS} and {EQUAL_IN_C2} ahead of the others', order, '', exceeds(ahead, rest)
+            f'{where}: accuracy order: {PAPER_METHOD} and {EQUAL_IN_C2} ahead of the others',
+            order,
+            '',
+            exceeds(ahead, rest),
         )
     else:
         yield Verdict(
-            f'{where}: accuracy order: {OURS} first', order, '', not exceeds(max(means.values()), means[OURS])
+            f'{where}: accuracy order: {PAPER_METHOD} first',
+            order,
+            '',
+            not exceeds(max(means.values()), means[PAPER_METHOD]),
         )
     comparisons = {c.other: c for c in baseline_comparisons(results, task, PAPER_CONDITIONS[name])}
     tests = '; '.join(
@@ -117,14 +123,14 @@ def _accuracy_verdicts(results: Results, task: str, name: str) -> Iterator[Verdi
     )
     differences = ', '.join(f'{c.mean - c.other_mean:+.3f} to {other}' for other, c in comparisons.items())
     beaten = {other for other, c in comparisons.items() if c.p_holm < SIGNIFICANT}
-    n = len(results.final_accuracies(task, PAPER_CONDITIONS[name])[OURS])
+    n = len(results.final_accuracies(task, PAPER_CONDITIONS[name])[PAPER_METHOD])
     # Of n samples each, perfectly separated.
     can_be_shown = len(comparisons) / math.comb(2 * n, n) < SIGNIFICANT
     if name != 'C2':
-        claim = f'{where}: {OURS} statistically outperforms all others'
+        claim = f'{where}: {PAPER_METHOD} statistically outperforms all others'
         yield Verdict(claim, differences, tests, beaten == set(comparisons) if can_be_shown else None)
         return
-    behind = compare(*_pair(results, task, name, EQUAL_IN_C2, OURS))[0]
+    behind = compare(*_pair(results, task, name, EQUAL_IN_C2, PAPER_METHOD))[0]
     equal = EQUAL_IN_C2 not in beaten and behind.p >= SIGNIFICANT
     yield Verdict(
         f'{where}: it statistically outperforms all others but {EQUAL_IN_C2}, to which it is equal'
@@ -146,9 +152,9 @@ def _never_below_task_centric(results: Results, task: str) -> Verdict:
     gaps = {}
     for name in PAPER_CONDITIONS:
         means = _means(results, task, name)
-        gaps[name] = means[OURS] - max(means[strategy] for strategy in TASK_CENTRIC)
+        gaps[name] = means[PAPER_METHOD] - max(means[strategy] for strategy in TASK_CENTRIC)
     return Verdict(
-        f'{task}, all conditions: {OURS} always performs at least as well as dt_iros and dt_task',
+        f'{task}, all conditions: {PAPER_METHOD} always performs at least as well as dt_iros and dt_task',
         ', '.join(f'{name} {gap:+.3f}' for name, gap in gaps.items()) + ' to the better of them',
         '',
         not exceeds(0.0, min(gaps.values())),
@@ -203,10 +209,11 @@ def _query_counts(results: Results, task: str) -> Iterator[Verdict]:
         all(paper / COUNT_FACTOR <= counts[name] <= paper * COUNT_FACTOR for name, paper in PAPER_COUNTS.items()),
     )
     yield Verdict(
-        f'{task}, C4: {OURS} asks about an order of magnitude more than dt_task and dt_iros (at least five times)',
+        f'{task}, C4: {PAPER_METHOD} asks about an order of magnitude more than dt_task and dt_iros'
+        ' (at least five times)',
         found,
         '',
-        counts[OURS] >= 5 * max(counts[name] for name in TASK_CENTRIC),
+        counts[PAPER_METHOD] >= 5 * max(counts[name] for name in TASK_CENTRIC),
     )
 
 

@@ -16,9 +16,9 @@ from al_questioner.domain import QueryKind
 from al_questioner.experiments.ceilings import CEILINGS
 from al_questioner.experiments.plan import (
     CONTROLS,
-    OWN,
     PAPER_CONDITIONS,
     PAPER_STRATEGIES,
+    PROPOSED,
     Cell,
     Condition,
     task_label,
@@ -122,7 +122,7 @@ def _finish(figure: Figure, columns: int, path: Path) -> Path:
 def _line(strategy: str) -> dict[str, Any]:
     """How the line of a strategy looks: those of the paper and ours drawn through, controls dashed, ceilings dotted."""
     style = '--' if strategy in CONTROLS else ':' if strategy in CEILINGS else '-'
-    width = 2.6 if strategy in OWN else 1.6
+    width = 2.6 if strategy in PROPOSED else 1.6
     return {'color': COLOURS.get(strategy), 'linestyle': style, 'linewidth': width, 'label': strategy}
 
 

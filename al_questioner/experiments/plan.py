@@ -45,7 +45,7 @@ PAPER_CONDITIONS = {
 }
 """Section 4.3 of the paper."""
 PAPER_STRATEGIES = ('u_sampling', 'dt_iros', 'dt_task', 'dt_task_env')
-OWN = ('value_per_cost',)
+PROPOSED = ('value_per_cost',)
 """Ours, beside those of the paper."""
 CONTROLS = ('u_sampling_fsq', 'random_fsq', 'farthest_fsq', 'rarest_demo')
 PAPER_TASKS = ('prepare_lunch', 'pack_lunchbox')
@@ -112,7 +112,7 @@ class Variation:
 
 def shipped_weights() -> Mapping[str, Weights]:
     """The weights in `config/weights` of the strategies that have some."""
-    paths = {name: shipped_file(name) for name in (*PAPER_STRATEGIES, *OWN)}
+    paths = {name: shipped_file(name) for name in (*PAPER_STRATEGIES, *PROPOSED)}
     return {name: read_weights(path) for name, path in paths.items() if path is not None}
 
 

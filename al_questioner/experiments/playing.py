@@ -18,7 +18,7 @@ from al_questioner.simulation import (
     Evaluation,
     PerceivedWorld,
     ScriptedTeacher,
-    WorldChoice,
+    WorldSpec,
     episode_settings,
     run_episode,
 )
@@ -92,7 +92,7 @@ def _play(cell: Cell, variation: Variation, dataset: str) -> Played:
 def play_episode(cell: Cell, variation: Variation, dataset: str = '') -> EpisodeResult:
     """Play the episode of a cell."""
     task = variation.task(cell.task).of_sample(cell.sample)
-    choice = WorldChoice(task, cell.seed, cell.sample, Path(dataset) if dataset else None)
+    choice = WorldSpec(task, cell.seed, cell.sample, Path(dataset) if dataset else None)
     teacher = ScriptedTeacher(
         task.symbols,
         task.relevant_groups,
@@ -117,7 +117,7 @@ def _open_world(
 ) -> PerceivedWorld:
     """The world of a sample, kept for the next cells of the same one: its views are drawn and measured once."""
     varied = Variation(change_interval, synchrony).task(task)
-    return PerceivedWorld(WorldChoice(varied, sample, sample, Path(dataset) if dataset else None).open())
+    return PerceivedWorld(WorldSpec(varied, sample, sample, Path(dataset) if dataset else None).open())
 
 
 def _rows(cell: Cell, result: EpisodeResult) -> Played:

@@ -17,7 +17,7 @@ PARTS = 10
 """Of what is to be played: outside a terminal, a line tells of the end of each."""
 
 
-class Progress:
+class ExperimentProgress:
     """A context manager; tell it what will be played, and of each cell that was.
 
     Args:
@@ -46,7 +46,7 @@ class Progress:
         )
         self._task = self._bar.add_task('looking what is there already', total=total, left='')
 
-    def __enter__(self) -> Progress:
+    def __enter__(self) -> ExperimentProgress:
         self._bar.start()
         return self
 

@@ -9,7 +9,7 @@ from pathlib import Path
 import numpy as np
 
 from al_questioner.experiments.ceilings import CEILINGS
-from al_questioner.experiments.claims import BASELINES, OURS, Verdict, verdicts
+from al_questioner.experiments.claims import BASELINES, PAPER_METHOD, Verdict, verdicts
 from al_questioner.experiments.figures import condition_name
 from al_questioner.experiments.plan import CONTROLS, Condition
 from al_questioner.experiments.results import Results
@@ -95,7 +95,7 @@ def report(page: Page, folder: Path) -> str:
     """
     results = page.results
     parts = [
-        '# Reproduction' if OURS in results.strategies else '# Comparison of questioning strategies',
+        '# Reproduction' if PAPER_METHOD in results.strategies else '# Comparison of questioning strategies',
         f'Written by `{page.command}`; every result on this page is computed from its tables.',
         f'**Varied throughout: {page.varied}.**' if page.varied else '',
         _first_paragraph(results),
@@ -109,10 +109,10 @@ def report(page: Page, folder: Path) -> str:
     parts += ['## Accuracy at the end of the time', ABOUT_ACCURACIES]
     parts += [ABOUT_CEILINGS if any(name in CEILINGS for name in results.strategies) else '']
     parts += [_accuracies(results, task) for task in results.tasks]
-    if OURS in results.strategies:
+    if PAPER_METHOD in results.strategies:
         few = len(results.samples) < LEAST_FOR_INTERVAL
         about = f'{ABOUT_TESTS} {ABOUT_NO_INTERVAL}' if few else ABOUT_TESTS
-        parts += [f'## {OURS} against each other strategy', about]
+        parts += [f'## {PAPER_METHOD} against each other strategy', about]
         parts += [_comparisons(results, task) for task in results.tasks]
     parts += ['## Figures', ABOUT_BANDS if len(results.samples) > 1 else '']
     parts += [f'![{path.stem.replace("_", " ")}]({_relative(path, folder)})' for path in page.figures]
@@ -137,30 +137,30 @@ def _first_paragraph(results: Results) -> str:
         for condition in results.conditions(task):
             accuracies = results.final_accuracies(task, condition)
             controls = {name: float(accuracies[name].mean()) for name in CONTROLS if name in accuracies}
-            if OURS not in accuracies or not controls or not len(accuracies[OURS]):
+            if PAPER_METHOD not in accuracies or not controls or not len(accuracies[PAPER_METHOD]):
                 continue
             cells += 1
             better = [
                 f'{name} {accuracies[name].mean():.3f}'
                 for name in BASELINES
-                if name in accuracies and exceeds(accuracies[name].mean(), accuracies[OURS].mean())
+                if name in accuracies and exceeds(accuracies[name].mean(), accuracies[PAPER_METHOD].mean())
             ]
             if better:
                 others.append(f'{task}, {condition_name(condition)}: {", ".join(better)}')
             best = best_of(controls)
-            ours = float(accuracies[OURS].mean())
+            ours = float(accuracies[PAPER_METHOD].mean())
             if exceeds(controls[best], ours):
                 rivals = [accuracies[name] for name in controls if name != best]
-                p = control_test(accuracies[best], rivals, accuracies[OURS])
+                p = control_test(accuracies[best], rivals, accuracies[PAPER_METHOD])
                 where = f'{task}, {condition_name(condition)}'
-                beaten.append(f'{where}: {best} {controls[best]:.3f}, {OURS} {ours:.3f} ({p_text(p)})')
+                beaten.append(f'{where}: {best} {controls[best]:.3f}, {PAPER_METHOD} {ours:.3f} ({p_text(p)})')
     if not cells:
         return _not_compared(results.strategies)
     if not beaten:
         where = 'In the only cell no control is' if cells == 1 else f'In none of the {cells} cells is a control'
-        return f'{where} more accurate, in the mean, than {OURS}.'
+        return f'{where} more accurate, in the mean, than {PAPER_METHOD}.'
     where = f'{len(beaten)} of {number_of(cells, "cell")}'
-    how_often = f'**A simple control is more accurate, in the mean, than {OURS} in {where}**'
+    how_often = f'**A simple control is more accurate, in the mean, than {PAPER_METHOD} in {where}**'
     how = 'the best control of each; one-tailed Mann-Whitney U tests, Holm-corrected for the number of controls'
     parts = [f'{how_often} ({how}):', '\n'.join(f'- {line}' for line in beaten)]
     if others:
@@ -172,12 +172,12 @@ def _first_paragraph(results: Results) -> str:
 def _not_compared(strategies: Sequence[str]) -> str:
     """Why the method of the paper stands beside no control."""
     controls = any(name in CONTROLS for name in strategies)
-    if OURS not in strategies:
+    if PAPER_METHOD not in strategies:
         beside = 'Controls were played, but' if controls else 'No control was played, and'
-        return f'{beside} {OURS}, the method of the paper, was not.'
+        return f'{beside} {PAPER_METHOD}, the method of the paper, was not.'
     if not controls:
-        return f'No control was played beside {OURS}.'
-    return f'No control was played in the same cell as {OURS}.'
+        return f'No control was played beside {PAPER_METHOD}.'
+    return f'No control was played in the same cell as {PAPER_METHOD}.'
 
 
 def _second_paragraph(results: Results, change_intervals: Mapping[str, int]) -> str:
@@ -250,9 +250,9 @@ def _comparisons(results: Results, task: str) -> str:
     rows = []
     for condition in results.conditions(task):
         accuracies = results.final_accuracies(task, condition)
-        if not len(accuracies.get(OURS, ())):
+        if not len(accuracies.get(PAPER_METHOD, ())):
             continue
-        others = {name: values for name, values in accuracies.items() if name != OURS and name not in CEILINGS}
+        others = {name: values for name, values in accuracies.items() if name != PAPER_METHOD and name not in CEILINGS}
         rows += [
             (
                 condition_name(condition),
@@ -263,7 +263,7 @@ def _comparisons(results: Results, task: str) -> str:
                 _superiority(c),
                 _short(c.p_paired),
             )
-            for c in compare(accuracies[OURS], others)
+            for c in compare(accuracies[PAPER_METHOD], others)
         ]
     return _table((task, 'against', 'difference', 'p', 'Holm', 'superiority', 'paired p'), rows)
 
@@ -294,9 +294,11 @@ def _study(study: Study, comparison: Results, found: Mapping[str, Results]) -> l
             for label, results in columns.items()
         ]
         head = (f'`{strategy}`', *(f'{task}, {condition_name(condition)}' for task, condition in cells))
-        if strategy == OURS or not any(own.group(*cell, OURS) for cell in cells):
+        if strategy == PAPER_METHOD or not any(own.group(*cell, PAPER_METHOD) for cell in cells):
             return [about, _table(head, rows)]
-        rows.append((f'beside it: `{OURS}`', *(_mean_and_deviation(own, *cell, OURS) for cell in cells)))
+        rows.append(
+            (f'beside it: `{PAPER_METHOD}`', *(_mean_and_deviation(own, *cell, PAPER_METHOD) for cell in cells))
+        )
         return [about, _table(head, rows), _better_than_ours(strategy, own, columns, cells)]
     tables = []
     for task, condition in cells:
@@ -314,14 +316,14 @@ def _better_than_ours(
     """Which variants of a strategy are more accurate, in the mean, than dt_task_env."""
     found = []
     for task, condition in cells:
-        ours = own.mean_accuracy(task, condition, OURS)
+        ours = own.mean_accuracy(task, condition, PAPER_METHOD)
         means = {label: results.mean_accuracy(task, condition, strategy) for label, results in columns.items()}
         known = {label: mean for label, mean in means.items() if mean is not None}
         better = [label for label, mean in known.items() if ours is not None and exceeds(mean, ours)]
         if better:
             found.append(f'{task}, {condition_name(condition)}: {"; ".join(better)}')
     listed = '\n'.join(f'- {line}' for line in found)
-    return f'More accurate than {OURS}, in the mean:\n\n{listed}' if found else ''
+    return f'More accurate than {PAPER_METHOD}, in the mean:\n\n{listed}' if found else ''
 
 
 def _table(head: Sequence[str], rows: Sequence[Sequence[str]]) -> str:

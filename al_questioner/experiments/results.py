@@ -9,13 +9,11 @@ from functools import cached_property
 from pathlib import Path
 
 import numpy as np
-from numpy.typing import NDArray
 
 from al_questioner.domain import InputError
 from al_questioner.experiments.ceilings import CEILINGS
-from al_questioner.experiments.plan import CONTROLS, OWN, PAPER_STRATEGIES, PAPER_TASKS, Cell, Condition
-
-Array = NDArray[np.float64]
+from al_questioner.experiments.plan import CONTROLS, PAPER_STRATEGIES, PAPER_TASKS, PROPOSED, Cell, Condition
+from al_questioner.support.arrays import Array
 
 
 @dataclass(frozen=True, eq=False)
@@ -87,7 +85,7 @@ class Results:
     @cached_property
     def strategies(self) -> tuple[str, ...]:
         """The strategies: those of the paper first, then ours, the controls, then the ceilings, then others."""
-        known = (*PAPER_STRATEGIES, *OWN, *CONTROLS, *CEILINGS)
+        known = (*PAPER_STRATEGIES, *PROPOSED, *CONTROLS, *CEILINGS)
         found = dict.fromkeys(row.cell.strategy for row in self.episodes)
         return (*(name for name in known if name in found), *(name for name in found if name not in known))
 

@@ -6,10 +6,9 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.stats import mannwhitneyu, wilcoxon
 
-Array = NDArray[np.float64]
+from al_questioner.support.arrays import Array
 
 RESAMPLES = 2000
 ROUNDING = 1e-9

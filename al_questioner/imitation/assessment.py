@@ -10,11 +10,12 @@ from itertools import islice
 import numpy as np
 from scipy.special import log_softmax
 
-from al_questioner.domain import Outcome, QueryKind, QueryRecord, generator
-from al_questioner.imitation.demonstration import Array, Demonstration, Step, all_steps, teacher_of
-from al_questioner.questioning import Episode, Observed, make_strategy
+from al_questioner.domain import Outcome, QueryKind, QueryRecord, random_stream
+from al_questioner.imitation.demonstration import Demonstration, Step, all_steps, teacher_of
+from al_questioner.questioning import Episode, FeatureRecorder, make_strategy
 from al_questioner.questioning.strategies.choice import TIE
 from al_questioner.simulation import PerceivedWorld, turns
+from al_questioner.support.arrays import Array
 
 
 @dataclass(frozen=True)
@@ -84,8 +85,8 @@ def imitate(
     settings = dataclasses.replace(demonstration.settings, strategy=feature_set.strategy, weights=named)
     if amplitude is not None:
         settings = dataclasses.replace(settings, amplitude=amplitude)
-    learner = Observed(make_strategy(settings.strategy, named), feature_set)
-    episode = Episode(settings, generator(choice.seed, 'learner'), demonstration.view_tolerance, learner)
+    learner = FeatureRecorder(make_strategy(settings.strategy, named), feature_set)
+    episode = Episode(settings, random_stream(choice.seed, 'learner'), demonstration.view_tolerance, learner)
     played = [decision for decision, _ in islice(turns(episode, world, teacher_of(choice)), demonstration.turns)]
     counts = np.mean([decision.features[decision.chosen] for decision in played], axis=0)
     return Imitation(np.asarray(counts), episode.records)
@@ -97,7 +98,7 @@ def predict_queries(weights: Array, demonstration: Demonstration) -> tuple[Query
     for step in demonstration.steps:
         action = step.actions[int(np.argmax(step.features @ weights))]
         if action.kind is not QueryKind.NO_QUERY:
-            cost = demonstration.settings.costs.of(action.kind)
+            cost = demonstration.settings.costs.price(action.kind)
             found.append(QueryRecord(step.turn, action.kind, action.object_id, action.symbol, cost, Outcome.ANSWERED))
     return tuple(found)
 

@@ -6,13 +6,13 @@ from collections.abc import Sequence
 from itertools import combinations
 from pathlib import Path
 
-from al_questioner.bags import BagError, LeftOut, RecordedTurn, Session, read_sessions
+from al_questioner.bags import BagError, LeftOut, RecordedEpisode, RecordedTurn, read_episodes
 from al_questioner.bags.rerun import decisions_anew
 from al_questioner.domain import DECISION_FEATURES, InputError
 from al_questioner.imitation.demonstration import Demonstration, UnknownWorld, steps_of
 from al_questioner.messages.documents import Document
 from al_questioner.questioning import FEATURE_SETS, FeatureSet
-from al_questioner.simulation import WorldChoice, load_task
+from al_questioner.simulation import WorldSpec, load_task
 
 
 def read_demonstrations(
@@ -31,10 +31,10 @@ def read_demonstrations(
         InputError: a bag that is none, broken, of something else, or whose decisions hold nothing to learn from; or an
             episode that is in them twice.
     """
-    named: list[tuple[str, Session]] = []
+    named: list[tuple[str, RecordedEpisode]] = []
     for path in paths:
         missing: list[LeftOut] = []
-        sessions = read_sessions(path, None if left_out is None else missing)
+        sessions = read_episodes(path, None if left_out is None else missing)
         if left_out is not None:
             left_out += [f'{path}: {what} is left out: {reason}' for what, reason in missing]
         for number, session in enumerate(sessions, 1):
@@ -45,7 +45,7 @@ def read_demonstrations(
     return [demonstration_of(session, name, feature_set) for name, session in named]
 
 
-def is_same_episode(one: Session, other: Session) -> bool:
+def is_same_episode(one: RecordedEpisode, other: RecordedEpisode) -> bool:
     """Whether two recordings show the same, turn for turn, whatever their files, topics and times are.
 
     Of the same `episode_id` one may have ended earlier than the other.
@@ -61,7 +61,7 @@ def _shown(turn: RecordedTurn) -> tuple[object, ...]:
 
 
 def demonstration_of(
-    session: Session, name: str, feature_set: FeatureSet = FEATURE_SETS['dt_task_env']
+    session: RecordedEpisode, name: str, feature_set: FeatureSet = FEATURE_SETS['dt_task_env']
 ) -> Demonstration:
     """What a recorded episode shows of its questioner.
 
@@ -89,12 +89,12 @@ def demonstration_of(
     )
 
 
-def _world(members: Document, symbols: tuple[str, ...]) -> WorldChoice | UnknownWorld:
+def _world(members: Document, symbols: tuple[str, ...]) -> WorldSpec | UnknownWorld:
     """The simulated world, or why it is none: the document holds the name of a task alone, not the user's own file."""
     name = members['task']
     try:
         dataset = Path(members['dataset']) if members['dataset'] else None
-        choice = WorldChoice(load_task(name), members['seed'], members['sample'], dataset)
+        choice = WorldSpec(load_task(name), members['seed'], members['sample'], dataset)
     except InputError as error:
         return UnknownWorld(name, str(error))
     if choice.task.symbols != symbols:

@@ -14,8 +14,9 @@ from scipy.optimize import minimize
 from scipy.special import logsumexp
 
 from al_questioner.domain import InputError
-from al_questioner.imitation.demonstration import Array, Demonstration, Step, all_steps, feature_scale
+from al_questioner.imitation.demonstration import Demonstration, Step, all_steps, feature_scale
 from al_questioner.imitation.settings import RIDGE
+from al_questioner.support.arrays import Array
 
 
 def balance_kinds(steps: Sequence[Step]) -> Array:

@@ -7,7 +7,6 @@ from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
-from numpy.typing import NDArray
 
 from al_questioner.domain import (
     AUTO,
@@ -18,12 +17,11 @@ from al_questioner.domain import (
     QueryKind,
     QueryRecord,
     ViewTolerance,
-    generator,
+    random_stream,
 )
-from al_questioner.questioning import FEATURE_SETS, Episode, FeatureSet, Observed, make_strategy
-from al_questioner.simulation import PerceivedWorld, ScriptedTeacher, WorldChoice, turns
-
-Array = NDArray[np.float64]
+from al_questioner.questioning import FEATURE_SETS, Episode, FeatureRecorder, FeatureSet, make_strategy
+from al_questioner.simulation import PerceivedWorld, ScriptedTeacher, WorldSpec, turns
+from al_questioner.support.arrays import Array
 
 
 @dataclass(frozen=True, eq=False)
@@ -87,7 +85,7 @@ class Demonstration:
 
     name: str
     settings: EpisodeSettings
-    world: WorldChoice | UnknownWorld | None
+    world: WorldSpec | UnknownWorld | None
     turns: int
     steps: tuple[Step, ...]
     feature_names: tuple[str, ...] = ()
@@ -104,13 +102,13 @@ class Demonstration:
         return self.world.task_name if isinstance(self.world, UnknownWorld) else self.world.task.name
 
     @property
-    def choice(self) -> WorldChoice:
+    def choice(self) -> WorldSpec:
         """The simulated world it took place in.
 
         Raises:
             InputError: it cannot be played in.
         """
-        if isinstance(self.world, WorldChoice):
+        if isinstance(self.world, WorldSpec):
             return self.world
         raise self._unplayable('' if self.world is None else self.world.reason)
 
@@ -174,7 +172,7 @@ def step_of(decision: Decision) -> Step:
 
 
 def demonstrate(
-    choice: WorldChoice,
+    choice: WorldSpec,
     settings: EpisodeSettings,
     teacher: ScriptedTeacher,
     world: PerceivedWorld | None = None,
@@ -193,8 +191,8 @@ def demonstrate(
         SettingsError: an unknown strategy, or weights that do not fit it.
     """
     seen = PerceivedWorld(choice.open()) if world is None else world
-    expert = Observed(make_strategy(settings.strategy, settings.weights), feature_set)
-    episode = Episode(settings, generator(choice.seed, 'learner'), strategy=expert)
+    expert = FeatureRecorder(make_strategy(settings.strategy, settings.weights), feature_set)
+    episode = Episode(settings, random_stream(choice.seed, 'learner'), strategy=expert)
     steps = steps_of(decision for decision, _ in turns(episode, seen, teacher))
     return Demonstration(
         name=f'{settings.strategy} {choice.task.name} {choice.seed}',
@@ -209,7 +207,7 @@ def demonstrate(
     )
 
 
-def teacher_of(choice: WorldChoice) -> ScriptedTeacher:
+def teacher_of(choice: WorldSpec) -> ScriptedTeacher:
     """Who answers in rollouts: as in the demonstrations that ship, things are shown that are known already."""
     return ScriptedTeacher(choice.task.symbols, choice.task.relevant_groups, choice.seed, repeat_shown=True)
 

@@ -14,10 +14,11 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from al_questioner.imitation.demonstration import Array, Demonstration, feature_scale
+from al_questioner.imitation.demonstration import Demonstration, feature_scale
 from al_questioner.imitation.identifiability import identify
 from al_questioner.imitation.rollouts import Rollout, Simulator
 from al_questioner.imitation.settings import MatchingSettings
+from al_questioner.support.arrays import Array
 
 DAMPING = 0.3
 """Added to the squared singular values of the Jacobian: where the rollouts tell little, steps are short."""

@@ -7,7 +7,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from al_questioner.imitation.demonstration import Array, Demonstration, all_steps, feature_scale
+from al_questioner.imitation.demonstration import Demonstration, all_steps, feature_scale
+from al_questioner.support.arrays import Array
 
 NEGLIGIBLE = 1e-5
 """Singular value of the differences, relative to the largest, below which a direction of the weights is free."""

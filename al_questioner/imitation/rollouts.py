@@ -12,11 +12,12 @@ from multiprocessing import get_context
 import numpy as np
 from scipy.special import softmax
 
-from al_questioner.domain import InputError, generator
-from al_questioner.imitation.demonstration import Array, Demonstration, teacher_of
-from al_questioner.questioning import Choice, Episode, FeatureSet, Situation
+from al_questioner.domain import InputError, random_stream
+from al_questioner.imitation.demonstration import Demonstration, teacher_of
+from al_questioner.questioning import Choice, Episode, FeatureSet, TurnContext
 from al_questioner.questioning.strategies.choice import settled_actions
 from al_questioner.simulation import turns
+from al_questioner.support.arrays import Array
 
 
 class SoftmaxQuestioner:
@@ -34,12 +35,12 @@ class SoftmaxQuestioner:
         self.features: list[Array] = []
         self.scores: list[Array] = []
 
-    def choose(self, situation: Situation, rng: np.random.Generator) -> Choice:
+    def choose(self, context: TurnContext, rng: np.random.Generator) -> Choice:
         """Draw one of the candidates that are neither settled nor worthless to the strategy."""
-        features = self._feature_set.of(situation)
-        settled = settled_actions(situation)
+        features = self._feature_set.of(context)
+        settled = settled_actions(context)
         utilities = features @ self._weights
-        utilities[[action in settled for action in situation.candidates]] = -np.inf
+        utilities[[action in settled for action in context.candidates]] = -np.inf
         utilities[self._feature_set.is_worthless(features)] = -np.inf
         probabilities = softmax(utilities)
         index = int(rng.choice(len(utilities), p=probabilities))
@@ -137,7 +138,7 @@ class _Stage:
 
     def play(self, weights: Array, stream: str) -> Rollout:
         questioner = SoftmaxQuestioner(weights, self._feature_set)
-        rng = generator(self._seed, f'rollout/{stream}')
+        rng = random_stream(self._seed, f'rollout/{stream}')
         episode = Episode(self._settings, rng, self._tolerance, questioner)
         for _ in islice(turns(episode, self._world, self._teacher), self._turns):
             pass

@@ -1,7 +1,7 @@
 """What to ask next, and what comes of it: the ask/tell episode, candidates, strategies, and answers in plain words."""
 
 from al_questioner.questioning.episode import Episode
-from al_questioner.questioning.initial_knowledge import new_knowledge
+from al_questioner.questioning.initial_concepts import new_concept_learner
 from al_questioner.questioning.plain_words import read_plain_answer, respelt
 from al_questioner.questioning.strategies.choice import (
     Choice,
@@ -14,14 +14,14 @@ from al_questioner.questioning.strategies.choice import (
 from al_questioner.questioning.strategies.decision_features import symbol_given_object
 from al_questioner.questioning.strategies.decision_theoretic import IROS_FEATURES, TASK_FEATURES
 from al_questioner.questioning.strategies.expected_utility import expected_features
-from al_questioner.questioning.strategies.feature_sets import FEATURE_SETS, FeatureSet, Observed
-from al_questioner.questioning.strategies.human import Human, Remembered
+from al_questioner.questioning.strategies.feature_sets import FEATURE_SETS, FeatureRecorder, FeatureSet
+from al_questioner.questioning.strategies.human import Human, ReplayedPicks
 from al_questioner.questioning.strategies.registry import STRATEGIES, known_strategies, make_strategy, strategy_factory
 from al_questioner.questioning.strategies.subset_first import UnlabelledFirst
 from al_questioner.questioning.strategies.uncertainty_sampling import UncertaintySampling
 from al_questioner.questioning.strategies.weights import Weights, load_weights, read_weights, shipped_file
 from al_questioner.questioning.teacher import Teacher
-from al_questioner.questioning.turn_context import Situation
+from al_questioner.questioning.turn_context import TurnContext
 
 __all__ = [
     'FEATURE_SETS',
@@ -30,13 +30,13 @@ __all__ = [
     'TASK_FEATURES',
     'Choice',
     'Episode',
+    'FeatureRecorder',
     'FeatureSet',
     'Human',
-    'Observed',
-    'Remembered',
-    'Situation',
+    'ReplayedPicks',
     'Strategy',
     'Teacher',
+    'TurnContext',
     'UncertaintySampling',
     'UnlabelledFirst',
     'Weights',
@@ -46,7 +46,7 @@ __all__ = [
     'known_strategies',
     'load_weights',
     'make_strategy',
-    'new_knowledge',
+    'new_concept_learner',
     'nothing_considered',
     'read_plain_answer',
     'read_weights',

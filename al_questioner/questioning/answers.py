@@ -18,7 +18,7 @@ from al_questioner.domain import (
 )
 
 
-class AnswerBook:
+class AnswerHistory:
     """The answers of an episode, in the order in which they were heard.
 
     Attributes:

@@ -7,15 +7,13 @@ question is worth depends on that, so here the labels vote directly. The derivat
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import NDArray
 
 from al_questioner.domain import NO_SYMBOL, Outcome, QueryKind
-from al_questioner.questioning.turn_context import Situation
+from al_questioner.questioning.turn_context import TurnContext
+from al_questioner.support.arrays import Array
 
-Array = NDArray[np.float64]
 
-
-def class_beliefs(situation: Situation, reach: float, doubt: float) -> Array:
+def class_beliefs(context: TurnContext, reach: float, doubt: float) -> Array:
     """(|X|, |Y| + 1) probability that an object is of each symbol, or, last, of none.
 
     The nearest labelled view of each of them votes with exp(-d^2 / (2 reach^2)), and `doubt` votes are shared among all
@@ -23,36 +21,36 @@ def class_beliefs(situation: Situation, reach: float, doubt: float) -> Array:
     which nothing was shown, is of no object of it.
 
     Args:
-        situation: what is seen and known.
+        context: what is seen and known.
         reach: how far a label tells what things are, in standard deviations of a feature, root mean square.
         doubt: votes that no label has, above 0.
     """
-    votes = doubt * np.tile(class_shares(situation), (len(situation.scene), 1))
-    labels = np.array([view.label for view in situation.knowledge.labelled_views], dtype=object)
-    nearness = np.exp(-((situation.knowledge.distances_to_labelled(situation.scene) / reach) ** 2) / 2)
-    for column, name in enumerate((*situation.symbols, NO_SYMBOL)):
+    votes = doubt * np.tile(class_shares(context), (len(context.scene), 1))
+    labels = np.array([view.label for view in context.concepts.labelled_views], dtype=object)
+    nearness = np.exp(-((context.concepts.distances_to_labelled(context.scene) / reach) ** 2) / 2)
+    for column, name in enumerate((*context.symbols, NO_SYMBOL)):
         votes[:, column] += nearness[:, labels == name].max(axis=1, initial=0.0)
-    votes[:, [situation.symbols.index(symbol) for symbol in situation.absent_symbols]] = 0.0
+    votes[:, [context.symbols.index(symbol) for symbol in context.absent_symbols]] = 0.0
     beliefs: Array = votes / votes.sum(axis=1, keepdims=True)
     return beliefs
 
 
-def class_shares(situation: Situation) -> Array:
+def class_shares(context: TurnContext) -> Array:
     """(|Y| + 1,) share of the things of each symbol, or, last, of none, before anything is known of one.
 
     That of none is estimated from the answers to label queries, with the prior of Jeffreys; what is left is divided
     equally, since which symbols were heard of says more about the questions than about the table.
     """
-    answers = [r.symbol for r in situation.history if r.kind is QueryKind.LABEL and r.outcome is Outcome.ANSWERED]
+    answers = [r.symbol for r in context.history if r.kind is QueryKind.LABEL and r.outcome is Outcome.ANSWERED]
     none = (answers.count(NO_SYMBOL) + 0.5) / (len(answers) + 1)
-    count = len(situation.symbols)
+    count = len(context.symbols)
     return np.append(np.full(count, (1 - none) / count), none)
 
 
-def with_labels(situation: Situation, beliefs: Array) -> Array:
+def with_labels(context: TurnContext, beliefs: Array) -> Array:
     """(|X|, |Y|) the beliefs in the symbols, but certainty about the views that have been labelled."""
     known = beliefs[:, :-1].copy()
-    for row, label in enumerate(situation.knowledge.labels_of(situation.scene)):
+    for row, label in enumerate(context.concepts.labels_of(context.scene)):
         if label is not None:
-            known[row] = [float(label == symbol) for symbol in situation.symbols]
+            known[row] = [float(label == symbol) for symbol in context.symbols]
     return known

@@ -22,7 +22,7 @@ def candidates(scene: Scene, symbols: Sequence[str], costs: Costs, budget_left: 
         QueryKind.FEATURE_SUBSET: [Action(QueryKind.FEATURE_SUBSET)],
         QueryKind.NO_QUERY: [Action(QueryKind.NO_QUERY)],
     }
-    kinds = (kind for kind in by_kind if is_affordable(costs.of(kind), budget_left) and is_open(kind, scene))
+    kinds = (kind for kind in by_kind if is_affordable(costs.price(kind), budget_left) and is_open(kind, scene))
     return tuple(action for kind in kinds for action in by_kind[kind])
 
 

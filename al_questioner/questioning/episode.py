@@ -8,7 +8,7 @@ from collections.abc import Mapping
 import numpy as np
 from numpy.typing import NDArray
 
-from al_questioner.concepts import VIEW_TOLERANCE, Knowledge, ViewMemory
+from al_questioner.concepts import VIEW_TOLERANCE, ConceptLearner, ViewMemory
 from al_questioner.concepts.view_memory import corrected
 from al_questioner.domain import (
     AUTO,
@@ -25,33 +25,33 @@ from al_questioner.domain import (
     Scene,
     ViewTolerance,
 )
-from al_questioner.questioning.answers import AnswerBook, content_of
+from al_questioner.questioning.answers import AnswerHistory, content_of
 from al_questioner.questioning.candidates import choices, question_text
-from al_questioner.questioning.initial_knowledge import new_knowledge
+from al_questioner.questioning.initial_concepts import new_concept_learner
 from al_questioner.questioning.reliability import TeacherRecord, label_beliefs, teacher_records
 from al_questioner.questioning.strategies.choice import Strategy, ask_nothing
 from al_questioner.questioning.strategies.registry import make_strategy
-from al_questioner.questioning.turn_context import Situation
+from al_questioner.questioning.turn_context import TurnContext
 
 
 class Episode:
     """One learning episode (section 2.3 of the paper).
 
-    Each turn: `ask(scene)`; if the decision holds a query, `tell(answer)`, or `let_pass()` if nobody answers; at the
-    turn's end `tune()`. At any time `amend(answer)` takes another answer for one that was wrong. A scene or an answer
+    Each turn: `ask(scene)`; if the decision holds a query, `tell(answer)`, or `time_out()` if nobody answers; at the
+    turn's end `tune()`. At any time `correct(answer)` takes another answer for one that was wrong. A scene or an answer
     that is refused leaves the episode as it was, so that the turn can be tried again. The same settings, scenes,
     answers and generator give the same queries in any process.
 
     Args:
         settings: what is given to the learner before it asks.
         rng: breaks the strategy's ties.
-        view_tolerance: when two views of an object are the same: a number, see `Knowledge`, or 'auto': they differ by
-            no more than the sensors' noise, see `ViewMemory`.
+        view_tolerance: when two views of an object are the same: a number, see `ConceptLearner`, or 'auto': they
+            differ by no more than the sensors' noise, see `ViewMemory`.
         strategy: who decides in the place of the strategy that the settings name.
 
     Attributes:
         settings: what was given to the learner.
-        knowledge: what it knows now.
+        concepts: what it knows now.
         answers: what was said to the queries.
 
     Raises:
@@ -70,12 +70,12 @@ class Episode:
         self._strategy = make_strategy(settings.strategy, settings.weights) if strategy is None else strategy
         self._views = ViewMemory() if view_tolerance == AUTO else None
         self._view_tolerance = VIEW_TOLERANCE if view_tolerance == AUTO else view_tolerance
-        self.knowledge = new_knowledge(settings, self._view_tolerance, self._strategy)
+        self.concepts = new_concept_learner(settings, self._view_tolerance, self._strategy)
         self._records: dict[int, QueryRecord] = {}
         self._beliefs: dict[int, NDArray[np.float64]] = {}
         self._pending: Query | None = None
         self._queries: dict[str, Query] = {}
-        self.answers = AnswerBook()
+        self.answers = AnswerHistory()
         self._non_query_turns = 0
         self._passed_turn = 0
         self._unanswered_turns = 0
@@ -116,12 +116,12 @@ class Episode:
 
     @property
     def awaited(self) -> Query | None:
-        """The query without whose answer, or `let_pass`, the present turn does not go on; None if it does."""
+        """The query without whose answer, or `time_out`, the present turn does not go on; None if it does."""
         return self._pending if self._passed_turn < self.turn else None
 
     @property
     def awaits_answer(self) -> bool:
-        """Whether the present turn goes on only with the answer to the pending query, or by `let_pass`."""
+        """Whether the present turn goes on only with the answer to the pending query, or by `time_out`."""
         return self.awaited is not None
 
     @property
@@ -158,7 +158,7 @@ class Episode:
     @property
     def positives(self) -> Mapping[str, int]:
         """Number of positive examples of each symbol."""
-        return self.knowledge.positives
+        return self.concepts.positives
 
     def ask(self, scene: Scene) -> Decision:
         """Start the next turn and decide what to ask.
@@ -177,24 +177,24 @@ class Episode:
             raise RuntimeError(f'query {self.awaited.query_id} has not been answered yet')
         if self.turns_left == 0:
             raise RuntimeError(f'the episode is over: all {self.settings.turns} turns have passed')
-        self.knowledge.check_features(scene)
+        self.concepts.check_features(scene)
         if self._views is not None:
-            scene = self._views.steady(scene, self.knowledge.spread, self.knowledge.are_implausible(scene))
+            scene = self._views.steady(scene, self.concepts.spread, self.concepts.are_implausible(scene))
             if self._views.corrections:
                 self._scenes = [corrected(past, self._views.corrections) for past in self._scenes]
                 self._learn_anew()
-        self.knowledge.observe(scene)
+        self.concepts.observe(scene)
         if self._pending is not None and not self._is_in_view(self._pending, scene):
             self._withdraw(self._pending)
         turn = self.turn + 1
         last = self._scenes[-1] if self._scenes else None
-        unchanged = last is not None and self.knowledge.is_unchanged(last, scene)
+        unchanged = last is not None and self.concepts.is_unchanged(last, scene)
         scene_turn = self._scene_turn if unchanged else turn
-        situation = Situation(
+        context = TurnContext(
             turn=turn,
             turns=self.settings.turns,
             scene=scene,
-            knowledge=self.knowledge,
+            concepts=self.concepts,
             budget=self.settings.budget,
             spent=self.spent,
             costs=self.settings.costs,
@@ -204,23 +204,23 @@ class Episode:
             history=self.records,
         )
         asks = self._pending is None
-        choice = self._strategy.choose(situation, self._rng) if asks else ask_nothing(situation)
+        choice = self._strategy.choose(context, self._rng) if asks else ask_nothing(context)
         # A scene that stays is kept once: an episode of a camera would fill the memory.
         self._scenes.append(last if last is not None and last.equals(scene) else scene)
         self._scene_turn = scene_turn
-        query = self._query(situation.candidates[choice.index], scene)
+        query = self._query(context.candidates[choice.index], scene)
         self._non_query_turns = 0 if query else self._non_query_turns + 1
-        shape = (len(situation.candidates), len(DECISION_FEATURES))
+        shape = (len(context.candidates), len(DECISION_FEATURES))
         return Decision(
             turn=turn,
-            candidates=situation.candidates,
+            candidates=context.candidates,
             features=np.full(shape, np.nan) if choice.features is None else choice.features,
             utilities=choice.utilities,
             chosen=choice.index,
             query=query,
         )
 
-    def let_pass(self) -> None:
+    def time_out(self) -> None:
         """End the turn without the answer that it waits for: the teacher is away.
 
         The query stays pending, so that it can still be answered; nothing is guessed. After the last turn it is
@@ -255,12 +255,12 @@ class Episode:
         self.answers.take(answer, self._queries[answer.query_id])
         # After it was tuned, a turn's answer comes too late for the order in which everything else is learnt.
         if record.turn == self.turn and self.turn not in self._tuned_turns:
-            self._learn(self.knowledge, record)
+            self._learn(self.concepts, record)
         else:
             self._learn_anew()
         return record
 
-    def amend(self, answer: Answer) -> QueryRecord:
+    def correct(self, answer: Answer) -> QueryRecord:
         """Take another answer for one that was accepted before and was wrong.
 
         What is recorded and known is then what it would be had the answer been this one at once: of that turn. What
@@ -280,7 +280,7 @@ class Episode:
         return record
 
     def check(self, answer: Answer) -> QueryRecord:
-        """What `tell`, or `amend` if the answer replaces another, would record; nothing changes.
+        """What `tell`, or `correct` if the answer replaces another, would record; nothing changes.
 
         Raises:
             AnswerError: the answer would be refused.
@@ -327,7 +327,7 @@ class Episode:
         if not self.tune_is_due:
             return False
         self._tuned_turns.add(self.turn)
-        return self.knowledge.tune()
+        return self.concepts.tune()
 
     def _addressed(self, answer: Answer) -> Query:
         """The query that an answer is to: the pending one, one that was withdrawn, or that of what it replaces.
@@ -349,7 +349,7 @@ class Episode:
         raise AnswerError(f'the answer is to query {answer.query_id!r}, the pending one is {self._pending.query_id!r}')
 
     def _content(self, answer: Answer, query: Query) -> tuple[int | None, str | None, tuple[str, ...]]:
-        return content_of(answer, query.action, self.settings.symbols, self.knowledge.groups, self._scene_of(query))
+        return content_of(answer, query.action, self.settings.symbols, self.concepts.groups, self._scene_of(query))
 
     def _scene_of(self, query: Query) -> Scene:
         return self._scenes[query.turn - 1]
@@ -357,10 +357,8 @@ class Episode:
     def _is_in_view(self, query: Query, scene: Scene) -> bool:
         """Whether a scene still shows what a query of an earlier turn is about."""
         if query.action.object_id is not None:
-            return self.knowledge.still_shows(query.action.object_id, self._scene_of(query), scene)
-        return query.action.kind is QueryKind.FEATURE_SUBSET or self.knowledge.is_unchanged(
-            self._scene_of(query), scene
-        )
+            return self.concepts.still_shows(query.action.object_id, self._scene_of(query), scene)
+        return query.action.kind is QueryKind.FEATURE_SUBSET or self.concepts.is_unchanged(self._scene_of(query), scene)
 
     def _withdraw(self, query: Query) -> None:
         """Wait no longer for the answer to a query."""
@@ -371,46 +369,46 @@ class Episode:
 
     def _charged(self, query: Query, outcome: Outcome) -> float:
         """What a query costs in the end; once it was withdrawn or answered otherwise, no more than there is left."""
-        price = query.cost * self.settings.costs.share(outcome)
+        price = query.cost * self.settings.costs.charged_fraction(outcome)
         before = self._records.get(query.turn)
         return price if before is None else min(price, self.budget_left + before.cost)
 
-    def _learn(self, knowledge: Knowledge, record: QueryRecord) -> None:
+    def _learn(self, concepts: ConceptLearner, record: QueryRecord) -> None:
         """Learn what came of a query, after a note of what was believed of the thing before."""
         scene = self._scenes[record.turn - 1]
         if record.outcome is Outcome.ANSWERED and record.object_id is not None and record.symbol is not None:
             features = scene.features[[scene.index_of(record.object_id)]]
-            self._beliefs[record.turn] = label_beliefs(knowledge.predict_proba(features)[0])
-        knowledge.learn(record, scene)
+            self._beliefs[record.turn] = label_beliefs(concepts.predict_proba(features)[0])
+        concepts.learn(record, scene)
 
     def _learn_anew(self) -> None:
-        """Rebuild the knowledge from the scenes and the records, event by event as it came about."""
-        knowledge = new_knowledge(self.settings, self._view_tolerance, self._strategy)
+        """Learn the concepts anew from the scenes and the records, event by event as it came about."""
+        concepts = new_concept_learner(self.settings, self._view_tolerance, self._strategy)
         self._beliefs.clear()
         for turn, scene in enumerate(self._scenes, start=1):
-            knowledge.observe(scene)
+            concepts.observe(scene)
             if turn in self._records:
-                self._learn(knowledge, self._records[turn])
+                self._learn(concepts, self._records[turn])
             if turn in self._tuned_turns:
-                knowledge.tune()
-        self.knowledge = knowledge
+                concepts.tune()
+        self.concepts = concepts
 
     def _query(self, action: Action, scene: Scene) -> Query | None:
         """Put the action to the teacher; None if it asks nothing."""
         if action.kind is QueryKind.NO_QUERY:
             return None
-        cost = self.settings.costs.of(action.kind)
+        cost = self.settings.costs.price(action.kind)
         query = Query(
             query_id=f'q{len(self._queries) + 1}',
             turn=self.turn,
             action=action,
-            choices=choices(action, scene, self.settings.symbols, self.knowledge.groups),
+            choices=choices(action, scene, self.settings.symbols, self.concepts.groups),
             cost=cost,
             budget_left=max(0.0, self.settings.budget - (self.spent + cost)),
             turns_left=self.turns_left,
-            model_version=self.knowledge.model_version,
+            model_version=self.concepts.model_version,
             text=question_text(action, self.settings.symbols),
-            known=self.knowledge.labelled_ids(scene) if action.kind is QueryKind.DEMONSTRATION else None,
+            known=self.concepts.labelled_ids(scene) if action.kind is QueryKind.DEMONSTRATION else None,
         )
         self._queries[query.query_id] = self._pending = query
         return query

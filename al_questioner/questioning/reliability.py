@@ -17,12 +17,10 @@ from collections.abc import Collection, Mapping, Sequence
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
 from al_questioner.domain import NO_SYMBOL, Answer, Outcome, Query, QueryKind
-from al_questioner.questioning.answers import AnswerBook
-
-Array = NDArray[np.float64]
+from al_questioner.questioning.answers import AnswerHistory
+from al_questioner.support.arrays import Array
 
 CREDIT_RIGHT, CREDIT_WRONG = 9.0, 1.0
 """Answers that every teacher is credited with before the first."""
@@ -111,7 +109,7 @@ def reliabilities(statements: Sequence[Statement], beliefs: Mapping[int, Array])
 
 
 def statements_of(
-    book: AnswerBook, queries: Mapping[str, Query], symbols: Sequence[str], beliefs: Collection[int]
+    book: AnswerHistory, queries: Mapping[str, Query], symbols: Sequence[str], beliefs: Collection[int]
 ) -> list[Statement]:
     """What the answers say of things, those that came too late included.
 
@@ -136,7 +134,7 @@ def statements_of(
 
 
 def teacher_records(
-    book: AnswerBook, queries: Mapping[str, Query], symbols: Sequence[str], beliefs: Mapping[int, Array]
+    book: AnswerHistory, queries: Mapping[str, Query], symbols: Sequence[str], beliefs: Mapping[int, Array]
 ) -> dict[str, TeacherRecord]:
     """What every teacher has said, in the order of their names.
 

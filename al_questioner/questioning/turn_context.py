@@ -10,22 +10,22 @@ from itertools import takewhile
 import numpy as np
 from numpy.typing import NDArray
 
-from al_questioner.concepts import Knowledge
+from al_questioner.concepts import ConceptLearner
 from al_questioner.domain import Action, Costs, Outcome, QueryKind, QueryRecord, Scene
 from al_questioner.questioning.candidates import candidates
 
 
 @dataclass(frozen=True, eq=False)
-class Situation:
+class TurnContext:
     """The learning state of section 2.1 of the paper, before the action of the turn.
 
-    It refers to the episode's knowledge and is valid until that changes. What costs time is computed on first use.
+    It refers to the episode's concepts and is valid until that changes. What costs time is computed on first use.
 
     Attributes:
         turn: 1-based.
         turns: number of turns of the episode.
         scene: the objects seen this turn.
-        knowledge: what the learner has been told.
+        concepts: what the learner has been told.
         budget: of the episode.
         spent: of the budget so far.
         costs: price of each kind of query.
@@ -38,7 +38,7 @@ class Situation:
     turn: int
     turns: int
     scene: Scene
-    knowledge: Knowledge
+    concepts: ConceptLearner
     budget: float
     spent: float
     costs: Costs
@@ -50,7 +50,7 @@ class Situation:
     @property
     def symbols(self) -> tuple[str, ...]:
         """The concepts to ground."""
-        return self.knowledge.symbols
+        return self.concepts.symbols
 
     @property
     def turns_left(self) -> int:
@@ -87,7 +87,7 @@ class Situation:
         """The symbols that nothing in the scene can be of: every view in it has been labelled, and otherwise."""
         if not self.labelled.all():
             return frozenset()
-        return frozenset(self.symbols).difference(self.knowledge.labels_of(self.scene))
+        return frozenset(self.symbols).difference(self.concepts.labels_of(self.scene))
 
     @cached_property
     def known_answers(self) -> frozenset[Action]:
@@ -97,7 +97,7 @@ class Situation:
         """
         if not self.labelled.all():
             return frozenset()
-        named = self.knowledge.labels_of(self.scene)
+        named = self.concepts.labels_of(self.scene)
         shown = {Action(QueryKind.DEMONSTRATION, symbol=symbol) for symbol in self.symbols if named.count(symbol) == 1}
         alone = {Action(QueryKind.LABEL, object_id) for object_id in self.scene.object_ids if len(named) == 1}
         return frozenset(shown | alone)
@@ -110,9 +110,9 @@ class Situation:
     @cached_property
     def probabilities(self) -> NDArray[np.float64]:
         """(|X|, |Y|) q_y(x) of the scene."""
-        return self.knowledge.predict_proba(self.scene.features)
+        return self.concepts.predict_proba(self.scene.features)
 
     @cached_property
     def labelled(self) -> NDArray[np.bool_]:
         """(|X|,) whether this view of each object has been labelled already."""
-        return self.knowledge.is_labelled(self.scene)
+        return self.concepts.is_labelled(self.scene)

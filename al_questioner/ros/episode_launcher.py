@@ -23,7 +23,7 @@ from al_questioner.ros.nodes.learner import LearnerNode
 from al_questioner.ros.nodes.observer import ObserverNode, StateWatcher
 from al_questioner.ros.nodes.perception import PerceptionNode
 from al_questioner.ros.nodes.teacher import TeacherNode
-from al_questioner.ros.running import run_nodes
+from al_questioner.ros.running import spin_nodes
 from al_questioner.ros.setting import Value
 from al_questioner.support.files import make_folder
 
@@ -37,7 +37,7 @@ SECONDS_TO_STOP = 10.0
 
 
 @dataclass(frozen=True)
-class Graph:
+class EpisodeLauncher:
     """What the nodes are started with.
 
     Attributes:
@@ -100,7 +100,7 @@ class Graph:
                     raise observers[0].failure
                 return observers[0].done and (recorder is None or recorder.poll() == 0)
 
-            run_nodes([make_observer, *nodes], [], is_over, interrupted)
+            spin_nodes([make_observer, *nodes], [], is_over, interrupted)
         if interrupted.is_set():
             raise KeyboardInterrupt
         if not observers[0].done:

@@ -9,10 +9,10 @@ from typing import Any
 from al_questioner import __version__
 from al_questioner.domain import Costs, EpisodeSettings, InputError
 from al_questioner.event_log.durable_episode import DurableEpisode
-from al_questioner.event_log.events import Begun
+from al_questioner.event_log.events import EpisodeStarted
 from al_questioner.event_log.log import SessionLog
 from al_questioner.ros.worlds import new_episode_id, world_members
-from al_questioner.simulation import Task, WorldChoice, episode_settings
+from al_questioner.simulation import Task, WorldSpec, episode_settings
 
 
 def settings_of(task: Task, given: Mapping[str, Any]) -> EpisodeSettings:
@@ -42,7 +42,7 @@ def settings_of(task: Task, given: Mapping[str, Any]) -> EpisodeSettings:
     )
 
 
-def session_of(settings: EpisodeSettings, world: WorldChoice, given: Mapping[str, Any]) -> DurableEpisode:
+def session_of(settings: EpisodeSettings, world: WorldSpec, given: Mapping[str, Any]) -> DurableEpisode:
     """The episode of these parameters, new or as far as its log goes, not yet started.
 
     Raises:
@@ -51,7 +51,7 @@ def session_of(settings: EpisodeSettings, world: WorldChoice, given: Mapping[str
     folder = Path(str(given['session'])).expanduser() if given['session'] else None
     log = None if folder is None else SessionLog(folder)
     is_new = log is None or not log.events
-    wanted = Begun(
+    wanted = EpisodeStarted(
         episode_id=str(given['episode_id']) or (new_episode_id(world) if is_new else ''),
         settings=settings,
         seed=world.seed,

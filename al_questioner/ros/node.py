@@ -31,7 +31,7 @@ from al_questioner.ros.hearing import Hearing, full_name, unserved
 from al_questioner.ros.overrides import check_overrides, overriding_options
 from al_questioner.ros.types import text
 from al_questioner.ros.worker import Worker
-from al_questioner.support.rate_limiter import RepeatThrottle
+from al_questioner.support.rate_limiter import RepeatLimiter
 from al_questioner.support.text import number_of
 
 DIAGNOSTICS_PERIOD = 1.0
@@ -83,7 +83,7 @@ class QuestionerNode(Node):
         self._refused: Counter[str] = Counter()
         self._last_refusal = ''
         self._refused_at = -math.inf
-        self._said = RepeatThrottle(REFUSALS_PER_SECOND, 1.0)
+        self._said = RepeatLimiter(REFUSALS_PER_SECOND, 1.0)
         self._failure = ''
         self._activity = 'starting'
         self._awaited = ''
@@ -145,7 +145,7 @@ class QuestionerNode(Node):
             try:
                 job(message)
             except InputError as error:
-                self.refuse(topic, str(error))
+                self.reject(topic, str(error))
 
         is_latched = profile.durability == DurabilityPolicy.TRANSIENT_LOCAL
         self.listen(message_type, topic, self._worker.inbox(handle, 1 if is_latched else MAXIMAL_WAITING), profile)
@@ -163,7 +163,7 @@ class QuestionerNode(Node):
         timer.daemon = True
         timer.start()
 
-    def refuse(self, topic: str, reason: str) -> None:
+    def reject(self, topic: str, reason: str) -> None:
         """Count and show input that cannot be used."""
         self._refused[topic] += 1
         self._last_refusal = f'{topic}: {reason}'
@@ -173,7 +173,7 @@ class QuestionerNode(Node):
             others = f' ({number_of(more, "other refusal was", "other refusals were")} only counted)' if more else ''
             self.get_logger().warning(f'refused on {topic}: {reason}{others}')
 
-    def does(self, activity: str, expected_within: float = math.inf, awaited: str = '') -> None:
+    def set_status(self, activity: str, expected_within: float = math.inf, awaited: str = '') -> None:
         """Say in a few words what the node is doing, for /diagnostics; warn there if that lasts longer (seconds).
 
         Warn soon if it waits for a topic, `awaited`, on which nobody publishes.
@@ -191,12 +191,12 @@ class QuestionerNode(Node):
         """
 
         def wait() -> None:
-            self.does('waiting for a recorder', expected_within=SECONDS_FOR_RECORDER)
+            self.set_status('waiting for a recorder', expected_within=SECONDS_FOR_RECORDER)
             while (
                 self.context.ok() and not self._worker.stopped and not all(self._is_recorded(topic) for topic in topics)
             ):
                 time.sleep(0.05)
-            self.does('a recorder listens')
+            self.set_status('a recorder listens')
 
         self.submit(wait)
 
@@ -216,7 +216,7 @@ class QuestionerNode(Node):
             names.remove(self.get_fully_qualified_name())
         return names
 
-    def concern(self) -> str:
+    def health_warning(self) -> str:
         """Something around the node that somebody should see to, for /diagnostics, where it is a warning; else empty.
 
         It is asked by the executor's thread once a second.
@@ -276,12 +276,12 @@ class QuestionerNode(Node):
             if not self._said_overdue:
                 self._said_overdue = True
                 self.get_logger().warning(f'{message}: is everything running that should be?')
-        concerns = [*filter(None, [self.concern()]), *self._mismatches()]
+        concerns = [*filter(None, [self.health_warning()]), *self._mismatches()]
         if concerns:
             level, message = DiagnosticStatus.WARN, '; '.join([self._activity, *concerns])
-            for concern in concerns:
-                if concern not in self._concerns:
-                    self.get_logger().warning(concern)
+            for health_warning in concerns:
+                if health_warning not in self._concerns:
+                    self.get_logger().warning(health_warning)
         self._concerns = concerns
         if time.monotonic() - self._refused_at < REFUSAL_SHOWN:
             level, message = DiagnosticStatus.WARN, f'{self._activity}; refused {self._last_refusal}'

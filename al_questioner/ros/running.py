@@ -24,7 +24,7 @@ which all others hang for ever. Whoever sets the variable decides."""
 ONCE_A_SECOND = {'throttle_duration_sec': 1.0}
 
 
-def run_nodes(
+def spin_nodes(
     makers: Sequence[Callable[[], QuestionerNode]],
     arguments: Sequence[str],
     while_spinning: Callable[[], Any] | None = None,

@@ -12,10 +12,10 @@ from al_questioner.domain import InputError
 from al_questioner.messages.documents import Document
 from al_questioner.ros.parameters import declare
 from al_questioner.ros.settings import WORLD_SETTINGS
-from al_questioner.simulation import WorldChoice, load_task
+from al_questioner.simulation import WorldSpec, load_task
 
 
-def declare_world(node: Node) -> WorldChoice:
+def declare_world(node: Node) -> WorldSpec:
     """Declare the parameters `task`, `dataset`, `seed` and `sample`, and read them.
 
     Raises:
@@ -26,15 +26,15 @@ def declare_world(node: Node) -> WorldChoice:
     seed = int(given['seed'])
     sample = declare(node, [dataclasses.replace(sample_setting, default=seed)])
     dataset = Path(str(given['dataset'])).expanduser() if given['dataset'] else None
-    return WorldChoice(load_task(str(given['task'])), seed, int(sample['sample']), dataset)
+    return WorldSpec(load_task(str(given['task'])), seed, int(sample['sample']), dataset)
 
 
-def new_episode_id(world: WorldChoice) -> str:
+def new_episode_id(world: WorldSpec) -> str:
     """An id that no other episode has."""
     return f'{world.task.name}-{world.seed}-{uuid.uuid4().hex[:8]}'
 
 
-def world_members(world: WorldChoice) -> Document:
+def world_members(world: WorldSpec) -> Document:
     """The `world` member of the documents `episode` and `turn`."""
     return {
         'task': world.task.name,
@@ -44,7 +44,7 @@ def world_members(world: WorldChoice) -> Document:
     }
 
 
-def check_world(document: Document, world: WorldChoice) -> None:
+def check_world(document: Document, world: WorldSpec) -> None:
     """Hold the world of a `turn` or a `query` against one's own; a document that names none is taken.
 
     Raises:

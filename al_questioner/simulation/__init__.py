@@ -19,7 +19,7 @@ if TYPE_CHECKING:
     from al_questioner.simulation.task import Task, load_task
     from al_questioner.simulation.task_reading import Interval
     from al_questioner.simulation.world import World
-    from al_questioner.simulation.world_choice import WorldChoice
+    from al_questioner.simulation.world_spec import WorldSpec
 
 __all__ = [
     'DatasetWorld',
@@ -32,7 +32,7 @@ __all__ = [
     'Task',
     'TurnWatcher',
     'World',
-    'WorldChoice',
+    'WorldSpec',
     'accuracy',
     'episode_settings',
     'load_task',
@@ -55,7 +55,7 @@ _HOMES = {
     'Evaluation': 'evaluation',
     'PerceivedWorld': 'perceived_world',
     'TurnWatcher': 'playing',
-    'WorldChoice': 'world_choice',
+    'WorldSpec': 'world_spec',
     'accuracy': 'evaluation',
     'episode_settings': 'settings',
     'play': 'playing',

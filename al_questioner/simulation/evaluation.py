@@ -13,11 +13,11 @@ from fractions import Fraction
 import numpy as np
 from numpy.typing import NDArray
 
-from al_questioner.concepts import Kernel, Knowledge
+from al_questioner.concepts import ConceptLearner, Kernel
 from al_questioner.domain import EpisodeSettings, QueryRecord
-from al_questioner.questioning import new_knowledge
+from al_questioner.questioning import new_concept_learner
 from al_questioner.simulation.perceived_world import PerceivedWorld
-from al_questioner.simulation.world_choice import WorldChoice
+from al_questioner.simulation.world_spec import WorldSpec
 
 
 def accuracy(probabilities: NDArray[np.float64], labels: Sequence[str], symbols: Sequence[str]) -> float:
@@ -53,7 +53,7 @@ class EpisodeResult:
         kernel: of the learner's models after the last turn.
     """
 
-    choice: WorldChoice
+    choice: WorldSpec
     settings: EpisodeSettings
     queries: tuple[QueryRecord, ...]
     accuracy: tuple[float, ...]
@@ -80,11 +80,11 @@ class Evaluation:
         world: that world, if it is open already: episodes that share it draw and measure every view once.
     """
 
-    def __init__(self, choice: WorldChoice, settings: EpisodeSettings, world: PerceivedWorld | None = None) -> None:
+    def __init__(self, choice: WorldSpec, settings: EpisodeSettings, world: PerceivedWorld | None = None) -> None:
         self.choice = choice
         self.settings = settings
         self.world = PerceivedWorld(choice.open()) if world is None else world
-        self._knowledge = new_knowledge(settings)
+        self._concepts = new_concept_learner(settings)
         self._features, self._labels = self.world.test_set
         self._queries: list[QueryRecord] = []
         self._accuracy: list[float] = []
@@ -95,26 +95,26 @@ class Evaluation:
         """The last turn that was followed."""
         return len(self._accuracy)
 
-    def next_turn(self, record: QueryRecord | None, knowledge: Knowledge | None = None) -> float:
+    def next_turn(self, record: QueryRecord | None, concepts: ConceptLearner | None = None) -> float:
         """Accuracy after one more turn.
 
         Args:
             record: what was asked and told in it, None if nothing was asked.
-            knowledge: what the learner knows after it, where that is at hand, the same object at every turn; else the
+            concepts: what the learner knows after it, where that is at hand, the same object at every turn; else the
                 evaluation learns the same.
         """
         if record is not None:
             self._queries.append(record)
-        if knowledge is None:
+        if concepts is None:
             self._follow(record)
         else:
-            self._knowledge = knowledge
-        if self._knowledge.model_version == self._measured_version:
+            self._concepts = concepts
+        if self._concepts.model_version == self._measured_version:
             self._accuracy.append(self._accuracy[-1])
         else:
-            probabilities = self._knowledge.predict_proba(self._features)
+            probabilities = self._concepts.predict_proba(self._features)
             self._accuracy.append(accuracy(probabilities, self._labels, self.settings.symbols))
-            self._measured_version = self._knowledge.model_version
+            self._measured_version = self._concepts.model_version
         return self._accuracy[-1]
 
     def correct(self, queries: Sequence[QueryRecord]) -> None:
@@ -129,7 +129,7 @@ class Evaluation:
         if followed == self._queries:
             return
         turns, by_turn = self.turn, {record.turn: record for record in followed}
-        self._knowledge = new_knowledge(self.settings)
+        self._concepts = new_concept_learner(self.settings)
         self._queries, self._accuracy, self._measured_version = [], [], -1
         for turn in range(1, turns + 1):
             self.next_turn(by_turn.get(turn))
@@ -142,13 +142,13 @@ class Evaluation:
             tuple(self._queries),
             tuple(self._accuracy),
             len(self._labels),
-            self._knowledge.kernel,
+            self._concepts.kernel,
         )
 
     def _follow(self, record: QueryRecord | None) -> None:
         scene = self.world.scene(self.turn + 1)
-        self._knowledge.observe(scene)
+        self._concepts.observe(scene)
         if record is not None:
-            self._knowledge.learn(record, scene)
+            self._concepts.learn(record, scene)
         if self.settings.tunes_after(self.turn + 1):
-            self._knowledge.tune()
+            self._concepts.tune()

@@ -8,9 +8,9 @@ from collections.abc import Sequence
 import numpy as np
 from numpy.typing import NDArray
 
-from al_questioner.domain import NO_SYMBOL, Camera, Observation, Scene, View, generator, group_of
+from al_questioner.domain import NO_SYMBOL, Camera, Observation, Scene, View, group_of, random_stream
 from al_questioner.simulation.kitchen.drawing.geometry import Solid
-from al_questioner.simulation.kitchen.pool import Sight, position_of
+from al_questioner.simulation.kitchen.pool import ViewSpec, position_of
 from al_questioner.simulation.kitchen.things.kinds import Kind, State
 from al_questioner.simulation.simulated_world import SimulatedWorld
 from al_questioner.simulation.task import Task
@@ -57,8 +57,8 @@ class MadeUpWorld(SimulatedWorld):
         groups = ', '.join(self.relevant_groups)
         return f'dry run on made-up features: {groups} {matter}, {self._irrelevant_group} does not'
 
-    def _observe(self, sight: Sight, object_id: int) -> Observation:
-        rng = generator(self._sample_number, f'made up/observation/{sight.key}')
+    def _observe(self, sight: ViewSpec, object_id: int) -> Observation:
+        rng = random_stream(self._sample_number, f'made up/observation/{sight.key}')
         relevant = len(self.relevant_groups) * FEATURES_PER_GROUP
         kind = sight.thing.kind
         centre = self._drawn(f'symbol/{kind.symbol if kind.symbol != NO_SYMBOL else kind.name}', relevant)
@@ -72,7 +72,7 @@ class MadeUpWorld(SimulatedWorld):
 
     def _drawn(self, what: str, count: int) -> NDArray[np.float64]:
         """What is peculiar to something, the same whenever it is seen."""
-        return generator(self._sample_number, f'made up/{what}').normal(0, 1, count)
+        return random_stream(self._sample_number, f'made up/{what}').normal(0, 1, count)
 
 
 def made_up_scene(observations: Sequence[Observation]) -> Scene:

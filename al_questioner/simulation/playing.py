@@ -4,18 +4,18 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterator
 
-from al_questioner.domain import Decision, EpisodeSettings, QueryRecord, generator
+from al_questioner.domain import Decision, EpisodeSettings, QueryRecord, random_stream
 from al_questioner.questioning import Episode, Strategy, Teacher
 from al_questioner.simulation.evaluation import EpisodeResult, Evaluation
 from al_questioner.simulation.perceived_world import PerceivedWorld
-from al_questioner.simulation.world_choice import WorldChoice
+from al_questioner.simulation.world_spec import WorldSpec
 
 TurnWatcher = Callable[[int, QueryRecord | None, float], None]
 """Called after each turn with its number, what was asked and told in it, and the accuracy then."""
 
 
 def run_episode(
-    choice: WorldChoice,
+    choice: WorldSpec,
     settings: EpisodeSettings,
     teacher: Teacher,
     watch: TurnWatcher | None = None,
@@ -41,9 +41,9 @@ def play(
     evaluation: Evaluation, teacher: Teacher, watch: TurnWatcher | None = None, strategy: Strategy | None = None
 ) -> None:
     """Play the episode that an evaluation is about to follow, see `run_episode`."""
-    episode = Episode(evaluation.settings, generator(evaluation.choice.seed, 'learner'), strategy=strategy)
+    episode = Episode(evaluation.settings, random_stream(evaluation.choice.seed, 'learner'), strategy=strategy)
     for decision, record in turns(episode, evaluation.world, teacher):
-        accuracy_now = evaluation.next_turn(record, episode.knowledge)
+        accuracy_now = evaluation.next_turn(record, episode.concepts)
         if watch is not None:
             watch(decision.turn, record, accuracy_now)
 

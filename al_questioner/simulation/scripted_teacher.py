@@ -8,7 +8,7 @@ from itertools import takewhile
 
 import numpy as np
 
-from al_questioner.domain import NO_SYMBOL, Answer, Content, Outcome, Query, QueryKind, SettingsError, generator
+from al_questioner.domain import NO_SYMBOL, Answer, Content, Outcome, Query, QueryKind, SettingsError, random_stream
 
 
 @dataclass(frozen=True)
@@ -56,7 +56,7 @@ class ScriptedTeacher:
 
     def answer(self, query: Query, truth: Mapping[int, str]) -> Answer:
         """Answer a query about a scene; an object that the scene does not hold is unknown."""
-        rng = generator(self.seed, f'teacher/{query.query_id}')
+        rng = random_stream(self.seed, f'teacher/{query.query_id}')
         draw = rng.random()
         if draw < self.unknown_rate:
             return self._reply(query, Outcome.UNKNOWN)

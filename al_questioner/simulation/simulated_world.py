@@ -8,12 +8,12 @@ from typing import NamedTuple
 
 import numpy as np
 
-from al_questioner.domain import InputError, Observation, generator
-from al_questioner.simulation.kitchen.pool import KindsBySymbol, Sight, make_sample, make_validation, observe
+from al_questioner.domain import InputError, Observation, random_stream
+from al_questioner.simulation.kitchen.pool import KindsBySymbol, ViewSpec, make_sample, make_validation, observe
 from al_questioner.simulation.task import Task
 
 
-class _Seen(NamedTuple):
+class _PlacedView(NamedTuple):
     """An object of a scene: its id, and which sight of the training pool shows it."""
 
     object_id: int
@@ -39,8 +39,8 @@ class SimulatedWorld:
         self._sample_number = seed if sample is None else sample
         self._kinds = kinds
         self._sample = make_sample(task, self._sample_number, kinds)
-        self._scenes: list[tuple[_Seen, ...]] = [self._first_scene()]
-        self._observed: dict[_Seen, Observation] = {}
+        self._scenes: list[tuple[_PlacedView, ...]] = [self._first_scene()]
+        self._observed: dict[_PlacedView, Observation] = {}
 
     @property
     def symbols(self) -> tuple[str, ...]:
@@ -99,7 +99,7 @@ class SimulatedWorld:
         return tuple(self._observe(sight, i) for i, sight in enumerate(self._sample.test))
 
     @cached_property
-    def _validation(self) -> tuple[Sight, ...]:
+    def _validation(self) -> tuple[ViewSpec, ...]:
         return make_validation(self._task, self._sample_number, self._kinds)
 
     @cached_property
@@ -110,15 +110,15 @@ class SimulatedWorld:
             of[sight.thing.slot].append(index)
         return of
 
-    def _observe(self, sight: Sight, object_id: int) -> Observation:
+    def _observe(self, sight: ViewSpec, object_id: int) -> Observation:
         return observe(sight, self._task, self._sample_number, object_id)
 
-    def _observation(self, seen: _Seen) -> Observation:
+    def _observation(self, seen: _PlacedView) -> Observation:
         if seen not in self._observed:
             self._observed[seen] = self._observe(self._sample.training[seen.sight], seen.object_id)
         return self._observed[seen]
 
-    def _seen(self, turn: int) -> tuple[_Seen, ...]:
+    def _seen(self, turn: int) -> tuple[_PlacedView, ...]:
         if turn < 1:
             raise InputError(f'turn must be 1 or more, not {turn}')
         number = (turn - 1) // self._task.scenes.change_interval
@@ -126,15 +126,17 @@ class SimulatedWorld:
             self._scenes.append(self._next_scene(self._scenes[-1], len(self._scenes)))
         return self._scenes[number]
 
-    def _first_scene(self) -> tuple[_Seen, ...]:
-        rng = generator(self._seed, 'world/scene/0')
+    def _first_scene(self) -> tuple[_PlacedView, ...]:
+        rng = random_stream(self._seed, 'world/scene/0')
         if self._task.scenes.turnover == 'state':
-            return tuple(_Seen(slot + 1, self._draw_state(slot, 0, None, rng)) for slot in range(len(self._sights_of)))
-        return tuple(_Seen(slot + 1, int(rng.choice(sights))) for slot, sights in enumerate(self._sights_of))
+            return tuple(
+                _PlacedView(slot + 1, self._draw_state(slot, 0, None, rng)) for slot in range(len(self._sights_of))
+            )
+        return tuple(_PlacedView(slot + 1, int(rng.choice(sights))) for slot, sights in enumerate(self._sights_of))
 
-    def _next_scene(self, before: tuple[_Seen, ...], number: int) -> tuple[_Seen, ...]:
+    def _next_scene(self, before: tuple[_PlacedView, ...], number: int) -> tuple[_PlacedView, ...]:
         """The scene after a change: exactly the persistent share of the objects stays as it is."""
-        rng = generator(self._seed, f'world/scene/{number}')
+        rng = random_stream(self._seed, f'world/scene/{number}')
         count = len(before)
         leaving = sorted(rng.permutation(count)[round(self._task.scenes.persistence * count) :].tolist())
         after = list(before)
@@ -142,11 +144,11 @@ class SimulatedWorld:
         for slot in leaving:
             old = before[slot]
             if self._task.scenes.turnover == 'state':
-                after[slot] = _Seen(old.object_id, self._draw_state(slot, number, old.sight, rng))
+                after[slot] = _PlacedView(old.object_id, self._draw_state(slot, number, old.sight, rng))
             else:
                 newest += 1
                 others = [sight for sight in self._sights_of[slot] if sight != old.sight]
-                after[slot] = _Seen(newest, int(rng.choice(others or [old.sight])))
+                after[slot] = _PlacedView(newest, int(rng.choice(others or [old.sight])))
         return tuple(after)
 
     def _draw_state(self, slot: int, clock: int, last: int | None, rng: np.random.Generator) -> int:
@@ -160,7 +162,7 @@ class SimulatedWorld:
         return int(rng.choice(fresh or fitting or sights))
 
 
-def describe(sight: Sight) -> str:
+def describe(sight: ViewSpec) -> str:
     """A sight in words: 'pasta, in pot'."""
     kind = sight.thing.kind
     return kind.name if len(kind.states) == 1 else f'{kind.name}, {kind.states[sight.state].name}'

@@ -6,7 +6,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any
 
-from al_questioner.domain import generator
+from al_questioner.domain import random_stream
 from al_questioner.simulation.task_reading import Interval, interval, number, setting
 
 
@@ -28,7 +28,7 @@ class Variety:
 
     def draw(self, symbols: Sequence[str], sample: int) -> dict[str, Any]:
         """The scene parameters of the sample of this number, by name."""
-        rng = generator(sample, 'world/variety')
+        rng = random_stream(sample, 'world/variety')
         objects, change_interval = (
             int(rng.integers(round(ends.low), round(ends.high), endpoint=True))
             for ends in (self.objects, self.change_interval)

@@ -34,7 +34,7 @@ class Parser(argparse.ArgumentParser):
         raise InputError(f'{message} (--help tells the arguments)')
 
 
-def number(kind: type[int] | type[float], lower: float, upper: float) -> Callable[[str], float]:
+def number_within(kind: type[int] | type[float], lower: float, upper: float) -> Callable[[str], float]:
     """An argument type: a finite number in a range."""
 
     def read(text: str) -> float:

@@ -5,7 +5,7 @@ from __future__ import annotations
 import time
 
 
-class Throttle:
+class RateLimiter:
     """Lets at most so many through in any period, by the steady clock.
 
     Args:
@@ -33,7 +33,7 @@ class Throttle:
         return True
 
 
-class RepeatThrottle:
+class RepeatLimiter:
     """Lets each kind of thing through once in any period, and at most so many kinds; counts what it holds back.
 
     Args:

@@ -9,9 +9,9 @@ from dataclasses import dataclass, replace
 from al_questioner.domain import NO_SYMBOL, Query, QueryKind
 from al_questioner.domain.names import joined
 from al_questioner.domain.spelling import loosely
-from al_questioner.terminal.board import Board, Phase
 from al_questioner.terminal.commands import Command, Explain, Say, Wish, read_line
 from al_questioner.terminal.safe_text import printable
+from al_questioner.terminal.view_state import Phase, ViewState
 
 COMMANDS: dict[str, Command] = {
     'n': Say(NO_SYMBOL),
@@ -54,16 +54,16 @@ class Pad:
         return replace(self, notice=notice)
 
 
-def about(board: Board) -> str:
+def about(view_state: ViewState) -> str:
     """Tells the questions that are shown apart; empty where none can be answered."""
-    if board.moment is None or board.phase not in (Phase.ASKED, Phase.CORRECTING):
+    if view_state.prompt is None or view_state.phase not in (Phase.ASKED, Phase.CORRECTING):
         return ''
-    return f'{board.phase.name}/{board.moment.query.query_id}'
+    return f'{view_state.phase.name}/{view_state.prompt.query.query_id}'
 
 
-def choices_of(board: Board) -> tuple[str, ...]:
+def choices_of(view_state: ViewState) -> tuple[str, ...]:
     """The choices of the question that can be answered; none if there is none."""
-    return board.moment.query.choices if board.moment is not None and about(board) else ()
+    return view_state.prompt.query.choices if view_state.prompt is not None and about(view_state) else ()
 
 
 def letters(symbols: Sequence[str]) -> dict[str, str]:
@@ -88,27 +88,27 @@ def letters(symbols: Sequence[str]) -> dict[str, str]:
     return keys
 
 
-def press(key: str, pad: Pad, board: Board) -> tuple[Pad, Command | None]:
+def press(key: str, pad: Pad, view_state: ViewState) -> tuple[Pad, Command | None]:
     """What a key does.
 
     Args:
         key: a character, or 'enter', 'backspace', 'escape', 'up', 'down', 'left', 'right', 'tab'.
         pad: what was pressed before.
-        board: what is shown.
+        view_state: what is shown.
 
     Returns:
         What has been pressed so far, and what is to be done, if anything.
     """
-    here, doubted = about(board), pad.doubted
+    here, doubted = about(view_state), pad.doubted
     pad = replace(pad, notice='', doubted='') if pad.about == here else Pad(here)
-    if board.moment is None or not here:
+    if view_state.prompt is None or not here:
         command = COMMANDS.get(key.lower())
         return pad, command if isinstance(command, Wish) else None
-    query = board.moment.query
+    query = view_state.prompt.query
     if pad.in_words or (key == ':' and not pad.typed):
         return _typed_word(key, pad, query)
     if key == 'escape':
-        return (Pad(here), None) if pad != Pad(here) else (pad, Wish.UNDO if board.corrected is not None else None)
+        return (Pad(here), None) if pad != Pad(here) else (pad, Wish.UNDO if view_state.corrected is not None else None)
     if key == 'backspace' and not pad.typed:
         return pad, Wish.UNDO
     if key.lower() in COMMANDS and not pad.typed:

@@ -5,8 +5,8 @@ from __future__ import annotations
 from al_questioner.domain import NO_SYMBOL, Action, Answer, Outcome, Query, QueryKind, QueryRecord
 from al_questioner.domain.names import joined
 from al_questioner.support.text import number_of
-from al_questioner.terminal.board import Board, Phase, Progress
 from al_questioner.terminal.safe_text import counted, printable
+from al_questioner.terminal.view_state import EpisodeProgress, Phase, ViewState
 
 HELP = (
     'You teach a robot what things are. It asks; every question costs it something of its budget.',
@@ -43,19 +43,19 @@ def recorded_in_words(record: QueryRecord) -> str:
     return _shown(record.symbol, record.object_id)
 
 
-def present_turn(query: Query, progress: Progress | None) -> int:
+def present_turn(query: Query, progress: EpisodeProgress | None) -> int:
     """The turn in which a question waits: a later one than its own if turns have passed without an answer."""
     present = query.turn if progress is None else max(query.turn, progress.turn + 1)
     return min(present, query.turn + query.turns_left)
 
 
-def price(query: Query, progress: Progress | None) -> str:
+def price(query: Query, progress: EpisodeProgress | None) -> str:
     """What a question costs, and what is left of the budget once that is paid."""
     of_all = '' if progress is None else f' of {progress.budget:g}'
     return f'costs {query.cost:g}, which leaves {query.budget_left:g}{of_all} of the budget'
 
 
-def question_line(query: Query, corrects: bool, progress: Progress | None = None) -> str:
+def question_line(query: Query, corrects: bool, progress: EpisodeProgress | None = None) -> str:
     """One line that asks, with what would be an answer."""
     nothing = [] if query.action.kind is QueryKind.FEATURE_SUBSET else [NO_SYMBOL]
     parting = ', ' if any(' ' in choice for choice in query.choices) else ' '
@@ -68,21 +68,21 @@ def question_line(query: Query, corrects: bool, progress: Progress | None = None
     return f'{printable(query.query_id, 40)}: {again}{printable(query.text)} [{printable(words, 2000)}] ({left})'
 
 
-def farewell(board: Board) -> str:
+def farewell(view_state: ViewState) -> str:
     """The last words: how the episode ended, or what is left to do."""
-    progress = board.progress
-    if board.phase is Phase.OVER and progress is not None:
+    progress = view_state.progress
+    if view_state.phase is Phase.OVER and progress is not None:
         questions = number_of(len(progress.records), 'question')
         return f'The episode is over: {progress.spent:g} of {progress.budget:g} spent on {questions}. Thank you.'
-    if board.phase is Phase.ALONE:
+    if view_state.phase is Phase.ALONE:
         return 'No robot was heard; start this program again when its learner runs.'
-    if board.moment is None:
+    if view_state.prompt is None:
         return 'The robot goes on; start this program again to answer what it asks next.'
-    query = board.moment.query
+    query = view_state.prompt.query
     question = f'{printable(query.text)} ({printable(query.query_id, 40)})'
-    if board.phase is Phase.SENDING:
+    if view_state.phase is Phase.SENDING:
         return f'The robot has not confirmed your answer to: {question} If it did not get it, it will ask again.'
-    if board.corrected is not None:
+    if view_state.corrected is not None:
         return f'Your earlier answer stands: {question}'
     return f'Left open: {question} Start this program again to answer it.'
 

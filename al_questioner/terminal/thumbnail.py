@@ -10,8 +10,8 @@ from rich.text import Text
 
 from al_questioner.domain import Scene
 from al_questioner.simulation.kitchen.table_image import Projection
-from al_questioner.terminal.board import Picture
-from al_questioner.terminal.look import Look
+from al_questioner.terminal.capabilities import Capabilities
+from al_questioner.terminal.view_state import Picture
 
 SHOWN_M = 0.08
 """What is shown of the table to every side of an object, in metres."""
@@ -19,7 +19,7 @@ RAMP = ' .:-=+*#%@'
 """From dark to bright."""
 
 
-def thumbnail(picture: Picture, columns: int, rows: int, look: Look) -> list[Text]:
+def thumbnail(picture: Picture, columns: int, rows: int, capabilities: Capabilities) -> list[Text]:
     """The picture in at most so many columns and rows; half a character is about square.
 
     Two colours in a character where there are colours, else one of a few characters by brightness.
@@ -27,7 +27,7 @@ def thumbnail(picture: Picture, columns: int, rows: int, look: Look) -> list[Tex
     height, width = picture.shape[:2]
     zoom = min(columns / width, 2 * rows / height)
     columns, rows = max(1, round(width * zoom)), max(1, round(height * zoom / 2))
-    if look.in_color and look.unicode:
+    if capabilities.in_color and capabilities.unicode:
         pixels = _resized(picture, columns, 2 * rows)
         return [_colored(upper, lower) for upper, lower in zip(pixels[0::2], pixels[1::2], strict=True)]
     brightness = cv2.cvtColor(_resized(picture, columns, rows), cv2.COLOR_RGB2GRAY).astype(np.float64)

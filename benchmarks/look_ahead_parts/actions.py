@@ -5,12 +5,13 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from look_ahead_parts.states import Array, State
+from look_ahead_parts.states import State
 
 from al_questioner.domain import DECISION_FEATURES
 from al_questioner.questioning.strategies import decision_features as phi
 from al_questioner.questioning.strategies.expected_utility import task_features
 from al_questioner.questioning.strategies.weights import read_weights
+from al_questioner.support.arrays import Array
 from al_questioner.support.configuration import config_dir
 
 STRATEGY = 'dt_task'

@@ -10,8 +10,10 @@ from typing import Any
 import numpy as np
 from look_ahead_parts import refitting
 from look_ahead_parts.actions import choose, task_weights
-from look_ahead_parts.states import AMPLITUDE, Array, State, clustered_state, random_state
+from look_ahead_parts.states import AMPLITUDE, State, clustered_state, random_state
 from measuring import print_table
+
+from al_questioner.support.arrays import Array
 
 NEAR_TIE = 1e-9
 """Margin of expected utility below which two actions are equally good: rounding decides."""

@@ -13,12 +13,13 @@ from typing import Any
 
 import numpy as np
 from look_ahead_parts.actions import task_weights, utilities
-from look_ahead_parts.states import Array, State, clustered_state
+from look_ahead_parts.states import State, clustered_state
 from measuring import median_and_spread, print_table
 
 from al_questioner.concepts import ConceptModels
 from al_questioner.concepts.models import EXACT_OPERATIONS, exact_operations
 from al_questioner.questioning.strategies.decision_features import symbol_given_object
+from al_questioner.support.arrays import Array
 
 LONGEST = 12.0
 """Seconds above which an exact look-ahead is left out."""

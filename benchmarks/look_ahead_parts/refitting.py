@@ -6,13 +6,14 @@ from collections.abc import Callable
 from typing import Any
 
 import numpy as np
-from look_ahead_parts.states import Array, State
+from look_ahead_parts.states import State
 from numpy.typing import NDArray
 from sklearn.gaussian_process import GaussianProcessClassifier
 from sklearn.gaussian_process.kernels import RBF, ConstantKernel
 
 from al_questioner.concepts import ConceptModels
 from al_questioner.domain import NO_SYMBOL
+from al_questioner.support.arrays import Array
 
 MOST_REFITS = 20
 STANDS_STILL = 1e-10

@@ -8,10 +8,11 @@ from typing import Any
 
 import numpy as np
 from look_ahead_parts import machine, refitting
-from look_ahead_parts.states import Array, State, clustered_state
+from look_ahead_parts.states import State, clustered_state
 from measuring import median_and_spread, print_table
 
 from al_questioner.concepts import ConceptModels
+from al_questioner.support.arrays import Array
 
 THINGS, SYMBOLS, FEATURES = 12, 4, 60
 

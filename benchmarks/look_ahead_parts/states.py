@@ -9,8 +9,7 @@ from numpy.typing import NDArray
 
 from al_questioner.concepts import ConceptModels
 from al_questioner.domain import NO_SYMBOL
-
-Array = NDArray[np.float64]
+from al_questioner.support.arrays import Array
 
 AMPLITUDE = 4.0
 """Variance of the kernel that the learner uses."""

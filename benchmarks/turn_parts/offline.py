@@ -10,9 +10,9 @@ from dataclasses import dataclass
 import numpy as np
 from measuring import Seconds
 
-from al_questioner.domain import Answer, Decision, EpisodeSettings, QueryRecord, Scene, generator
+from al_questioner.domain import Answer, Decision, EpisodeSettings, QueryRecord, Scene, random_stream
 from al_questioner.questioning import Episode
-from al_questioner.simulation import Evaluation, ScriptedTeacher, WorldChoice
+from al_questioner.simulation import Evaluation, ScriptedTeacher, WorldSpec
 
 RENDERING = 'drawing the simulated table'
 PERCEIVING = 'perceiving it'
@@ -92,13 +92,13 @@ class PlayedEpisode:
         return np.sum([self.seconds.get(stage, np.zeros(len(self.turns))) for stage in stages], axis=0)
 
 
-def play_timed(choice: WorldChoice, settings: EpisodeSettings, teacher: ScriptedTeacher) -> PlayedEpisode:
+def play_timed(choice: WorldSpec, settings: EpisodeSettings, teacher: ScriptedTeacher) -> PlayedEpisode:
     """Play the episode of `run_episode`, with the stopwatch on."""
     start = time.perf_counter()
     evaluation = Evaluation(choice, settings)
     making = time.perf_counter() - start
     world = evaluation.world
-    episode = Episode(settings, generator(choice.seed, 'learner'))
+    episode = Episode(settings, random_stream(choice.seed, 'learner'))
     stages = Stages(settings.turns)
     turns = []
     accuracy = float('nan')
@@ -116,8 +116,8 @@ def play_timed(choice: WorldChoice, settings: EpisodeSettings, teacher: Scripted
             with stages.timed(LEARNING, turn):
                 record = episode.tell(answer)
         with stages.timed(BELIEFS, turn):
-            beliefs = episode.knowledge.predict_proba(scene.features)
+            beliefs = episode.concepts.predict_proba(scene.features)
         with stages.timed(EVALUATING, turn):
-            accuracy = evaluation.next_turn(record, episode.knowledge)
+            accuracy = evaluation.next_turn(record, episode.concepts)
         turns.append(PlayedTurn(scene, decision, answer, record, beliefs))
     return PlayedEpisode(making, stages.seconds, tuple(turns), accuracy)

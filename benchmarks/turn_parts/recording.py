@@ -24,7 +24,7 @@ from al_questioner.domain import EpisodeError, QueryRecord
 from al_questioner.messages import documents
 from al_questioner.messages.stamps import SECOND, stamp_of
 from al_questioner.ros import qos
-from al_questioner.ros.episode_launcher import Graph
+from al_questioner.ros.episode_launcher import EpisodeLauncher
 from al_questioner.ros.node import RECORDER
 
 MESSAGES_A_TURN, REPEATS = 2, 100
@@ -112,12 +112,12 @@ def play_graph(
 
     Args:
         namespace: of their topics.
-        parameters: of each node, see `Graph`.
+        parameters: of each node, see `EpisodeLauncher`.
         log_dir: where they leave what they print.
         patience: seconds without progress that count as the end.
 
     Raises:
-        InputError, EpisodeError: as `Graph.play`.
+        InputError, EpisodeError: as `EpisodeLauncher.play`.
     """
     last: tuple[float, tuple[QueryRecord, ...]] = (0.0, ())
     waited: dict[int, float] = {}
@@ -135,7 +135,7 @@ def play_graph(
 
     with recorder(namespace) as heard:
         begun, start = time.time(), time.perf_counter()
-        Graph(
+        EpisodeLauncher(
             namespace=namespace,
             episode_id=str(parameters['learner']['episode_id']),
             parameters=whole,

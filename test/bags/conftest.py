@@ -11,11 +11,11 @@ import pytest
 from al_questioner.bags import BagWriter, Topic
 from al_questioner.bags.reading import typestore
 from al_questioner.bags.topics import CLOUD, STRING, TYPES
-from al_questioner.domain import generator
+from al_questioner.domain import random_stream
 from al_questioner.messages import documents
 from al_questioner.messages.clouds import CloudTypes, cloud_of_decision, cloud_of_scene
 from al_questioner.questioning import Episode
-from al_questioner.simulation import PerceivedWorld, ScriptedTeacher, WorldChoice, episode_settings, load_task, turns
+from al_questioner.simulation import PerceivedWorld, ScriptedTeacher, WorldSpec, episode_settings, load_task, turns
 
 START = 1_700_000_000_000_000_000
 PERIOD = 100_000_000
@@ -73,9 +73,9 @@ def write_episode(
         start: when it begins, nanoseconds.
     """
     loaded = load_task(task)
-    choice = WorldChoice(loaded, 3, 3)
+    choice = WorldSpec(loaded, 3, 3)
     settings = dataclasses.replace(episode_settings(loaded, strategy, 6.0, n_turns, change_interval=4))
-    world, episode = PerceivedWorld(choice.open()), Episode(settings, generator(3, 'learner'))
+    world, episode = PerceivedWorld(choice.open()), Episode(settings, random_stream(3, 'learner'))
     teacher = ScriptedTeacher(loaded.symbols, loaded.relevant_groups, 3)
     members = {'task': task, 'seed': 3, 'sample': 3, 'dataset': None}
     writing = Writing(path, storage)
@@ -126,7 +126,7 @@ def state_members(episode):
         'done': episode.done,
         'queries': [documents.record_members(record) for record in episode.records],
         'labels': dict(episode.positives),
-        'model_version': episode.knowledge.model_version,
+        'model_version': episode.concepts.model_version,
         'beliefs': {},
     }
 

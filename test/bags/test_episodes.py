@@ -16,7 +16,7 @@ from al_questioner.bags import (
     Topic,
     deserialize,
     read_bag,
-    read_sessions,
+    read_episodes,
     repair,
 )
 from al_questioner.bags.reading import typestore
@@ -31,7 +31,7 @@ from checkout import ROOT
 def test_a_session_is_what_was_lived(bags, tmp_path, storage):
     """The expert's scenes, choices and answers would be others than those learnt from."""
     lived = bags.write_episode(tmp_path / 'b', storage)
-    (session,) = read_sessions(tmp_path / 'b')
+    (session,) = read_episodes(tmp_path / 'b')
     assert session.settings == lived.settings
     assert session.world['task'] == 'prepare_lunch'
     assert session.change_turns == (5,) or session.change_turns == ()
@@ -44,7 +44,7 @@ def test_a_session_is_what_was_lived(bags, tmp_path, storage):
 def test_another_learner_diverges_and_the_turn_is_named(bags, tmp_path):
     """A check that finds nothing would be worth nothing."""
     bags.write_episode(tmp_path / 'b', strategy='random_fsq')
-    (session,) = read_sessions(tmp_path / 'b')
+    (session,) = read_episodes(tmp_path / 'b')
     assert first_divergence(session) is None
     other = first_divergence(dataclasses.replace(session, seed=session.seed + 1))
     assert other is not None
@@ -58,7 +58,7 @@ def test_another_learner_diverges_and_the_turn_is_named(bags, tmp_path):
 def test_features_of_another_look_are_a_divergence_and_rounding_is_none(bags, tmp_path, change, found):
     """The same choice for other reasons is not the same decision; but processors differ in their last digits."""
     bags.write_episode(tmp_path / 'b')
-    (session,) = read_sessions(tmp_path / 'b')
+    (session,) = read_episodes(tmp_path / 'b')
     first = session.turns[0]
     decision = dataclasses.replace(first.decision, features=first.decision.features + change)
     turns = (dataclasses.replace(first, decision=decision), *session.turns[1:])
@@ -82,9 +82,9 @@ def test_without_a_turns_state_nobody_knows_since_when_an_answer_is_corrected(ba
     bags.write_episode(tmp_path / 'b', missing=[('learner_state', 4)], then=then)
     if accepted:
         with pytest.raises(BagError, match='b: turn 4 was recorded without its learner_state'):
-            read_sessions(tmp_path / 'b')
+            read_episodes(tmp_path / 'b')
     else:
-        assert len(read_sessions(tmp_path / 'b')) == 1
+        assert len(read_episodes(tmp_path / 'b')) == 1
 
 
 def test_an_episode_without_a_whole_turn_is_told_of_beside_others(bags, tmp_path):
@@ -98,9 +98,9 @@ def test_an_episode_without_a_whole_turn_is_told_of_beside_others(bags, tmp_path
 
     bags.write_episode(tmp_path / 'b', then=then)
     with pytest.raises(BagError, match='ended before the first turn of episode e2'):
-        read_sessions(tmp_path / 'b')
+        read_episodes(tmp_path / 'b')
     left_out: list[LeftOut] = []
-    (session,) = read_sessions(tmp_path / 'b', left_out)
+    (session,) = read_episodes(tmp_path / 'b', left_out)
     assert (session.episode_id, [what for what, _ in left_out]) == ('e1', ['e2'])
 
 
@@ -108,7 +108,7 @@ def test_an_unfinished_recording_counts_as_far_as_it_goes(bags, tmp_path):
     """A killed recording of a person's half hour would be lost; repaired, it trains."""
     bags.write_episode(tmp_path / 'b', close=False)
     with pytest.raises(BagError, match='record --repair'):
-        read_sessions(tmp_path / 'b')
+        read_episodes(tmp_path / 'b')
     repair(tmp_path / 'b')
     (demonstration,) = read_demonstrations([tmp_path / 'b'])
     assert len(demonstration.steps) == 8
@@ -132,7 +132,7 @@ def test_what_is_missing_is_named(bags, tmp_path, missing, reason):
     """An episode with holes would be learnt from as if the expert had done nothing."""
     bags.write_episode(tmp_path / 'b', missing=missing)
     with pytest.raises(BagError, match=reason):
-        read_sessions(tmp_path / 'b')
+        read_episodes(tmp_path / 'b')
 
 
 def test_other_message_types_are_named(bags, tmp_path):
@@ -141,7 +141,7 @@ def test_other_message_types_are_named(bags, tmp_path):
     writing.say('episode', {}, bags.START)
     writing.bag.close()
     with pytest.raises(BagError, match=r'topic /robot/turn holds sensor_msgs/msg/PointCloud2, expected std_msgs'):
-        read_sessions(tmp_path / 'b')
+        read_episodes(tmp_path / 'b')
 
 
 def test_documents_that_are_none_are_named(bags, tmp_path):
@@ -150,7 +150,7 @@ def test_documents_that_are_none_are_named(bags, tmp_path):
     writing.say('episode', {'symbols': ['a', 'b']}, bags.START)
     writing.bag.close()
     with pytest.raises(BagError, match=r'/robot/episode: .*is a required property'):
-        read_sessions(tmp_path / 'b')
+        read_episodes(tmp_path / 'b')
 
 
 def test_objects_with_other_features_than_announced_are_named(bags, tmp_path, monkeypatch):
@@ -165,7 +165,7 @@ def test_objects_with_other_features_than_announced_are_named(bags, tmp_path, mo
     monkeypatch.setattr(bags.Writing, 'say', renamed)
     bags.write_episode(tmp_path / 'b')
     with pytest.raises(BagError, match='the objects of turn 1 have other features than the episode announces'):
-        read_sessions(tmp_path / 'b')
+        read_episodes(tmp_path / 'b')
 
 
 def test_decisions_without_features_cannot_be_learnt_from(bags, tmp_path):
@@ -188,7 +188,7 @@ def test_what_latched_topics_tell_of_an_earlier_episode_is_left_out(tmp_path):
     with BagWriter(tmp_path / 'b', topics) as bag:
         for message in (*left_over, *new.messages):
             bag.write(f'/r/{last_part(message.topic)}', message.data, message.stamp)
-    (session,) = read_sessions(tmp_path / 'b')
+    (session,) = read_episodes(tmp_path / 'b')
     assert session.seed == 1
     assert len(session.turns) == 30
 
@@ -226,8 +226,8 @@ def test_a_clock_that_was_put_back_hides_nothing(tmp_path, storage, at, by, is_s
     messages = stepped(read_bag(SHIPPED / 'expert_0').messages, at, by)
     if is_sorted:
         messages.sort(key=lambda message: message.stamp)
-    (session,) = read_sessions(written(tmp_path / 'b', messages, storage=storage))
-    (before,) = read_sessions(SHIPPED / 'expert_0')
+    (session,) = read_episodes(written(tmp_path / 'b', messages, storage=storage))
+    (before,) = read_episodes(SHIPPED / 'expert_0')
     assert len(session.turns) == 30
     assert session.records == before.records
     assert first_divergence(session) is None
@@ -246,7 +246,7 @@ def test_a_clock_that_was_put_back_hides_nothing(tmp_path, storage, at, by, is_s
 )
 def test_the_order_of_a_file_is_not_that_of_the_episode(tmp_path, arranged):
     """Whatever rewrites a bag has an order of its own."""
-    (session,) = read_sessions(written(tmp_path / 'b', arranged(read_bag(SHIPPED / 'expert_0').messages)))
+    (session,) = read_episodes(written(tmp_path / 'b', arranged(read_bag(SHIPPED / 'expert_0').messages)))
     assert len(session.turns) == 30
     assert first_divergence(session) is None
 
@@ -257,7 +257,7 @@ def test_two_runs_under_one_episode_id_stay_apart(bags, tmp_path, later):
     bags.write_episode(tmp_path / 'long', n_turns=8)
     bags.write_episode(tmp_path / 'short', n_turns=4, strategy='random_fsq', start=bags.START + later)
     first, second = (read_bag(tmp_path / name).messages for name in ('long', 'short'))
-    sessions = read_sessions(written(tmp_path / 'b', [*first, *second]))
+    sessions = read_episodes(written(tmp_path / 'b', [*first, *second]))
     assert [session.settings.strategy for session in sessions] == ['expert', 'random_fsq']
     assert [len(session.turns) for session in sessions] == [8, 4]
     assert [first_divergence(session) for session in sessions] == [None, None]
@@ -272,7 +272,7 @@ def test_two_episodes_of_the_same_stamps_stay_apart(bags, tmp_path):
         dataclasses.replace(message, data=message.data.replace(b'"episode_id":"e1"', b'"episode_id":"e2"'))
         for message in second
     ]
-    sessions = read_sessions(written(tmp_path / 'b', [*first, *renamed]))
+    sessions = read_episodes(written(tmp_path / 'b', [*first, *renamed]))
     assert [session.settings.strategy for session in sessions] == ['expert', 'random_fsq']
     assert [first_divergence(session) for session in sessions] == [None, None]
 
@@ -307,7 +307,7 @@ def test_what_other_nodes_say_on_such_names_is_passed_over(bags, tmp_path, name,
     if data is None:
         add_topic(path, name, type_)
     left_out: list[LeftOut] = []
-    (session,) = read_sessions(path, left_out)
+    (session,) = read_episodes(path, left_out)
     assert (len(session.turns), left_out) == (8, [])
     assert first_divergence(session) is None
 
@@ -349,7 +349,7 @@ def test_what_could_not_be_used_beside_others_is_told(bags, tmp_path):
         messages += [dataclasses.replace(m, topic=f'/{name}/{last_part(m.topic)}') for m in recorded]
     path = written(tmp_path / 'all', messages)
     left_out: list[LeftOut] = []
-    sessions = read_sessions(path, left_out)
+    sessions = read_episodes(path, left_out)
     assert [len(session.turns) for session in sessions] == [8, 2]
     told = sorted(reason for _, reason in left_out)
     beginnings = [
@@ -360,13 +360,13 @@ def test_what_could_not_be_used_beside_others_is_told(bags, tmp_path):
     ]
     assert [text[: len(beginning)] for text, beginning in zip(told, beginnings, strict=True)] == beginnings
     with pytest.raises(BagError, match='all: turn 3 of 8 was recorded without its objects'):
-        read_sessions(path)
+        read_episodes(path)
 
 
 def test_the_last_decision_of_a_recording_that_ended_early_is_checked(bags, tmp_path):
     """It would be left out without a word."""
     bags.write_episode(tmp_path / 'b', missing=[('learner_state', 8)])
-    (session,) = read_sessions(tmp_path / 'b')
+    (session,) = read_episodes(tmp_path / 'b')
     assert (len(session.turns), session.begun and session.begun.turn) == (7, 8)
     assert first_divergence(session) is None
     decision = dataclasses.replace(session.begun.decision, features=session.begun.decision.features + 1)
@@ -389,7 +389,7 @@ def test_the_scenes_of_a_camera_whose_clock_went_back_are_found(bags, tmp_path):
     messages = [
         earlier(message) if message.type == CLOUD else message for message in read_bag(tmp_path / 'whole').messages
     ]
-    (session,) = read_sessions(written(tmp_path / 'b', messages))
+    (session,) = read_episodes(written(tmp_path / 'b', messages))
     assert len(session.turns) == 8
     assert first_divergence(session) is None
 
@@ -407,7 +407,7 @@ def test_what_a_camera_with_a_fast_clock_showed_before_the_turn_is_not_its_scene
             messages.append(dataclasses.replace(before, data=data, stamp=message.stamp))
         before = message if last_part(message.topic) == 'objects' else before
         messages.append(message)
-    (session,) = read_sessions(written(tmp_path / 'b', messages))
+    (session,) = read_episodes(written(tmp_path / 'b', messages))
     assert session.change_turns == (11,)
     for turn in session.turns:
         np.testing.assert_array_equal(turn.scene.features, lived.world.scene(turn.turn).features)
@@ -419,7 +419,7 @@ def test_the_scene_of_the_next_learner_is_not_taken_for_one_that_is_missing(bags
     bags.write_episode(tmp_path / 'second', start=bags.START + HOUR)
     first, second = (read_bag(tmp_path / name).messages for name in ('first', 'second'))
     left_out: list[LeftOut] = []
-    (session,) = read_sessions(written(tmp_path / 'b', [*first, *second]), left_out)
+    (session,) = read_episodes(written(tmp_path / 'b', [*first, *second]), left_out)
     assert len(session.turns) == 8
     assert [reason[:47] for _, reason in left_out] == ['turn 8 of 8 was recorded without its objects; i']
 
@@ -427,7 +427,7 @@ def test_the_scene_of_the_next_learner_is_not_taken_for_one_that_is_missing(bags
 def test_a_decision_that_was_compared_is_counted(bags, tmp_path, capsys):
     """Where only the last learner_state is missing, the last decision would seem not to have been checked."""
     bags.write_episode(tmp_path / 'b', missing=[('learner_state', 8)])
-    (session,) = read_sessions(tmp_path / 'b')
+    (session,) = read_episodes(tmp_path / 'b')
     assert (len(session.turns), session.decisions) == (7, 8)
     assert main(['replay', str(tmp_path / 'b'), '--check']) == 0
     assert '8 decisions, all as recorded' in capsys.readouterr().out.replace('\n', ' ')

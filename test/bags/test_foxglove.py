@@ -11,7 +11,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from al_questioner.bags import deserialize, read_bag, read_sessions
+from al_questioner.bags import deserialize, read_bag, read_episodes
 from checkout import ROOT
 
 PACKAGES = ('@mcap/core@2.2.2', '@foxglove/rosmsg@5.0.5', '@foxglove/rosmsg2-serialization@3.1.0')
@@ -56,7 +56,7 @@ def test_foxglove_reads_what_was_recorded(as_foxglove, bags, tmp_path):
         for theirs, message in zip(topic['messages'], ours, strict=True):
             content = deserialize(message).data
             assert theirs['data'] == (content if isinstance(content, str) else base64.b64encode(content).decode())
-    (session,) = read_sessions(tmp_path / 'b')
+    (session,) = read_episodes(tmp_path / 'b')
     for cloud, turn in zip(found['topics']['/robot/decision']['messages'], session.turns, strict=True):
         assert [field['name'] for field in cloud['fields'][:3]] == ['x', 'y', 'z']
         points = np.frombuffer(base64.b64decode(cloud['data']), np.uint8).reshape(-1, cloud['point_step'])

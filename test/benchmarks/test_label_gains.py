@@ -6,12 +6,12 @@ import math
 
 import pytest
 
-from al_questioner.domain import NO_SYMBOL, generator
+from al_questioner.domain import NO_SYMBOL, random_stream
 from al_questioner.questioning import Episode, make_strategy
 from al_questioner.simulation import (
     PerceivedWorld,
     ScriptedTeacher,
-    WorldChoice,
+    WorldSpec,
     accuracy,
     episode_settings,
     load_task,
@@ -23,19 +23,19 @@ def test_a_gain_is_what_the_label_would_have_changed() -> None:
     """The page would tell of labels that nobody could give."""
     from label_gains import Measuring
 
-    choice = WorldChoice(load_task('kitchen_table'), 3, 3)
+    choice = WorldSpec(load_task('kitchen_table'), 3, 3)
     world = PerceivedWorld(choice.open())
     settings = episode_settings(choice.task, 'random_fsq', 8, 6)
     strategy = Measuring(make_strategy('random_fsq', {}), world, 6)
-    episode = Episode(settings, generator(3, 'learner'), strategy=strategy)
+    episode = Episode(settings, random_stream(3, 'learner'), strategy=strategy)
     playing = turns(episode, world, ScriptedTeacher(choice.task.symbols, choice.task.relevant_groups, 3))
     for _ in range(5):
         next(playing)
     assert strategy.found == []
     scene, (features, labels) = world.scene(6), world.test_set
-    episode.knowledge.observe(scene)
-    before = accuracy(episode.knowledge.predict_proba(features), labels, settings.symbols)
-    positives, labelled = dict(episode.knowledge.positives), episode.knowledge.is_labelled(scene)
+    episode.concepts.observe(scene)
+    before = accuracy(episode.concepts.predict_proba(features), labels, settings.symbols)
+    positives, labelled = dict(episode.concepts.positives), episode.concepts.is_labelled(scene)
     row = int((~labelled).argmax())
     next(playing)
     found = strategy.found[0]
@@ -43,13 +43,13 @@ def test_a_gain_is_what_the_label_would_have_changed() -> None:
     assert found.symbol == world.truth(6)[scene.object_ids[row]]
     assert found.examples == positives.get(found.symbol, 0)
 
-    again = Episode(settings, generator(3, 'learner'))
+    again = Episode(settings, random_stream(3, 'learner'))
     replayed = turns(again, world, ScriptedTeacher(choice.task.symbols, choice.task.relevant_groups, 3))
     for _ in range(5):
         next(replayed)
-    again.knowledge.observe(scene)
-    again.knowledge.label(scene.object_ids[row], scene.features[row], found.symbol, 6)
-    after = accuracy(again.knowledge.predict_proba(features), labels, settings.symbols)
+    again.concepts.observe(scene)
+    again.concepts.label(scene.object_ids[row], scene.features[row], found.symbol, 6)
+    after = accuracy(again.concepts.predict_proba(features), labels, settings.symbols)
     assert found.gain == pytest.approx(after - before)
 
 

@@ -7,7 +7,6 @@ from dataclasses import dataclass
 
 import numpy as np
 import pytest
-from numpy.typing import NDArray
 from scipy.spatial.distance import cdist
 from scipy.special import expit
 from sklearn.gaussian_process import GaussianProcessClassifier
@@ -17,8 +16,7 @@ from al_questioner.concepts import ConceptModels
 from al_questioner.concepts.laplace.gaussian_process import find_modes, rbf_kernel
 from al_questioner.concepts.laplace.posterior import Marginals, Posterior, laplace_posterior
 from al_questioner.domain import NO_SYMBOL
-
-Array = NDArray[np.float64]
+from al_questioner.support.arrays import Array
 
 
 @dataclass(frozen=True)

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from al_questioner.concepts import ConceptModels, Kernel, Knowledge, select_features
+from al_questioner.concepts import ConceptLearner, ConceptModels, Kernel, select_features
 from al_questioner.domain import NO_SYMBOL, InputError, Outcome, QueryKind, QueryRecord, Scene, SceneError
 
 SYMBOLS = ('snack', 'fruit')
@@ -23,12 +23,12 @@ def scene():
 
 @pytest.fixture
 def taught(scene):
-    knowledge = Knowledge(SYMBOLS)
-    knowledge.observe(scene)
-    knowledge.label(0, scene.features[0], 'snack', turn=1)
-    knowledge.label(1, scene.features[1], 'fruit', turn=2)
-    knowledge.label(2, scene.features[2], NO_SYMBOL, turn=3)
-    return knowledge
+    concepts = ConceptLearner(SYMBOLS)
+    concepts.observe(scene)
+    concepts.label(0, scene.features[0], 'snack', turn=1)
+    concepts.label(1, scene.features[1], 'fruit', turn=2)
+    concepts.label(2, scene.features[2], NO_SYMBOL, turn=3)
+    return concepts
 
 
 def test_beliefs_are_those_of_models_on_standardised_features(taught, scene):
@@ -51,15 +51,15 @@ def test_told_groups_are_the_only_features_in_use(taught, scene):
 
 def test_same_view_counts_once_in_the_statistics(scene):
     """A scene that stays for ten turns is one observation of each object, not ten."""
-    once, often = Knowledge(SYMBOLS), Knowledge(SYMBOLS)
+    once, often = ConceptLearner(SYMBOLS), ConceptLearner(SYMBOLS)
     once.observe(scene)
     for _ in range(10):
         often.observe(scene)
     moved = scene_of(np.vstack([scene.features[:5], scene.features[5:] + 1]))
     once.observe(moved)
     often.observe(moved)
-    for knowledge in (once, often):
-        knowledge.label(0, scene.features[0], 'snack', 1)
+    for concepts in (once, often):
+        concepts.label(0, scene.features[0], 'snack', 1)
     np.testing.assert_array_equal(once.predict_proba(scene.features), often.predict_proba(scene.features))
     assert once.model_version == often.model_version == 3
 
@@ -68,14 +68,14 @@ def test_what_stays_beside_something_new_is_not_counted_again():
     """On a table where half of the things stay, the statistics would lean towards those that stay longest."""
     rng = np.random.default_rng(4)
     old, new = rng.normal(size=(6, 4)), rng.normal(loc=9, size=(2, 4))
-    gradually = Knowledge(SYMBOLS)
+    gradually = ConceptLearner(SYMBOLS)
     gradually.observe(scene_of(old))
     gradually.observe(scene_of(np.concatenate([old[:4], new]), object_ids=(0, 1, 2, 3, 6, 7)))
-    at_once = Knowledge(SYMBOLS)
+    at_once = ConceptLearner(SYMBOLS)
     at_once.observe(scene_of(np.concatenate([old, new])))
     probe = scene_of(rng.normal(size=(5, 4)))
-    for knowledge in (gradually, at_once):
-        knowledge.label(0, np.asarray(old[0], np.float32), SYMBOLS[0], 1)
+    for concepts in (gradually, at_once):
+        concepts.label(0, np.asarray(old[0], np.float32), SYMBOLS[0], 1)
     np.testing.assert_allclose(
         gradually.predict_proba(probe.features), at_once.predict_proba(probe.features), atol=1e-9
     )
@@ -83,11 +83,11 @@ def test_what_stays_beside_something_new_is_not_counted_again():
 
 def test_looking_at_the_models_leaves_no_trace(scene):
     """A learner that is watched must stay equal to one that is not, the version of its models included."""
-    plain, watched = Knowledge(SYMBOLS), Knowledge(SYMBOLS)
+    plain, watched = ConceptLearner(SYMBOLS), ConceptLearner(SYMBOLS)
     for turn in range(3):
-        for knowledge in (plain, watched):
-            knowledge.observe(scene)
-            knowledge.label(turn, scene.features[turn], 'snack', turn)
+        for concepts in (plain, watched):
+            concepts.observe(scene)
+            concepts.label(turn, scene.features[turn], 'snack', turn)
         watched.predict_proba(scene.features)
         watched.look_ahead(scene)
     assert plain.model_version == watched.model_version
@@ -100,14 +100,14 @@ def test_watched_and_unwatched_learners_agree_to_the_last_bit(selector):
     rng = np.random.default_rng(12)
     names = (*(f'colour_{i}' for i in range(8)), *(f'size_{i}' for i in range(4)))
     table = rng.normal(size=(7, 12))
-    plain, watched = (Knowledge((*SYMBOLS, 'drink'), amplitude=25.0, selector=selector) for _ in range(2))
+    plain, watched = (ConceptLearner((*SYMBOLS, 'drink'), amplitude=25.0, selector=selector) for _ in range(2))
 
-    def look(knowledge):
+    def look(concepts):
         return [
-            knowledge.predict_proba(now.features),
-            knowledge.look_ahead(now),
-            knowledge.predict_after_selection(now),
-            knowledge.predict_proba(now.features[:2]),
+            concepts.predict_proba(now.features),
+            concepts.look_ahead(now),
+            concepts.predict_after_selection(now),
+            concepts.predict_proba(now.features[:2]),
         ]
 
     for turn in range(24):
@@ -115,16 +115,16 @@ def test_watched_and_unwatched_learners_agree_to_the_last_bit(selector):
             table = table + rng.normal(size=table.shape) * (rng.random((7, 1)) < 0.5)
         now = scene_of(table, names=names)
         thing, symbol = int(rng.integers(7)), str(rng.choice([*SYMBOLS, 'drink', NO_SYMBOL]))
-        for knowledge in (plain, watched):
-            knowledge.observe(now)
-            if knowledge is watched:
-                look(knowledge)
+        for concepts in (plain, watched):
+            concepts.observe(now)
+            if concepts is watched:
+                look(concepts)
             if turn == 11:
-                knowledge.restrict_to_groups(('colour',))
+                concepts.restrict_to_groups(('colour',))
             else:
-                knowledge.label(thing, now.features[thing], symbol, turn)
-            if knowledge is watched and turn % 2:
-                look(knowledge)
+                concepts.label(thing, now.features[thing], symbol, turn)
+            if concepts is watched and turn % 2:
+                look(concepts)
         if turn % 8 == 7:
             for ours, theirs in zip(look(plain), look(watched), strict=True):
                 np.testing.assert_array_equal(ours, theirs)
@@ -155,11 +155,11 @@ def test_view_tolerance_forgives_the_noise_of_a_camera(scene):
     """Tolerances are in standard deviations of the features."""
     noisy = scene_of(scene.features + 0.05 * scene.features.std(axis=0))
     for tolerance, same in ((0.0, False), (0.2, True)):
-        knowledge = Knowledge(SYMBOLS, view_tolerance=tolerance)
-        knowledge.observe(scene)
-        knowledge.label(0, scene.features[0], 'snack', 1)
-        assert knowledge.is_labelled(noisy)[0] == same
-        assert knowledge.is_unchanged(scene, noisy) == same
+        concepts = ConceptLearner(SYMBOLS, view_tolerance=tolerance)
+        concepts.observe(scene)
+        concepts.label(0, scene.features[0], 'snack', 1)
+        assert concepts.is_labelled(noisy)[0] == same
+        assert concepts.is_unchanged(scene, noisy) == same
 
 
 def test_order_of_objects_is_no_change(taught, scene):
@@ -175,14 +175,14 @@ def test_computational_selection_follows_the_labels(scene):
     table = rng.normal(size=(8, 30))
     table[:, 7] = [0, 0, 0, 0, 9, 9, 9, 9]
     many = scene_of(table, names=names)
-    knowledge = Knowledge(SYMBOLS, selector=select_features)
-    knowledge.observe(many)
+    concepts = ConceptLearner(SYMBOLS, selector=select_features)
+    concepts.observe(many)
     for i, symbol in [(0, 'snack'), (4, 'fruit')]:
-        knowledge.label(i, many.features[i], symbol, 1)
-    assert knowledge.active_features.all()
-    knowledge.label(1, many.features[1], 'snack', 2)
-    assert knowledge.active_features[7]
-    assert knowledge.active_features.sum() < 15
+        concepts.label(i, many.features[i], symbol, 1)
+    assert concepts.active_features.all()
+    concepts.label(1, many.features[1], 'snack', 2)
+    assert concepts.active_features[7]
+    assert concepts.active_features.sum() < 15
 
 
 def test_distance_to_the_nearest_labelled_view(taught, scene):
@@ -191,7 +191,7 @@ def test_distance_to_the_nearest_labelled_view(taught, scene):
     height = scene.features[:, 2].astype(np.float64)
     expected = np.abs(height[:, None] - height[None, :3]).min(axis=1) / height.std()
     np.testing.assert_allclose(taught.distance_to_labelled(scene), expected, atol=1e-12)
-    empty = Knowledge(SYMBOLS)
+    empty = ConceptLearner(SYMBOLS)
     empty.observe(scene)
     assert (empty.distance_to_labelled(scene) == 0).all()
 
@@ -221,7 +221,7 @@ def test_what_cannot_be_told(taught, scene):
     with pytest.raises(InputError, match='no feature group'):
         taught.restrict_to_groups(())
     with pytest.raises(InputError, match='view_tolerance'):
-        Knowledge(SYMBOLS, view_tolerance=-1)
+        ConceptLearner(SYMBOLS, view_tolerance=-1)
 
 
 def test_tuned_kernel_is_that_of_the_labels_and_used_everywhere(taught, scene):
@@ -258,25 +258,25 @@ def test_events_after_tuning_keep_the_tuned_kernel_on_any_features():
     table[:, 7] = [0, 9, 0, 9, 0, 9, 0, 9]
     many = scene_of(table, names=tuple(f'{"colour" if i < 10 else "noise"}_{i}' for i in range(30)))
     labels = ['snack', 'fruit', 'snack', 'fruit', 'snack']
-    knowledge = Knowledge(SYMBOLS)
-    knowledge.observe(many)
+    concepts = ConceptLearner(SYMBOLS)
+    concepts.observe(many)
     for i, label in enumerate(labels):
         if i == 3:
-            assert knowledge.tune()
-        knowledge.label(i, many.features[i], label, i)
+            assert concepts.tune()
+        concepts.label(i, many.features[i], label, i)
     points = many.features.astype(np.float64)
     points = (points - points.mean(axis=0)) / points.std(axis=0)
-    kernel, chosen = knowledge.kernel, select_features(points[:5], labels)
+    kernel, chosen = concepts.kernel, select_features(points[:5], labels)
     assert 0 < chosen.sum() < 15
 
     def expected(features):
         models = ConceptModels(SYMBOLS, kernel.amplitude, kernel.length_scale * np.sqrt(features.shape[1] / 30))
         return models.fit(features[:5], labels).predict_proba(features)
 
-    np.testing.assert_allclose(knowledge.predict_proba(many.features), expected(points), atol=1e-8)
-    np.testing.assert_allclose(knowledge.predict_after_selection(many), expected(points[:, chosen]), atol=1e-8)
-    knowledge.restrict_to_groups(('colour',))
-    np.testing.assert_allclose(knowledge.predict_proba(many.features), expected(points[:, :10]), atol=1e-8)
+    np.testing.assert_allclose(concepts.predict_proba(many.features), expected(points), atol=1e-8)
+    np.testing.assert_allclose(concepts.predict_after_selection(many), expected(points[:, chosen]), atol=1e-8)
+    concepts.restrict_to_groups(('colour',))
+    np.testing.assert_allclose(concepts.predict_proba(many.features), expected(points[:, :10]), atol=1e-8)
 
 
 def test_tuning_again_without_news_changes_nothing(taught):
@@ -289,28 +289,28 @@ def test_tuning_again_without_news_changes_nothing(taught):
 
 def test_tuning_without_labels_keeps_the_configured_kernel(scene):
     """A robot that has been told nothing would change its mind."""
-    knowledge = Knowledge(SYMBOLS, 9.0, 5.0)
-    assert not knowledge.tune(), 'not even a scene'
-    knowledge.observe(scene)
-    assert not knowledge.tune()
-    assert (knowledge.kernel, knowledge.model_version) == (Kernel(9.0, 5.0), 1)
+    concepts = ConceptLearner(SYMBOLS, 9.0, 5.0)
+    assert not concepts.tune(), 'not even a scene'
+    concepts.observe(scene)
+    assert not concepts.tune()
+    assert (concepts.kernel, concepts.model_version) == (Kernel(9.0, 5.0), 1)
 
 
 def test_tuning_moves_from_the_length_scale_that_was_configured(scene):
     """A user's length scale would be forgotten at the first tuning."""
-    knowledge = Knowledge(SYMBOLS, 4.0, 40.0)
-    knowledge.observe(scene)
-    knowledge.label(0, scene.features[0], 'snack', 1)
-    knowledge.tune()
-    assert 20 <= knowledge.kernel.length_scale <= 80
+    concepts = ConceptLearner(SYMBOLS, 4.0, 40.0)
+    concepts.observe(scene)
+    concepts.label(0, scene.features[0], 'snack', 1)
+    concepts.tune()
+    assert 20 <= concepts.kernel.length_scale <= 80
 
 
 def test_labels_of_a_scene_at_once_are_labels_one_by_one(scene):
     """The ceiling that is told everything would know something else than a learner that asked for it."""
     said = {0: 'snack', 3: 'fruit', 5: NO_SYMBOL}
-    at_once, one_by_one = Knowledge(SYMBOLS), Knowledge(SYMBOLS)
-    for knowledge in (at_once, one_by_one):
-        knowledge.observe(scene)
+    at_once, one_by_one = ConceptLearner(SYMBOLS), ConceptLearner(SYMBOLS)
+    for concepts in (at_once, one_by_one):
+        concepts.observe(scene)
     at_once.label_scene(scene, said, turn=4)
     for object_id, symbol in said.items():
         one_by_one.label(object_id, scene.features[object_id], symbol, 4)
@@ -334,7 +334,7 @@ def test_predictions_after_labels_are_those_of_having_learnt_each(taught, scene)
     foreseen = taught.predict_after_each(scene.features[rows], symbols, scene.features)
     np.testing.assert_array_equal(taught.predict_proba(scene.features), before)
     for row, symbol, after in zip(rows, symbols, foreseen, strict=True):
-        oracle = Knowledge(SYMBOLS)
+        oracle = ConceptLearner(SYMBOLS)
         oracle.observe(scene)
         oracle.restrict_to_groups(('colour', 'size'))
         oracle.label_scene(scene, {0: 'snack', 1: 'fruit', 2: NO_SYMBOL}, 1)

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from al_questioner.concepts import ConceptModels
-from al_questioner.domain import EpisodeSettings, Scene, SceneError, SettingsError, generator
+from al_questioner.domain import EpisodeSettings, Scene, SceneError, SettingsError, random_stream
 from al_questioner.questioning import Episode
 from al_questioner.simulation import accuracy
 
@@ -72,9 +72,9 @@ def test_symbols_may_be_a_list_and_are_not_letters_of_a_word() -> None:
 
 def test_an_episode_and_its_models_take_lists() -> None:
     """Who has features in lists would have to know which function wants what."""
-    episode = Episode(EpisodeSettings(['cup', 'plate'], 4, 5, 'random_fsq'), generator(0, 'learner'))
+    episode = Episode(EpisodeSettings(['cup', 'plate'], 4, 5, 'random_fsq'), random_stream(0, 'learner'))
     assert episode.ask(Scene(**SCENE)).query is not None
-    assert episode.knowledge.predict_proba([[1, 2], [3, 4], [5, 6]]).shape == (3, 2)
+    assert episode.concepts.predict_proba([[1, 2], [3, 4], [5, 6]]).shape == (3, 2)
     models = ConceptModels(['cup', 'plate'])
     models.fit([[0, 1], [1, 0]], ['cup', 'plate'])
     assert models.look_ahead([[0, 1]]).shape == (1, 2, 1, 2)

@@ -4,10 +4,10 @@ from __future__ import annotations
 
 import pytest
 
-from al_questioner.simulation import PerceivedWorld, WorldChoice
+from al_questioner.simulation import PerceivedWorld, WorldSpec
 from durable_sessions import TASK
 
 
 @pytest.fixture(scope='session')
 def world() -> PerceivedWorld:
-    return PerceivedWorld(WorldChoice(TASK, 4, 4).open())
+    return PerceivedWorld(WorldSpec(TASK, 4, 4).open())

@@ -14,10 +14,18 @@ import pytest
 
 from al_questioner.domain import Answer, AnswerError, LateAnswerError, Outcome
 from al_questioner.event_log.durable_episode import DurableEpisode
-from al_questioner.event_log.events import Decided, Encoder, KeptLate, Refused, Seen, Told, Tuned
+from al_questioner.event_log.events import (
+    ActionChosen,
+    AnswerAccepted,
+    Encoder,
+    InputRejected,
+    KernelTuned,
+    LateAnswerKept,
+    SceneObserved,
+)
 from al_questioner.event_log.log import LogWriteError, SessionLog, SessionLogError
 from al_questioner.event_log.replay import Replay
-from al_questioner.questioning import Situation
+from al_questioner.questioning import TurnContext
 from al_questioner.questioning.strategies import human
 from al_questioner.simulation import PerceivedWorld, episode_settings
 from checkout import ROOT
@@ -62,7 +70,7 @@ def test_a_log_that_does_not_tell_what_was_known_is_gone_on_with(tmp_path: Path,
     replay, asked = Replay(of_demonstrations), []
     for event in events(tmp_path)[1:]:
         earlier = event
-        if isinstance(event, Decided) and event.query is not None:
+        if isinstance(event, ActionChosen) and event.query is not None:
             asked.append(event.query)
             earlier = dataclasses.replace(event, query=dataclasses.replace(event.query, known=None))
         replay.play(earlier)
@@ -85,7 +93,7 @@ def test_the_same_state_after_resuming(tmp_path: Path, world: PerceivedWorld) ->
         theirs.records,
     )
     scene = world.scene(1).features
-    np.testing.assert_array_equal(ours.knowledge.predict_proba(scene), theirs.knowledge.predict_proba(scene))
+    np.testing.assert_array_equal(ours.concepts.predict_proba(scene), theirs.concepts.predict_proba(scene))
     assert ours._rng.bit_generator.state == theirs._rng.bit_generator.state
     assert (resumed.seen.turn, resumed.seen.stamp, resumed.seen.frame_id) == (4, 4000, 'table')
     np.testing.assert_array_equal(session.decision.utilities, resumed.decision.utilities)
@@ -102,7 +110,7 @@ def test_an_answer_counts_once(tmp_path: Path, world: PerceivedWorld) -> None:
         session.close()
         session = started(tmp_path)
     assert len(session.episode.records) == 3
-    assert sum(isinstance(event, Told) for event in events(tmp_path)) == 3
+    assert sum(isinstance(event, AnswerAccepted) for event in events(tmp_path)) == 3
     session.close()
 
 
@@ -121,7 +129,7 @@ def test_a_late_answer_is_kept_with_its_own_question(tmp_path: Path, world: Perc
         session.close()
         session = started(tmp_path)
         pending = session.episode.pending
-    assert [event.answer for event in events(tmp_path) if isinstance(event, KeptLate)] == [late]
+    assert [event.answer for event in events(tmp_path) if isinstance(event, LateAnswerKept)] == [late]
     session.close()
 
 
@@ -136,7 +144,7 @@ def test_a_correction_is_kept_beside_what_it_corrects(tmp_path: Path, world: Per
     with pytest.raises(AnswerError, match="no answer 'c9' to query"):
         session.take(dataclasses.replace(undo, answer_id='c2', replaces='c9'))
     session.close()
-    told = [event.answer for event in events(tmp_path) if isinstance(event, Told)]
+    told = [event.answer for event in events(tmp_path) if isinstance(event, AnswerAccepted)]
     assert told == [*said, undo]
     resumed = started(tmp_path)
     assert resumed.episode.records == session.episode.records
@@ -150,7 +158,7 @@ def test_refused_texts_are_kept_once(tmp_path: Path, world: PerceivedWorld) -> N
     for _ in range(3):
         session.note_refused('x' * 5000, 'nonsense')
     session.close()
-    assert events(tmp_path)[1:] == [Refused('x' * 1000, 'nonsense')]
+    assert events(tmp_path)[1:] == [InputRejected('x' * 1000, 'nonsense')]
     started(tmp_path).close()
 
 
@@ -167,9 +175,9 @@ def test_a_flood_of_refused_texts_is_counted(
     for number in range(1012):
         session.note_refused(f'{number} again', 'nonsense')
     session.close()
-    refused = [event for event in events(tmp_path) if isinstance(event, Refused)]
+    refused = [event for event in events(tmp_path) if isinstance(event, InputRejected)]
     assert [event.text for event in refused[:10]] == list(map(str, range(10)))
-    assert refused[10] == Refused('', '990 more, too many to keep', 990)
+    assert refused[10] == InputRejected('', '990 more, too many to keep', 990)
     assert len(refused) == 22
     assert sum(event.count for event in refused) == 2012
 
@@ -181,7 +189,7 @@ def test_of_late_answers_to_one_query_so_many_are_kept(tmp_path: Path, world: Pe
     for number in range(120):
         with pytest.raises(LateAnswerError):
             session.take(dataclasses.replace(first, answer_id=f'late {number}'))
-    assert sum(isinstance(event, KeptLate) for event in events(tmp_path)) == 100
+    assert sum(isinstance(event, LateAnswerKept) for event in events(tmp_path)) == 100
     session.close()
 
 
@@ -192,9 +200,9 @@ def test_tuning_is_on_the_disk(tmp_path: Path, world: PerceivedWorld) -> None:
     session.close()
     resumed = started(tmp_path)
     assert not resumed.episode.tune_is_due
-    assert resumed.episode.knowledge.kernel == session.episode.knowledge.kernel
+    assert resumed.episode.concepts.kernel == session.episode.concepts.kernel
     resumed.close()
-    assert sum(isinstance(event, Tuned) for event in events(tmp_path)) == 1
+    assert sum(isinstance(event, KernelTuned) for event in events(tmp_path)) == 1
 
 
 @pytest.mark.parametrize(
@@ -259,7 +267,7 @@ def test_a_scene_without_its_decision_is_passed_over(tmp_path: Path, world: Perc
     play_turns(session, world, 1)
     session.close()
     with SessionLog(tmp_path) as log:
-        log.append(Encoder().encode(Seen(2, 2000, 'table', world.scene(2))))
+        log.append(Encoder().encode(SceneObserved(2, 2000, 'table', world.scene(2))))
     resumed = started(tmp_path)
     assert resumed.episode.turn == 1
     play_turns(resumed, world, 2)
@@ -275,9 +283,9 @@ def test_a_persons_choices_are_not_asked_for_again(
     """Whoever shows how to ask would have to show it all again after a crash."""
     asked = []
 
-    def person(situation: Situation) -> int:
-        asked.append(situation.turn)
-        return situation.turn % len(situation.candidates)
+    def person(context: TurnContext) -> int:
+        asked.append(context.turn)
+        return context.turn % len(context.candidates)
 
     monkeypatch.setattr(human, 'at_terminal', lambda: person)
     settings = dataclasses.replace(begun().settings, strategy='human')

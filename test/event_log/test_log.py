@@ -15,7 +15,17 @@ from hypothesis import strategies as st
 from hypothesis.extra import numpy as st_numpy
 
 from al_questioner.domain import Action, Answer, Costs, EpisodeSettings, Outcome, Query, QueryKind, Scene
-from al_questioner.event_log.events import Begun, Decided, Encoder, KeptLate, Refused, Seen, Told, Tuned, decoded
+from al_questioner.event_log.events import (
+    ActionChosen,
+    AnswerAccepted,
+    Encoder,
+    EpisodeStarted,
+    InputRejected,
+    KernelTuned,
+    LateAnswerKept,
+    SceneObserved,
+    decoded,
+)
 from al_questioner.event_log.log import (
     DATABASE,
     HEAD,
@@ -313,19 +323,21 @@ SETTINGS = st.builds(
     length_scale=st.none() | st.floats(0.1, 9),
 )
 EVENTS = st.one_of(
-    st.builds(Begun, NAMED, SETTINGS, st.integers(0, 2**63), AMOUNTS, st.none() | st.just({'task': 'x'}), WORDS),
     st.builds(
-        Seen,
+        EpisodeStarted, NAMED, SETTINGS, st.integers(0, 2**63), AMOUNTS, st.none() | st.just({'task': 'x'}), WORDS
+    ),
+    st.builds(
+        SceneObserved,
         st.integers(1, 99),
         st.integers(0, 2**62),
         WORDS,
         FLOATS.map(lambda table: Scene(tuple(range(len(table))), table[:, :3], table, ('a', 'b', 'c', 'd'))),
     ),
-    st.builds(Decided, st.integers(1, 99), st.builds(Action, st.sampled_from(QueryKind)), st.none() | QUERIES),
-    st.builds(Told, ANSWERS),
-    st.builds(KeptLate, ANSWERS, WORDS),
-    st.builds(Refused, WORDS, WORDS, st.integers(1, 10**9)),
-    st.builds(Tuned, st.integers(1, 99), st.integers(0, 99)),
+    st.builds(ActionChosen, st.integers(1, 99), st.builds(Action, st.sampled_from(QueryKind)), st.none() | QUERIES),
+    st.builds(AnswerAccepted, ANSWERS),
+    st.builds(LateAnswerKept, ANSWERS, WORDS),
+    st.builds(InputRejected, WORDS, WORDS, st.integers(1, 10**9)),
+    st.builds(KernelTuned, st.integers(1, 99), st.integers(0, 99)),
 )
 
 
@@ -343,8 +355,8 @@ def test_events_come_back_to_the_last_bit(tmp_path_factory: pytest.TempPathFacto
     assert fault is None
     assert len(found) == len(twice)
     for event, original in zip(found, twice, strict=True):
-        if isinstance(original, Seen):
-            assert isinstance(event, Seen)
+        if isinstance(original, SceneObserved):
+            assert isinstance(event, SceneObserved)
             assert event.scene.equals(original.scene)
             assert (event.turn, event.stamp, event.frame_id) == (original.turn, original.stamp, original.frame_id)
         else:
@@ -356,7 +368,7 @@ def test_a_scene_that_stays_is_stored_once(tmp_path: Path) -> None:
     table = np.ones((30, 60), dtype=np.float32)
     scene = Scene(tuple(range(30)), table[:, :3], table, tuple(f'f_{i}' for i in range(60)))
     encoder = Encoder()
-    first, second = (encoder.encode(Seen(turn, turn, 'table', scene))[1] for turn in (1, 2))
+    first, second = (encoder.encode(SceneObserved(turn, turn, 'table', scene))[1] for turn in (1, 2))
     assert len(second) < 100 < len(first)
 
 

@@ -8,7 +8,7 @@ from pathlib import Path
 import pytest
 
 from al_questioner.domain import Answer, Outcome, SettingsError
-from al_questioner.event_log.events import Begun, Passed, Told, Tuned
+from al_questioner.event_log.events import AnswerAccepted, EpisodeStarted, KernelTuned, TurnTimedOut
 from al_questioner.event_log.replay import Replay, ReplayError
 from al_questioner.simulation import PerceivedWorld
 from durable_sessions import ask, begun, events, play_turns, started
@@ -29,13 +29,13 @@ def test_a_log_that_leads_elsewhere_is_an_error(tmp_path: Path, world: Perceived
     with pytest.raises(ReplayError, match=r'turn \d: .* is chosen, .* was recorded'):
         play_all()
     first = found[0]
-    assert isinstance(first, Begun)
+    assert isinstance(first, EpisodeStarted)
     for odd, reason in ((first, 'another episode begins'), (found[2], 'not about the scene of the next turn')):
         with pytest.raises(ReplayError, match=reason):
             Replay(begun()).play(odd)
     for odd, reason in (
-        (Told(Answer('q1', 'a1', 'x', Outcome.SKIP)), 'turn 0: told: no query is pending'),
-        (Tuned(7, 3), 'recorded were version 3 and turn 7'),
+        (AnswerAccepted(Answer('q1', 'a1', 'x', Outcome.SKIP)), 'turn 0: answer: no query is pending'),
+        (KernelTuned(7, 3), 'recorded were version 3 and turn 7'),
     ):
         with pytest.raises(ReplayError, match=reason):
             Replay(begun()).play(odd)
@@ -54,4 +54,4 @@ def test_a_turn_that_passed_without_waiting_is_named(tmp_path: Path, world: Perc
     query = ask(session, world).query
     replay = Replay(session.begun)
     with pytest.raises(ReplayError, match='q1 does not wait for an answer'):
-        replay.play(Passed(1, query.query_id))
+        replay.play(TurnTimedOut(1, query.query_id))

@@ -9,17 +9,17 @@ from types import MappingProxyType
 import numpy as np
 import pytest
 
-from al_questioner.concepts import Knowledge
+from al_questioner.concepts import ConceptLearner
 from al_questioner.domain import Costs, InputError, Outcome, QueryKind, QueryRecord, Scene
 from al_questioner.experiments.ceilings import GreedyOracle, follow_all_labels
 from al_questioner.experiments.plan import Cell, Variation
 from al_questioner.experiments.playing import play_episode
-from al_questioner.questioning import Situation
+from al_questioner.questioning import TurnContext
 from al_questioner.simulation import (
     Evaluation,
     PerceivedWorld,
     ScriptedTeacher,
-    WorldChoice,
+    WorldSpec,
     accuracy,
     episode_settings,
     load_task,
@@ -48,18 +48,18 @@ class ToyWorld:
         return self.labels
 
 
-def situation(told: Mapping[int, str], spent: float = 2.0, **changes: object) -> Situation:
+def context(told: Mapping[int, str], spent: float = 2.0, **changes: object) -> TurnContext:
     scene = ToyWorld.scene_now
-    knowledge = Knowledge(SYMBOLS)
-    knowledge.observe(scene)
+    concepts = ConceptLearner(SYMBOLS)
+    concepts.observe(scene)
     for object_id, label in told.items():
-        knowledge.label(object_id, scene.features[object_id], label, 1)
+        concepts.label(object_id, scene.features[object_id], label, 1)
     asked = QueryRecord(1, QueryKind.FEATURE_SUBSET, None, None, 2.0, Outcome.UNKNOWN)
     values = {
-        'turn': 3, 'turns': 20, 'scene': scene, 'knowledge': knowledge, 'budget': 20.0, 'spent': spent,
+        'turn': 3, 'turns': 20, 'scene': scene, 'concepts': concepts, 'budget': 20.0, 'spent': spent,
         'costs': Costs(), 'change_interval': 5, 'non_query_turns': 0, 'scene_turn': 1, 'history': (asked,),
     }  # fmt: skip
-    return Situation(**{**values, **changes})
+    return TurnContext(**{**values, **changes})
 
 
 def test_the_oracle_takes_the_label_that_leads_to_the_highest_accuracy() -> None:
@@ -69,13 +69,13 @@ def test_the_oracle_takes_the_label_that_leads_to_the_highest_accuracy() -> None
     features, labels = ToyWorld.validation_set
     reached = {}
     for object_id in (1, 2, 3):
-        taught = situation({**told, object_id: ToyWorld.labels[object_id]}).knowledge
+        taught = context({**told, object_id: ToyWorld.labels[object_id]}).concepts
         q = taught.predict_proba(features)
         p = q / q.sum(axis=1, keepdims=True)
         true = [SYMBOLS.index(label) for label in labels]
         reached[object_id] = accuracy(q, labels, SYMBOLS), float(np.mean(np.log(p[range(4), true])))
     best = max(reached, key=reached.__getitem__)
-    now = situation(told)
+    now = context(told)
     choice = oracle.choose(now, np.random.default_rng(0))
     assert now.candidates[choice.index].object_id == best
 
@@ -83,12 +83,12 @@ def test_the_oracle_takes_the_label_that_leads_to_the_highest_accuracy() -> None
 def test_the_oracle_asks_no_view_twice_and_spreads_its_budget() -> None:
     """It would spend all on the first scenes and be no ceiling where the budget is short."""
     oracle = GreedyOracle(ToyWorld())
-    everything = situation(ToyWorld.labels)
+    everything = context(ToyWorld.labels)
     assert np.isnan(oracle.score(everything)).all()
     # Four scenes in twenty turns: five of twenty may be spent in the first.
-    assert not np.isnan(oracle.score(situation({}, spent=4.0))).all()
-    assert np.isnan(oracle.score(situation({}, spent=4.5))).all()
-    assert not np.isnan(oracle.score(situation({}, spent=4.5, turn=6))).all()
+    assert not np.isnan(oracle.score(context({}, spent=4.0))).all()
+    assert np.isnan(oracle.score(context({}, spent=4.5))).all()
+    assert not np.isnan(oracle.score(context({}, spent=4.5, turn=6))).all()
 
 
 def test_the_oracle_needs_a_second_draw(tmp_path) -> None:
@@ -105,24 +105,24 @@ def test_the_oracle_needs_a_second_draw(tmp_path) -> None:
 
 def test_all_labels_are_all_that_was_in_sight() -> None:
     """The ceiling would know too little, or what lies in the future."""
-    choice = WorldChoice(TASK, 3, 3)
+    choice = WorldSpec(TASK, 3, 3)
     settings = episode_settings(TASK, 'random_fsq', 25, 12)
     teacher = ScriptedTeacher(TASK.symbols, TASK.relevant_groups, 3)
     result = follow_all_labels(Evaluation(choice, settings), TASK, teacher)
     assert result.queries == ()
     assert len(set(result.accuracy[:10])) == 1
     world = PerceivedWorld(choice.open())
-    knowledge = Knowledge(TASK.symbols, settings.amplitude)
+    concepts = ConceptLearner(TASK.symbols, settings.amplitude)
     for turn in (1, 11):
         scene = world.scene(turn)
-        knowledge.observe(scene)
-        knowledge.restrict_to_groups(TASK.relevant_groups)
-        for object_id, labelled in zip(scene.object_ids, knowledge.is_labelled(scene), strict=True):
+        concepts.observe(scene)
+        concepts.restrict_to_groups(TASK.relevant_groups)
+        for object_id, labelled in zip(scene.object_ids, concepts.is_labelled(scene), strict=True):
             if not labelled:
                 row = scene.features[scene.index_of(object_id)]
-                knowledge.label(object_id, row, world.truth(turn)[object_id], turn)
+                concepts.label(object_id, row, world.truth(turn)[object_id], turn)
         features, labels = world.test_set
-        assert result.accuracy[turn - 1] == accuracy(knowledge.predict_proba(features), labels, TASK.symbols)
+        assert result.accuracy[turn - 1] == accuracy(concepts.predict_proba(features), labels, TASK.symbols)
 
 
 def test_the_oracle_keeps_to_budget_and_time() -> None:

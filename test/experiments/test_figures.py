@@ -5,7 +5,7 @@ import pytest
 from matplotlib import image as images
 
 from al_questioner.experiments.figures import accuracy_by_cost, draw_cost_curves
-from al_questioner.experiments.plan import CONTROLS, OWN, PAPER_STRATEGIES, Cell
+from al_questioner.experiments.plan import CONTROLS, PAPER_STRATEGIES, PROPOSED, Cell
 from al_questioner.experiments.results import EpisodeRow, Results, TurnRow
 
 
@@ -44,6 +44,6 @@ def test_the_picture_shows_all_who_ask(tmp_path):
 @pytest.mark.parametrize('budgets', [(25.0,), (25.0, 500.0)])
 def test_the_legend_is_whole(tmp_path, budgets):
     """The names of the strategies at its edges would be cut off: with one panel the picture is narrow."""
-    (path,) = draw_cost_curves(made(*PAPER_STRATEGIES, *OWN, *CONTROLS, budgets=budgets), tmp_path)
+    (path,) = draw_cost_curves(made(*PAPER_STRATEGIES, *PROPOSED, *CONTROLS, budgets=budgets), tmp_path)
     picture = images.imread(path)[..., :3]
     assert (picture[:, [0, 1, -2, -1]] == 1).all()

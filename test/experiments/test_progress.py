@@ -9,7 +9,7 @@ from rich.console import Console
 
 from al_questioner.experiments.plan import Cell
 from al_questioner.experiments.playing import Played
-from al_questioner.experiments.progress import Progress
+from al_questioner.experiments.progress import ExperimentProgress
 
 
 @pytest.mark.parametrize(('before', 'to_play', 'lines'), [(0, 200, 9), (500, 25, 9), (3, 2, 1), (4, 0, 0)])
@@ -17,7 +17,7 @@ def test_a_plain_line_now_and_then(before: int, to_play: int, lines: int) -> Non
     """A log would stay empty for hours, or fill with a line for each episode."""
     file = io.StringIO()
     cells = [Cell('prepare_lunch', 3, 4, 'random_fsq', sample) for sample in range(to_play)]
-    with Progress(Console(file=file), before + to_play) as progress:
+    with ExperimentProgress(Console(file=file), before + to_play) as progress:
         progress.begin(cells)
         for cell in cells:
             progress.watch(Played(cell, {}, (), seconds=1.0))

@@ -15,7 +15,7 @@ from al_questioner.experiments.results import EpisodeRow, Results, TurnRow
 from al_questioner.experiments.studies import Study
 from al_questioner.questioning import Weights
 
-OURS = [0.70, 0.71, 0.72, 0.73, 0.74, 0.75]
+PAPER_METHOD = [0.70, 0.71, 0.72, 0.73, 0.74, 0.75]
 BETTER = [0.80, 0.81, 0.82, 0.83, 0.84, 0.85]
 WORSE = [0.50, 0.51, 0.52, 0.53, 0.54, 0.55]
 
@@ -38,9 +38,9 @@ def page_of(results: Results, **members: object) -> str:
 
 def test_the_first_paragraph_says_where_a_control_is_better() -> None:
     """The one thing that a reader must not miss would be missing, or be about the wrong strategy."""
-    controls = {'random_fsq': WORSE, 'farthest_fsq': BETTER, 'u_sampling_fsq': [value + 0.01 for value in OURS]}
-    page = page_of(made({'dt_task_env': OURS, 'dt_iros': BETTER, 'dt_task': WORSE, **controls}))
-    p = mannwhitneyu(BETTER, OURS, alternative='greater').pvalue
+    controls = {'random_fsq': WORSE, 'farthest_fsq': BETTER, 'u_sampling_fsq': [value + 0.01 for value in PAPER_METHOD]}
+    page = page_of(made({'dt_task_env': PAPER_METHOD, 'dt_iros': BETTER, 'dt_task': WORSE, **controls}))
+    p = mannwhitneyu(BETTER, PAPER_METHOD, alternative='greater').pvalue
     assert 'in 1 of 1 cell' in page
     assert f'farthest_fsq 0.825, dt_task_env 0.725 (p = {3 * p:.3f})' in page
     assert 'Other strategies of the paper are more accurate' in page
@@ -49,43 +49,43 @@ def test_the_first_paragraph_says_where_a_control_is_better() -> None:
 
 def test_the_first_paragraph_says_where_none_is() -> None:
     """The paper's method would be said to lose where it wins."""
-    page = page_of(made({'dt_task_env': OURS, 'random_fsq': WORSE}))
+    page = page_of(made({'dt_task_env': PAPER_METHOD, 'random_fsq': WORSE}))
     assert 'In the only cell no control is more accurate, in the mean, than dt_task_env.' in page
     assert 'Other strategies' not in page
 
 
 def test_the_first_paragraph_says_what_was_not_compared() -> None:
     """The page would say that no control was played although controls were, and their accuracies stand below."""
-    assert 'No control was played beside dt_task_env.' in page_of(made({'dt_task_env': OURS}))
+    assert 'No control was played beside dt_task_env.' in page_of(made({'dt_task_env': PAPER_METHOD}))
     controls = page_of(made({'random_fsq': WORSE, 'rarest_demo': BETTER}))
     assert 'Controls were played, but dt_task_env, the method of the paper, was not.' in controls
     assert 'No control was played' not in controls
-    assert 'No control was played, and dt_task_env' in page_of(made({'value_per_cost': OURS}))
+    assert 'No control was played, and dt_task_env' in page_of(made({'value_per_cost': PAPER_METHOD}))
 
 
 def test_means_deviations_and_tests_are_those_of_the_tables() -> None:
     """The numbers that people quote would be wrong."""
-    page = page_of(made({'dt_task_env': OURS, 'random_fsq': WORSE}))
+    page = page_of(made({'dt_task_env': PAPER_METHOD, 'random_fsq': WORSE}))
     assert f'| `random_fsq` | {np.mean(WORSE):.3f} ± {np.std(WORSE, ddof=1):.3f} (3) |' in page
-    p = mannwhitneyu(OURS, WORSE, alternative='greater').pvalue
+    p = mannwhitneyu(PAPER_METHOD, WORSE, alternative='greater').pvalue
     assert f'| `random_fsq` | +0.200 | {p:.4f} | {p:.4f} | 1.00 [1.00, 1.00] |' in page
 
 
 def test_only_a_page_with_the_papers_method_is_called_a_reproduction() -> None:
     """A comparison of other strategies would pass for a reproduction of the paper."""
-    assert page_of(made({'dt_task_env': OURS, 'random_fsq': WORSE})).startswith('# Reproduction\n')
-    others = page_of(made({'value_per_cost': OURS, 'dt_iros': WORSE}))
+    assert page_of(made({'dt_task_env': PAPER_METHOD, 'random_fsq': WORSE})).startswith('# Reproduction\n')
+    others = page_of(made({'value_per_cost': PAPER_METHOD, 'dt_iros': WORSE}))
     assert others.startswith('# Comparison of questioning strategies\n')
     assert 'Reproduction' not in others
 
 
 def test_few_samples_give_no_interval() -> None:
     """Two samples would be printed as certainty."""
-    page = page_of(made({'dt_task_env': OURS[:2], 'random_fsq': WORSE[:2]}))
+    page = page_of(made({'dt_task_env': PAPER_METHOD[:2], 'random_fsq': WORSE[:2]}))
     assert '| 1.00 |' in page
     assert '[1.00, 1.00]' not in page
     assert 'fewer than 5 samples cannot tell' in page
-    assert 'cannot tell' not in page_of(made({'dt_task_env': OURS, 'random_fsq': WORSE}))
+    assert 'cannot tell' not in page_of(made({'dt_task_env': PAPER_METHOD, 'random_fsq': WORSE}))
 
 
 def test_what_was_not_played_has_no_section() -> None:
@@ -100,7 +100,7 @@ def test_what_was_not_played_has_no_section() -> None:
 def test_variations_and_weights_are_told() -> None:
     """A page about erring teachers would pass for one about the paper."""
     weights = {'dt_iros': Weights({'discriminability': 0.9}, 'Set by somebody.')}
-    results = made({'dt_task_env': OURS})
+    results = made({'dt_task_env': PAPER_METHOD})
     page = report(Page('c', results, {'kitchen_table': 5}, (), weights, varied='share of wrong answers 0.1'), Path())
     assert '**Varied throughout: share of wrong answers 0.1.**' in page
     assert '| `dt_iros` | 0.900 |' in page
@@ -115,7 +115,7 @@ def test_a_study_shows_the_comparison_only_if_it_has_it(own: bool) -> None:
     )
     study = Study('s', 'A study', 'About it.', 'as it is', {'otherwise': plan})
     found = {'otherwise': made({'u_sampling': WORSE[:2]})}
-    comparison = made({'dt_task_env': OURS, **({'u_sampling': BETTER} if own else {})})
+    comparison = made({'dt_task_env': PAPER_METHOD, **({'u_sampling': BETTER} if own else {})})
     page = page_of(comparison, studies=[(study, found)])
     assert '| otherwise | 0.505 ± 0.007 (3) |' in page
     assert ('| as it is | 0.805 ± 0.007 (3) |' in page) == own

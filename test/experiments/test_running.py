@@ -20,7 +20,7 @@ from al_questioner.experiments.playing import Played, play_cells, play_episode
 from al_questioner.experiments.results import read_results
 from al_questioner.experiments.running import run
 from al_questioner.experiments.storing import Store
-from al_questioner.simulation import ScriptedTeacher, WorldChoice, episode_settings, load_task, run_episode
+from al_questioner.simulation import ScriptedTeacher, WorldSpec, episode_settings, load_task, run_episode
 from al_questioner.support.configuration import config_dir
 
 PLAN = Plan(('prepare_lunch',), (Condition(3, 4), Condition(2, 6)), ('random_fsq', 'dt_task_env'), (0, 1))
@@ -59,7 +59,7 @@ def test_a_cell_is_the_episode_that_anybody_plays(reference) -> None:
         cell, sample = row.cell, row.cell.sample
         teacher = ScriptedTeacher(task.symbols, task.relevant_groups, sample)
         settings = episode_settings(task, cell.strategy, cell.budget, cell.turns)
-        result = run_episode(WorldChoice(task, sample, sample), settings, teacher)
+        result = run_episode(WorldSpec(task, sample, sample), settings, teacher)
         assert row.final_accuracy == result.final_accuracy
         assert row.queries == len(result.queries)
         assert row.spent == result.spent

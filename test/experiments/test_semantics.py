@@ -16,7 +16,7 @@ from al_questioner.questioning import STRATEGIES
 from al_questioner.simulation import (
     PerceivedWorld,
     ScriptedTeacher,
-    WorldChoice,
+    WorldSpec,
     episode_settings,
     load_task,
     run_episode,
@@ -37,7 +37,7 @@ def digest_of_queries() -> str:
         settings = episode_settings(task, strategy, 8.0, 12)
         teacher = ScriptedTeacher(task.symbols, made_up.relevant_groups, 5)
         world = PerceivedWorld(made_up, made_up_scene)
-        result = run_episode(WorldChoice(task, 5, 5), settings, teacher, world=world)
+        result = run_episode(WorldSpec(task, 5, 5), settings, teacher, world=world)
         asked = [(q.turn, q.kind.value, q.object_id, q.symbol, q.cost) for q in result.queries]
         found.append((strategy, asked, [round(accuracy, 9) for accuracy in result.accuracy]))
     return hashlib.sha256(repr(found).encode()).hexdigest()[:16]

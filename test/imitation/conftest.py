@@ -6,7 +6,7 @@ from scipy.special import softmax
 
 from al_questioner.domain import Action, EpisodeSettings, QueryKind
 from al_questioner.imitation.demonstration import Demonstration, Step, demonstrate
-from al_questioner.simulation import ScriptedTeacher, WorldChoice, episode_settings, load_task
+from al_questioner.simulation import ScriptedTeacher, WorldSpec, episode_settings, load_task
 
 ACTIONS = (
     Action(QueryKind.DEMONSTRATION, symbol='snack'),
@@ -34,9 +34,7 @@ def expert(seed, budget=6.0, turns=10):
     """A short demonstration of the scripted expert."""
     task = load_task('prepare_lunch')
     settings = episode_settings(task, 'expert', budget, turns, change_interval=5)
-    return demonstrate(
-        WorldChoice(task, seed, seed), settings, ScriptedTeacher(task.symbols, task.relevant_groups, seed)
-    )
+    return demonstrate(WorldSpec(task, seed, seed), settings, ScriptedTeacher(task.symbols, task.relevant_groups, seed))
 
 
 @pytest.fixture(scope='session')

@@ -174,14 +174,14 @@ def test_settled_questions_are_not_drawn():
     from al_questioner.simulation import (
         PerceivedWorld,
         ScriptedTeacher,
-        WorldChoice,
+        WorldSpec,
         episode_settings,
         load_task,
         turns,
     )
 
     task = load_task('prepare_lunch')
-    choice = WorldChoice(task, 0, 0)
+    choice = WorldSpec(task, 0, 0)
     settings = episode_settings(task, 'dt_task_env', 20, 8)
     likes_spending = SoftmaxQuestioner(np.array([0, 0, 0, 0, 200.0, 0, 0]), FEATURE_SETS['dt_task_env'])
     episode = Episode(settings, np.random.default_rng(0), strategy=likes_spending)
@@ -198,7 +198,7 @@ def test_what_is_worthless_to_the_strategy_is_not_drawn():
     from al_questioner.simulation import (
         PerceivedWorld,
         ScriptedTeacher,
-        WorldChoice,
+        WorldSpec,
         episode_settings,
         load_task,
         turns,
@@ -209,7 +209,7 @@ def test_what_is_worthless_to_the_strategy_is_not_drawn():
     # Indifferent, but for silence: without scene changes, things that are labelled would soon be asked about again.
     draws = SoftmaxQuestioner(np.array([0, 0, 0, 0, -50.0]), FEATURE_SETS['value_per_cost'])
     episode = Episode(settings, np.random.default_rng(0), strategy=draws)
-    world = PerceivedWorld(WorldChoice(task, 0, 0).open())
+    world = PerceivedWorld(WorldSpec(task, 0, 0).open())
     teacher = ScriptedTeacher(task.symbols, task.relevant_groups, 0)
     asked = set()
     for _, record in turns(episode, world, teacher):

@@ -12,7 +12,7 @@ from al_questioner.imitation.demonstration import UnknownWorld, demonstrate
 from al_questioner.imitation.settings import MatchingSettings, TrainingSettings
 from al_questioner.imitation.training import check_alike, expected_gap, train, validation_text, weights_document
 from al_questioner.questioning import FEATURE_SETS, make_strategy, read_weights
-from al_questioner.simulation import ScriptedTeacher, WorldChoice, episode_settings, load_task
+from al_questioner.simulation import ScriptedTeacher, WorldSpec, episode_settings, load_task
 
 QUICK = MatchingSettings(iterations=3, rollouts=2)
 BAGS = [{'name': 'a', 'sha256': '00'}, {'name': 'b', 'sha256': '11'}]
@@ -111,7 +111,7 @@ def test_our_own_questioner_learns_from_the_same_expert(tmp_path, method):
     task, feature_set = load_task('prepare_lunch'), FEATURE_SETS['value_per_cost']
     settings = episode_settings(task, 'expert', 6.0, 10, change_interval=5)
     teacher = ScriptedTeacher(task.symbols, task.relevant_groups, 0)
-    shown = [demonstrate(WorldChoice(task, 0, 0), settings, teacher, feature_set=feature_set)]
+    shown = [demonstrate(WorldSpec(task, 0, 0), settings, teacher, feature_set=feature_set)]
     assert shown[0].steps[0].features.shape[1] == len(VALUE_FEATURES)
     training = train(shown, TrainingSettings(method, 0, matching=QUICK))
     path = tmp_path / 'w.yaml'

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from al_questioner.domain import NO_SYMBOL, Answer, EpisodeSettings, Outcome, QueryKind, Scene, generator
+from al_questioner.domain import NO_SYMBOL, Answer, EpisodeSettings, Outcome, QueryKind, Scene, random_stream
 
 SYMBOLS = ('main_dish', 'snack', 'fruit')
 NAMES = ('colour_red', 'colour_green', 'size_height', 'noise_max', 'noise_min')
@@ -31,7 +31,7 @@ class ToyWorld:
     """Random scenes of things of a symbol or of none, which change now and then, and a teacher who knows them."""
 
     def __init__(self, seed, n_objects=6, change_interval=4, unknown_rate=0.0):
-        self.rng = generator(seed, 'toy')
+        self.rng = random_stream(seed, 'toy')
         self.n_objects, self.change_interval, self.unknown_rate = n_objects, change_interval, unknown_rate
         self.scenes = 0
         self.truth = {}

@@ -3,9 +3,9 @@
 import numpy as np
 import pytest
 
-from al_questioner.concepts import Knowledge
+from al_questioner.concepts import ConceptLearner
 from al_questioner.domain import NO_SYMBOL, Costs, Outcome, QueryKind, QueryRecord
-from al_questioner.questioning import Situation
+from al_questioner.questioning import TurnContext
 from al_questioner.questioning.beliefs import class_beliefs, class_shares, with_labels
 
 REACH, DOUBT = 0.5, 0.1
@@ -19,37 +19,37 @@ def shown(symbol, object_id, turn=2, outcome=Outcome.ANSWERED):
     return QueryRecord(turn, QueryKind.DEMONSTRATION, object_id, symbol, 2.0, outcome)
 
 
-def situation_of(toy, labels=(), table=None, history=(), scene_turn=1):
+def context_of(toy, labels=(), table=None, history=(), scene_turn=1):
     """Six objects, of which the first ones were labelled so."""
     scene = toy.scene(np.random.default_rng(3).normal(size=(6, 5)) if table is None else table)
-    knowledge = Knowledge(toy.symbols)
-    knowledge.observe(scene)
+    concepts = ConceptLearner(toy.symbols)
+    concepts.observe(scene)
     for row, label in enumerate(labels):
-        knowledge.label(scene.object_ids[row], scene.features[row], label, 1)
-    return Situation(
-        turn=3, turns=40, scene=scene, knowledge=knowledge, budget=20.0, spent=2.0, costs=Costs(), change_interval=5,
+        concepts.label(scene.object_ids[row], scene.features[row], label, 1)
+    return TurnContext(
+        turn=3, turns=40, scene=scene, concepts=concepts, budget=20.0, spent=2.0, costs=Costs(), change_interval=5,
         non_query_turns=0, scene_turn=scene_turn, history=tuple(history),
     )  # fmt: skip
 
 
 def test_shares_by_hand(toy):
     """Jeffreys: half an answer each for none and for the symbols; demonstrations say nothing of what lies around."""
-    assert class_shares(situation_of(toy)) == pytest.approx([1 / 6, 1 / 6, 1 / 6, 1 / 2])
+    assert class_shares(context_of(toy)) == pytest.approx([1 / 6, 1 / 6, 1 / 6, 1 / 2])
     answers = [named(NO_SYMBOL), named(NO_SYMBOL), named('fruit'), named(None, Outcome.UNKNOWN), shown('snack', 4)]
-    assert class_shares(situation_of(toy, history=answers)) == pytest.approx([0.125, 0.125, 0.125, 0.625])
+    assert class_shares(context_of(toy, history=answers)) == pytest.approx([0.125, 0.125, 0.125, 0.625])
 
 
 def test_beliefs_before_any_label_are_the_shares(toy):
-    situation = situation_of(toy)
-    assert class_beliefs(situation, REACH, DOUBT) == pytest.approx(np.tile(class_shares(situation), (6, 1)))
+    context = context_of(toy)
+    assert class_beliefs(context, REACH, DOUBT) == pytest.approx(np.tile(class_shares(context), (6, 1)))
 
 
 def test_beliefs_are_the_formula_written_out(toy):
     labels = ['snack', NO_SYMBOL, 'fruit', 'snack']
-    situation = situation_of(toy, labels, history=[named(label) for label in labels])
-    points = situation.knowledge._standardiser.transform(situation.scene.features)
-    share = dict(zip((*toy.symbols, NO_SYMBOL), class_shares(situation), strict=True))
-    found = class_beliefs(situation, REACH, DOUBT)
+    context = context_of(toy, labels, history=[named(label) for label in labels])
+    points = context.concepts._standardiser.transform(context.scene.features)
+    share = dict(zip((*toy.symbols, NO_SYMBOL), class_shares(context), strict=True))
+    found = class_beliefs(context, REACH, DOUBT)
     for row in range(6):
         votes = {}
         for name in (*toy.symbols, NO_SYMBOL):
@@ -62,7 +62,7 @@ def test_beliefs_are_the_formula_written_out(toy):
 def test_a_label_tells_of_what_is_near_and_not_of_what_is_far(toy):
     table = np.zeros((6, 5))
     table[:, 2] = [0, 0.01, 9, 10, 11, 12]
-    beliefs = class_beliefs(situation_of(toy, ['snack'], table, [named('snack')]), 0.05, DOUBT)
+    beliefs = class_beliefs(context_of(toy, ['snack'], table, [named('snack')]), 0.05, DOUBT)
     snack = toy.symbols.index('snack')
     assert beliefs[1, snack] > 0.9
     assert beliefs[5] == pytest.approx([0.25] * 4, abs=1e-6)
@@ -71,24 +71,24 @@ def test_a_label_tells_of_what_is_near_and_not_of_what_is_far(toy):
 def test_what_was_asked_for_in_vain_is_not_here_until_the_scene_changes(toy):
     """A demonstration that cannot be had would be asked for again, and what could be one would be asked about."""
     in_vain = shown('fruit', None, turn=2)
-    here = situation_of(toy, ['snack'], history=[in_vain])
+    here = context_of(toy, ['snack'], history=[in_vain])
     assert here.absent_symbols == {'fruit'}
     beliefs = class_beliefs(here, REACH, DOUBT)
     assert (beliefs[:, toy.symbols.index('fruit')] == 0).all()
     assert beliefs.sum(axis=1) == pytest.approx(np.ones(6))
     for other in (
-        situation_of(toy, history=[in_vain], scene_turn=3),
-        situation_of(toy, history=[shown('fruit', 4)]),
-        situation_of(toy, history=[shown('fruit', None, outcome=Outcome.SKIP)]),
-        situation_of(toy, history=[named(NO_SYMBOL)]),
+        context_of(toy, history=[in_vain], scene_turn=3),
+        context_of(toy, history=[shown('fruit', 4)]),
+        context_of(toy, history=[shown('fruit', None, outcome=Outcome.SKIP)]),
+        context_of(toy, history=[named(NO_SYMBOL)]),
     ):
         assert other.absent_symbols == set()
 
 
 def test_what_was_labelled_is_certain(toy):
-    situation = situation_of(toy, ['snack', NO_SYMBOL])
-    beliefs = class_beliefs(situation, REACH, DOUBT)
-    known = with_labels(situation, beliefs)
+    context = context_of(toy, ['snack', NO_SYMBOL])
+    beliefs = class_beliefs(context, REACH, DOUBT)
+    known = with_labels(context, beliefs)
     assert known[0].tolist() == [float(symbol == 'snack') for symbol in toy.symbols]
     assert known[1].tolist() == [0.0] * 3
     np.testing.assert_array_equal(known[2:], beliefs[2:, :-1])
@@ -96,12 +96,12 @@ def test_what_was_labelled_is_certain(toy):
 
 def test_a_scenes_first_turn_belongs_to_it(toy):
     """The commonest failure, at once after a change, would be forgotten."""
-    assert situation_of(toy, history=[shown('fruit', None, turn=2)], scene_turn=2).absent_symbols == {'fruit'}
+    assert context_of(toy, history=[shown('fruit', None, turn=2)], scene_turn=2).absent_symbols == {'fruit'}
 
 
 def test_beliefs_are_left_as_they_are(toy):
-    situation = situation_of(toy, ['snack'])
-    beliefs = class_beliefs(situation, REACH, DOUBT)
+    context = context_of(toy, ['snack'])
+    beliefs = class_beliefs(context, REACH, DOUBT)
     before = beliefs.copy()
-    with_labels(situation, beliefs)
+    with_labels(context, beliefs)
     np.testing.assert_array_equal(beliefs, before)

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from al_questioner.domain import NO_SYMBOL, Action, Costs, QueryKind, generator
+from al_questioner.domain import NO_SYMBOL, Action, Costs, QueryKind, random_stream
 from al_questioner.questioning import Episode
 from al_questioner.questioning.candidates import candidates, choices, question_text
 
@@ -73,11 +73,11 @@ STRATEGIES = ('dt_iros', 'dt_task', 'dt_task_env', 'rarest_demo', 'value_per_cos
 @pytest.mark.parametrize('strategy', STRATEGIES)
 def test_a_question_whose_one_answer_is_known_is_not_put(toy, strategy):
     """The only thing in view would be named again and again, and shown for what it was named."""
-    episode = Episode(toy.settings(strategy, budget=50.0), generator(0, 'learner'))
+    episode = Episode(toy.settings(strategy, budget=50.0), random_stream(0, 'learner'))
     scene = toy.scene(np.zeros((1, 5)), object_ids=(4,))
     named_in = 0
     for turn in range(10):
-        is_named = turn > 0 and episode.knowledge.is_labelled(scene).all()
+        is_named = turn > 0 and episode.concepts.is_labelled(scene).all()
         named_in += is_named
         query = episode.ask(scene).query
         if query is None:

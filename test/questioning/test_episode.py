@@ -17,9 +17,9 @@ from al_questioner.domain import (
     QueryKind,
     SceneError,
     SettingsError,
-    generator,
+    random_stream,
 )
-from al_questioner.questioning import STRATEGIES, Episode, new_knowledge
+from al_questioner.questioning import STRATEGIES, Episode, new_concept_learner
 from al_questioner.questioning import episode as episode_module
 from al_questioner.questioning.strategies.choice import Choice
 from checkout import ROOT
@@ -31,7 +31,7 @@ AUTOMATIC = [name for name in STRATEGIES if name != 'human']
 def play(toy, strategy, seed=0, world=None, watch=None, **settings):
     """A whole episode in a toy world: the episode and its decisions."""
     world = world or toy.world(seed)
-    episode = Episode(toy.settings(strategy, **settings), generator(seed, 'strategy'))
+    episode = Episode(toy.settings(strategy, **settings), random_stream(seed, 'strategy'))
     decisions = []
     while not episode.done:
         scene = world.scene(episode.turn + 1)
@@ -51,13 +51,13 @@ def scripted(toy, monkeypatch):
     class Scripted:
         selector = None
 
-        def choose(self, situation, rng):
-            rows = [row for row, action in enumerate(situation.candidates) if action == self.wanted]
-            return Choice(rows[0], np.zeros(len(situation.candidates)))
+        def choose(self, context, rng):
+            rows = [row for row, action in enumerate(context.candidates) if action == self.wanted]
+            return Choice(rows[0], np.zeros(len(context.candidates)))
 
     strategy = Scripted()
     monkeypatch.setattr(episode_module, 'make_strategy', lambda name, weights: strategy)
-    episode = Episode(toy.settings('u_sampling'), generator(0, 'strategy'))
+    episode = Episode(toy.settings('u_sampling'), random_stream(0, 'strategy'))
     scene = toy.scene(np.random.default_rng(0).normal(size=(4, 5)), object_ids=(10, 11, 12, 13))
 
     def ask(action, seen=scene):
@@ -122,7 +122,7 @@ def test_controls_never_repeat_themselves(toy, strategy, seed):
         scenes[decision.turn] = scene.object_ids
         action = decision.candidates[decision.chosen]
         if action.kind is QueryKind.LABEL:
-            assert not episode.knowledge.is_labelled(scene)[scene.index_of(action.object_id)]
+            assert not episode.concepts.is_labelled(scene)[scene.index_of(action.object_id)]
         if action.kind is QueryKind.DEMONSTRATION:
             assert (scene.object_ids, action.symbol) not in refused
         refused.update((scenes[r.turn], r.symbol) for r in episode.records if r.object_id is None)
@@ -135,10 +135,10 @@ def test_same_seed_same_queries_in_another_process(toy):
     """Hash randomisation and iteration order must not reach a decision."""
     program = (
         'import sys; sys.path.insert(0, sys.argv[1]); import conftest as toy\n'
-        'from al_questioner.domain import generator; from al_questioner.questioning import STRATEGIES, Episode\n'
+        'from al_questioner.domain import random_stream; from al_questioner.questioning import STRATEGIES, Episode\n'
         'for name in STRATEGIES:\n'
         '    if name == "human": continue\n'
-        '    world = toy.ToyWorld(3); episode = Episode(toy.make_settings(name), generator(3, "strategy"))\n'
+        '    world = toy.ToyWorld(3); episode = Episode(toy.make_settings(name), random_stream(3, "strategy"))\n'
         '    while not episode.done:\n'
         '        query = episode.ask(world.scene(episode.turn + 1)).query\n'
         '        if query: episode.tell(world.answer(query))\n'
@@ -173,7 +173,7 @@ def test_single_object_scene(toy):
 def test_a_scene_without_things_is_a_scene(toy, strategy, first):
     """An empty table, at the start or later, would end the episode, or be asked about at a price."""
     nothing, full = toy.scene(np.empty((0, 5))), toy.world(0, change_interval=1)
-    episode = Episode(toy.settings(strategy, budget=40.0), generator(0, 'strategy'))
+    episode = Episode(toy.settings(strategy, budget=40.0), random_stream(0, 'strategy'))
     kinds = set()
     for turn in range(1, 21):
         is_empty = (turn % 4 < 2) == (first == 'empty')
@@ -182,8 +182,8 @@ def test_a_scene_without_things_is_a_scene(toy, strategy, first):
         if is_empty:
             assert {action.kind for action in decision.candidates} <= {SUBSET.kind, NOTHING.kind}
             assert decision.features.shape == (len(decision.candidates), 7)
-        assert episode.knowledge.kernel.length_scale > 0
-        assert len(episode.knowledge.active_features) == 5
+        assert episode.concepts.kernel.length_scale > 0
+        assert len(episode.concepts.active_features) == 5
         if decision.query:
             kinds.add(decision.query.action.kind)
             episode.tell(full.answer(decision.query))
@@ -211,7 +211,7 @@ def test_what_waits_is_withdrawn_when_nothing_is_in_view_any_more(scripted, toy,
     """Nobody could answer a question about what has gone."""
     episode, _, ask = scripted
     query = ask(action)
-    episode.let_pass()
+    episode.time_out()
     again = ask(NOTHING, toy.scene(np.empty((0, 5))))
     assert again is None
     assert episode.pending is None
@@ -234,15 +234,15 @@ def test_label_is_learnt(scripted, toy):
         QueryKind.LABEL, 11, 'snack', Outcome.ANSWERED,
     )  # fmt: skip
     assert episode.positives == {'main_dish': 0, 'snack': 1, 'fruit': 0}
-    assert episode.knowledge.predict_proba(scene.features)[1].argmax() == 1
+    assert episode.concepts.predict_proba(scene.features)[1].argmax() == 1
 
 
 def test_label_none_is_learnt_as_clutter(scripted, toy):
     episode, scene, ask = scripted
     assert episode.tell(toy.reply(ask(LABEL), NO_SYMBOL)).symbol == NO_SYMBOL
-    assert episode.knowledge.is_labelled(scene).tolist() == [False, True, False, False]
+    assert episode.concepts.is_labelled(scene).tolist() == [False, True, False, False]
     assert sum(episode.positives.values()) == 0
-    assert (episode.knowledge.predict_proba(scene.features)[1] < 0.5).all()
+    assert (episode.concepts.predict_proba(scene.features)[1] < 0.5).all()
 
 
 def test_demonstration_is_learnt(scripted, toy):
@@ -251,7 +251,7 @@ def test_demonstration_is_learnt(scripted, toy):
     assert query.choices == ('10', '11', '12', '13')
     record = episode.tell(toy.reply(query, 13))
     assert (record.object_id, record.symbol, record.cost) == (13, 'snack', 2.0)
-    assert episode.knowledge.is_labelled(scene).tolist() == [False, False, False, True]
+    assert episode.concepts.is_labelled(scene).tolist() == [False, False, False, True]
 
 
 def test_a_demonstration_query_tells_what_is_known(scripted, toy):
@@ -275,7 +275,7 @@ def test_demonstration_of_nothing_teaches_nothing_but_costs(scripted, toy):
     record = episode.tell(toy.reply(ask(DEMONSTRATION), NO_SYMBOL))
     assert (record.object_id, record.symbol, record.outcome) == (None, 'snack', Outcome.ANSWERED)
     assert episode.spent == 2.0
-    assert not episode.knowledge.is_labelled(scene).any()
+    assert not episode.concepts.is_labelled(scene).any()
 
 
 def test_subset_restricts_the_features(scripted, toy):
@@ -284,7 +284,7 @@ def test_subset_restricts_the_features(scripted, toy):
     assert query.choices == ('colour', 'size', 'noise')
     record = episode.tell(toy.reply(query, ('size', 'colour', 'size')))
     assert record.groups == ('size', 'colour')
-    assert episode.knowledge.active_features.tolist() == [True, True, True, False, False]
+    assert episode.concepts.active_features.tolist() == [True, True, True, False, False]
 
 
 @pytest.mark.parametrize('outcome', [Outcome.UNKNOWN, Outcome.SKIP])
@@ -292,12 +292,12 @@ def test_subset_restricts_the_features(scripted, toy):
 def test_unanswered_query_costs_and_teaches_nothing(scripted, toy, action, outcome):
     episode, scene, ask = scripted
     query = ask(action)
-    before = episode.knowledge.predict_proba(scene.features)
+    before = episode.concepts.predict_proba(scene.features)
     record = episode.tell(toy.reply(query, None, outcome))
     assert (record.outcome, record.object_id, record.groups) == (outcome, action.object_id, ())
     assert record.symbol == action.symbol, 'a label that was not given is None'
     assert episode.spent == query.cost
-    np.testing.assert_array_equal(episode.knowledge.predict_proba(scene.features), before)
+    np.testing.assert_array_equal(episode.concepts.predict_proba(scene.features), before)
 
 
 @pytest.mark.parametrize(
@@ -318,13 +318,13 @@ def test_unanswered_query_costs_and_teaches_nothing(scripted, toy, action, outco
 def test_refused_content_leaves_the_query_pending(scripted, toy, action, content, reason):
     episode, _, ask = scripted
     query = ask(action)
-    before = episode.knowledge.model_version
+    before = episode.concepts.model_version
     with pytest.raises(AnswerError, match=reason):
         episode.tell(toy.reply(query, content))
     assert episode.pending is query
     assert episode.records == ()
     assert episode.spent == query.cost
-    assert episode.knowledge.model_version == before
+    assert episode.concepts.model_version == before
     episode.tell(toy.reply(query, None, Outcome.SKIP))
     assert episode.pending is None
 
@@ -385,17 +385,17 @@ def test_asking_out_of_turn(scripted, toy):
 def test_tuning_is_done_once_at_the_end_of_a_turn_that_is_due(toy):
     """It would be done while the teacher is waited for, at other turns, or twice."""
     world = toy.world(2)
-    episode = Episode(toy.settings('u_sampling', tune_every=3), generator(0, 'strategy'))
+    episode = Episode(toy.settings('u_sampling', tune_every=3), random_stream(0, 'strategy'))
     assert not episode.tune(), 'before the first turn'
     for turn in range(1, 8):
         query = episode.ask(world.scene(turn)).query
         with pytest.raises(RuntimeError, match='has not been answered yet'):
             episode.tune()
         episode.tell(world.answer(query))
-        before = episode.knowledge.model_version
+        before = episode.concepts.model_version
         assert episode.tune() == (turn in (3, 6))
         assert not episode.tune()
-        assert episode.knowledge.model_version == before + (turn in (3, 6))
+        assert episode.concepts.model_version == before + (turn in (3, 6))
 
 
 @pytest.mark.parametrize('strategy', ['u_sampling', 'dt_task_env', 'rarest_demo'])
@@ -403,17 +403,17 @@ def test_replaying_the_records_gives_the_same_knowledge(toy, strategy):
     """Accuracy is measured outside the learner by replaying what it was told."""
     scenes = []
     episode, _ = play(toy, strategy, watch=lambda e, scene, d: scenes.append(scene), budget=30.0)
-    replayed = new_knowledge(toy.settings(strategy))
+    replayed = new_concept_learner(toy.settings(strategy))
     by_turn = {record.turn: record for record in episode.records}
     for turn, scene in enumerate(scenes, start=1):
         replayed.observe(scene)
         if turn in by_turn:
             replayed.learn(by_turn[turn], scene)
     features = scenes[-1].features
-    np.testing.assert_array_equal(replayed.predict_proba(features), episode.knowledge.predict_proba(features))
-    assert replayed.model_version == episode.knowledge.model_version
+    np.testing.assert_array_equal(replayed.predict_proba(features), episode.concepts.predict_proba(features))
+    assert replayed.model_version == episode.concepts.model_version
 
 
 def test_unknown_strategy_is_refused_at_the_start(toy):
     with pytest.raises(SettingsError, match='unknown strategy'):
-        Episode(EpisodeSettings(toy.symbols, 5, 5, 'clever'), generator(0, 'strategy'))
+        Episode(EpisodeSettings(toy.symbols, 5, 5, 'clever'), random_stream(0, 'strategy'))

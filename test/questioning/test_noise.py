@@ -7,7 +7,7 @@ from collections.abc import Iterator
 import numpy as np
 import pytest
 
-from al_questioner.domain import Answer, EpisodeSettings, InputError, Outcome, QueryKind, Scene, generator
+from al_questioner.domain import Answer, EpisodeSettings, InputError, Outcome, QueryKind, Scene, random_stream
 from al_questioner.questioning import Episode
 
 TRUTH = {0: 'cup', 1: 'plate', 2: 'none', 3: 'cup'}
@@ -18,7 +18,7 @@ TURNS = 30
 
 def an_episode(strategy: str, **settings: object) -> Episode:
     given = EpisodeSettings(symbols=('cup', 'plate'), budget=30, turns=TURNS, strategy=strategy, **settings)
-    return Episode(given, generator(0, 'learner'))
+    return Episode(given, random_stream(0, 'learner'))
 
 
 def looks(noise: float, replaced_at: int = TURNS + 1, wrong: dict[int, float] | None = None) -> Iterator[Scene]:
@@ -81,7 +81,7 @@ def test_a_question_waits_for_an_absent_teacher_although_the_sensors_wobble() ->
     for scene in looks(0.02):
         episode.ask(scene)
         if episode.awaits_answer:
-            episode.let_pass()
+            episode.time_out()
     assert [record.turn for record in episode.records] == [1]
 
 
@@ -92,8 +92,8 @@ def test_one_wrong_reading_changes_nothing_that_is_believed(value: float, turn: 
     asked_about(clean, looks(0.005))
     asked_about(spoiled, looks(0.005, wrong={turn: value}))
     features = np.random.default_rng(9).random((50, 3))
-    expected = clean.knowledge.predict_proba(features)
-    assert spoiled.knowledge.predict_proba(features) == pytest.approx(expected, abs=0.02)
+    expected = clean.concepts.predict_proba(features)
+    assert spoiled.concepts.predict_proba(features) == pytest.approx(expected, abs=0.02)
 
 
 @pytest.mark.parametrize('value', [1000.0, 65535.0, 3e38])
@@ -117,7 +117,7 @@ def test_a_row_of_wrong_readings_costs_no_question_and_no_accuracy(value: float,
             episode.tell(Answer(query.query_id, f'a{now}', 'me', Outcome.ANSWERED, content))
     assert len(asked) == len(set(asked))
     held_out = 0.3 * rng.random((60, 3)) + 0.6 * (np.arange(60) % 2)[:, None]
-    best = episode.knowledge.predict_proba(held_out).argmax(axis=1)
+    best = episode.concepts.predict_proba(held_out).argmax(axis=1)
     assert (best == np.arange(60) % 2).mean() == 1.0
 
 
@@ -125,18 +125,18 @@ def test_a_wrong_reading_of_a_still_thing_is_named() -> None:
     episode = an_episode('farthest_fsq')
     asked_about(episode, looks(0.005))
     scene = next(looks(0.005))
-    assert episode.knowledge.implausible_readings(scene) == []
+    assert episode.concepts.implausible_readings(scene) == []
     scene.features[2, 1] = 65535
-    assert episode.knowledge.implausible_readings(scene) == [(2, 'size_height', 65535.0)]
+    assert episode.concepts.implausible_readings(scene) == [(2, 'size_height', 65535.0)]
 
 
 def test_a_number_fixes_the_tolerance() -> None:
     scene, other = list(looks(0.05))[:2]
     settings = EpisodeSettings(symbols=('cup', 'plate'), budget=9, turns=4, strategy='farthest_fsq')
     for tolerance, is_same in ((1e-3, False), (5.0, True)):
-        episode = Episode(settings, generator(0, 'learner'), view_tolerance=tolerance)
+        episode = Episode(settings, random_stream(0, 'learner'), view_tolerance=tolerance)
         episode.ask(scene)
-        assert episode.knowledge.is_unchanged(scene, other) == is_same
+        assert episode.concepts.is_unchanged(scene, other) == is_same
         assert episode.view_noise == {}
 
 
@@ -144,4 +144,4 @@ def test_a_number_fixes_the_tolerance() -> None:
 def test_a_tolerance_that_is_none_is_refused(tolerance: object) -> None:
     settings = EpisodeSettings(symbols=('cup', 'plate'), budget=9, turns=4, strategy='farthest_fsq')
     with pytest.raises(InputError, match='view_tolerance'):
-        Episode(settings, generator(0, 'learner'), view_tolerance=tolerance)
+        Episode(settings, random_stream(0, 'learner'), view_tolerance=tolerance)

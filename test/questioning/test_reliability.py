@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from al_questioner.domain import Answer, Outcome, QueryKind, generator
+from al_questioner.domain import Answer, Outcome, QueryKind, random_stream
 from al_questioner.questioning import Episode
 from al_questioner.questioning.reliability import Statement, label_beliefs, reliabilities
 
@@ -37,7 +37,7 @@ def test_two_certain_contradictions_by_hand():
 
 def test_it_is_the_fixed_point_of_the_formulas():
     """The estimate would be another one than the documentation states: recomputed in loops."""
-    rng = generator(5, 'reliability')
+    rng = random_stream(5, 'reliability')
     beliefs = {turn: rng.dirichlet(np.ones(3)) for turn in range(20)}
     statements = [
         Statement(turn, name, int(rng.integers(3))) for turn in range(20) for name in 'abc' if rng.random() < 0.7
@@ -60,7 +60,7 @@ def test_it_is_the_fixed_point_of_the_formulas():
 
 def test_a_careless_teacher_among_careful_ones_is_found():
     """Whoever contradicts all others would be trusted like them."""
-    rng = generator(6, 'reliability')
+    rng = random_stream(6, 'reliability')
     statements = []
     for turn in range(60):
         truth = int(rng.integers(4))
@@ -74,7 +74,7 @@ def test_a_careless_teacher_among_careful_ones_is_found():
 def test_the_record_of_each_teacher(toy):
     """What a teacher did not know, skipped, took back or said too late would not be told apart."""
     own = toy.settings('random_fsq', budget=20.0, turns=8)
-    episode = Episode(own, generator(2, 'learner'))
+    episode = Episode(own, random_stream(2, 'learner'))
     world = toy.world(3)
     assert episode.teachers == {}
     for turn in range(1, 7):
@@ -89,7 +89,7 @@ def test_the_record_of_each_teacher(toy):
         else:
             episode.tell(Answer(query.query_id, 'a', 'anna', Outcome.ANSWERED, 'snack'))
             episode.answers.keep_late(Answer(query.query_id, 'late', 'bert', Outcome.ANSWERED, 'fruit'))
-    episode.amend(Answer(query.query_id, 'b', 'anna', Outcome.ANSWERED, 'fruit', replaces='a'))
+    episode.correct(Answer(query.query_id, 'b', 'anna', Outcome.ANSWERED, 'fruit', replaces='a'))
     anna, bert = episode.teachers['anna'], episode.teachers['bert']
     assert (anna.answered, anna.unknown, anna.skipped, anna.corrected, anna.late) == (4, 1, 0, 1, 0)
     assert (bert.answered, bert.unknown, bert.skipped, bert.corrected, bert.late) == (0, 0, 1, 0, 3)
@@ -99,7 +99,7 @@ def test_the_record_of_each_teacher(toy):
 def test_what_stands_counts_and_only_what_is_about_the_same_thing(toy):
     """A corrected answer, or a late demonstration of another thing, would tell against its teacher."""
     own = toy.settings('rarest_demo', budget=40.0, turns=20, change_interval=1)
-    episode, world = Episode(own, generator(2, 'learner')), toy.world(3, change_interval=1)
+    episode, world = Episode(own, random_stream(2, 'learner')), toy.world(3, change_interval=1)
     asked = []
     while not episode.done:
         query = episode.ask(world.scene(episode.turn + 1)).query
@@ -118,6 +118,6 @@ def test_what_stands_counts_and_only_what_is_about_the_same_thing(toy):
     # A standing `unknown` says nothing of a thing.
     for query, truth in asked:
         if truth.outcome is Outcome.ANSWERED and query.action.kind is not QueryKind.FEATURE_SUBSET:
-            episode.amend(Answer(query.query_id, 'c', 'anna', Outcome.UNKNOWN, replaces='a'))
+            episode.correct(Answer(query.query_id, 'c', 'anna', Outcome.UNKNOWN, replaces='a'))
     assert episode.teachers['anna'].reliability == 0.9
     assert episode.teachers['anna'].unknown == len(shown) + sum(t.content == 'none' for _, t in asked)

@@ -5,8 +5,8 @@ import pytest
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
-from al_questioner.domain import Action, Answer, AnswerError, Costs, Outcome, QueryKind, SettingsError, generator
-from al_questioner.questioning import Episode, new_knowledge
+from al_questioner.domain import Action, Answer, AnswerError, Costs, Outcome, QueryKind, SettingsError, random_stream
+from al_questioner.questioning import Episode, new_concept_learner
 from al_questioner.questioning.strategies.choice import ask_nothing
 
 
@@ -18,11 +18,11 @@ class Asks:
     def __init__(self, *actions):
         self.actions = actions
 
-    def choose(self, situation, rng):
-        choice = ask_nothing(situation)
+    def choose(self, context, rng):
+        choice = ask_nothing(context)
         for action in self.actions:
-            if action in situation.candidates:
-                return type(choice)(situation.candidates.index(action), choice.utilities)
+            if action in context.candidates:
+                return type(choice)(context.candidates.index(action), choice.utilities)
         return choice
 
 
@@ -39,7 +39,7 @@ def scene(toy):
 def start(toy):
     def make(*actions, **changes):
         own = toy.settings('random_fsq', **{'budget': 4.0, 'turns': 6, **changes})
-        return Episode(own, generator(0, 'learner'), strategy=Asks(*actions))
+        return Episode(own, random_stream(0, 'learner'), strategy=Asks(*actions))
 
     return make
 
@@ -57,7 +57,7 @@ def test_a_turn_passes_and_the_question_stays(start, scene):
         episode.ask(scene)
     with pytest.raises(RuntimeError, match='q1 has not been answered'):
         episode.tune()
-    episode.let_pass()
+    episode.time_out()
     assert (episode.awaits_answer, episode.turns_over, episode.pending) == (False, 1, query)
     decision = episode.ask(scene)
     assert (chosen(decision), decision.query, episode.pending) == (NOTHING, None, query)
@@ -69,16 +69,16 @@ def test_the_answer_counts_whenever_it_comes(start, toy, scene):
     """What a person says on coming back would be lost, or taken for something about another object."""
     episode = start(LABEL)
     query = episode.ask(scene).query
-    episode.let_pass()
+    episode.time_out()
     episode.ask(scene)
     record = episode.tell(toy.reply(query, 'snack'))
     assert (record.turn, record.answered_in, record.object_id, record.symbol) == (1, 2, 0, 'snack')
     assert (episode.pending, episode.unanswered_turns, episode.spent) == (None, 0, 1.0)
     at_once = start(LABEL)
     at_once.tell(toy.reply(at_once.ask(scene).query, 'snack'))
-    at_once.knowledge.observe(scene)
+    at_once.concepts.observe(scene)
     np.testing.assert_array_equal(
-        episode.knowledge.predict_proba(scene.features), at_once.knowledge.predict_proba(scene.features)
+        episode.concepts.predict_proba(scene.features), at_once.concepts.predict_proba(scene.features)
     )
 
 
@@ -86,7 +86,7 @@ def test_an_answer_between_turns_counts(start, toy, scene):
     """An answer that comes while the robot looks would be refused."""
     episode = start(LABEL)
     query = episode.ask(scene).query
-    episode.let_pass()
+    episode.time_out()
     assert episode.tell(toy.reply(query, 'snack')).answered_in is None
     assert chosen(episode.ask(scene)) == LABEL
 
@@ -96,7 +96,7 @@ def test_a_question_whose_object_is_gone_is_withdrawn(start, toy, scene):
     other = toy.scene(np.random.default_rng(4).normal(size=(4, 5)), [5, 6, 7, 8])
     episode = start(LABEL, Action(QueryKind.LABEL, object_id=7))
     first = episode.ask(scene).query
-    episode.let_pass()
+    episode.time_out()
     second = episode.ask(other).query
     assert (second.query_id, second.action.object_id, second.budget_left) == ('q2', 7, 3.0)
     assert [(r.turn, r.outcome, r.cost) for r in episode.records] == [(1, Outcome.UNANSWERED, 0.0)]
@@ -113,7 +113,7 @@ def test_what_is_still_in_view_is_still_asked(start, toy, scene, action, stays):
     moved = toy.scene(np.vstack([scene.features[:2], scene.features[2:] + 1.0]))
     episode = start(action)
     query = episode.ask(scene).query
-    episode.let_pass()
+    episode.time_out()
     decision = episode.ask(moved)
     assert (episode.pending == query) == stays
     assert (decision.query is None) == stays
@@ -123,15 +123,15 @@ def test_after_the_last_turn_the_question_is_withdrawn(start, toy, scene):
     """The episode of a teacher who does not come back would never end; what they say later would be lost."""
     episode = start(LABEL, turns=2)
     query = episode.ask(scene).query
-    episode.let_pass()
+    episode.time_out()
     episode.ask(scene)
     assert not episode.done
-    episode.let_pass()
+    episode.time_out()
     assert episode.done
     assert episode.spent == 0.0
     assert [record.outcome for record in episode.records] == [Outcome.UNANSWERED]
     with pytest.raises(RuntimeError, match='no query waits'):
-        episode.let_pass()
+        episode.time_out()
     assert episode.tell(toy.reply(query, 'snack')).symbol == 'snack'
     assert episode.done
     assert episode.positives['snack'] == 1
@@ -159,7 +159,7 @@ def test_what_nobody_answered_is_charged_its_share(start, toy, scene):
     episode = start(DEMONSTRATION, turns=1, costs=Costs(unanswered=0.25))
     query = episode.ask(scene).query
     assert episode.spent == 2.0
-    episode.let_pass()
+    episode.time_out()
     assert (episode.spent, episode.records[0].cost) == (0.5, 0.5)
     assert episode.tell(toy.reply(query, 1)).cost == 2.0
 
@@ -168,13 +168,13 @@ def test_a_late_answer_can_be_corrected(start, toy, scene):
     """A correction would forget when the answer came, or a first answer pass for a correction."""
     episode = start(LABEL)
     query = episode.ask(scene).query
-    episode.let_pass()
+    episode.time_out()
     episode.ask(scene)
     episode.tell(toy.reply(query, 'snack'))
     correction = Answer('q1', 'b1', 'toy', Outcome.ANSWERED, 'fruit', replaces='a1')
     with pytest.raises(AnswerError, match='it corrects, and does not answer'):
         episode.tell(correction)
-    record = episode.amend(correction)
+    record = episode.correct(correction)
     assert (record.turn, record.answered_in, record.symbol) == (1, 2, 'fruit')
 
 
@@ -183,7 +183,7 @@ def test_a_late_answer_never_exceeds_the_budget(start, toy, scene):
     other = toy.scene(np.random.default_rng(4).normal(size=(4, 5)), [5, 6, 7, 8])
     episode = start(DEMONSTRATION, LABEL, budget=2.0)
     first = episode.ask(scene).query
-    episode.let_pass()
+    episode.time_out()
     second = episode.ask(other).query
     episode.tell(toy.reply(second, 7))
     assert episode.spent == 2.0
@@ -202,7 +202,7 @@ def test_a_share_is_between_none_and_all(toy, outcome, share):
 @pytest.mark.parametrize(('outcome', 'again'), [(Outcome.UNKNOWN, False), (Outcome.SKIP, True)])
 def test_what_nobody_can_name_is_not_asked_again_while_it_looks_the_same(toy, scene, outcome, again):
     """With every change elsewhere on the table the robot would ask once more what it was told is not known."""
-    episode = Episode(toy.settings('random_fsq', budget=20.0, turns=12), generator(0, 'learner'))
+    episode = Episode(toy.settings('random_fsq', budget=20.0, turns=12), random_stream(0, 'learner'))
     asked = {}
     for turn in range(12):
         # All but object 0 are others in each turn.
@@ -222,7 +222,7 @@ def test_however_answers_come_what_is_known_is_what_was_said(toy, data, strategy
     """An episode in which the teacher comes and goes would know other things than were said, or overspend."""
     own = toy.settings(strategy, turns=8, budget=9.0, costs=Costs(unknown=0.5, skip=0.0), tune_every=3)
     world, scenes, open_queries = toy.world(data.draw(st.integers(0, 5)), change_interval=2), [], []
-    episode = Episode(own, generator(1, 'strategy'))
+    episode = Episode(own, random_stream(1, 'strategy'))
 
     def answer(query):
         outcome = data.draw(st.sampled_from([Outcome.ANSWERED, Outcome.ANSWERED, Outcome.UNKNOWN, Outcome.SKIP]))
@@ -245,7 +245,7 @@ def test_however_answers_come_what_is_known_is_what_was_said(toy, data, strategy
                 open_queries.remove(waiting)
                 answer(waiting)
         if episode.awaits_answer:
-            episode.let_pass()
+            episode.time_out()
         episode.tune()
         # Between the turns, too.
         for waiting in list(open_queries):
@@ -253,7 +253,7 @@ def test_however_answers_come_what_is_known_is_what_was_said(toy, data, strategy
                 open_queries.remove(waiting)
                 answer(waiting)
         assert episode.spent <= own.budget + 1e-9
-    oracle, by_turn = new_knowledge(own), {record.turn: record for record in episode.records}
+    oracle, by_turn = new_concept_learner(own), {record.turn: record for record in episode.records}
     for turn, scene in enumerate(scenes, start=1):
         oracle.observe(scene)
         if turn in by_turn:
@@ -261,6 +261,6 @@ def test_however_answers_come_what_is_known_is_what_was_said(toy, data, strategy
         if own.tunes_after(turn):
             oracle.tune()
     np.testing.assert_array_equal(
-        episode.knowledge.predict_proba(scenes[-1].features), oracle.predict_proba(scenes[-1].features)
+        episode.concepts.predict_proba(scenes[-1].features), oracle.predict_proba(scenes[-1].features)
     )
     assert sum(record.outcome is Outcome.UNANSWERED for record in episode.records) == len(open_queries)

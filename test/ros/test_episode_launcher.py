@@ -10,8 +10,8 @@ from typing import Any
 
 import pytest
 
-from al_questioner.bags import read_sessions
-from al_questioner.ros.episode_launcher import Graph
+from al_questioner.bags import read_episodes
+from al_questioner.ros.episode_launcher import EpisodeLauncher
 from checkout import ROOT
 
 DEADLINE = 60.0
@@ -40,7 +40,7 @@ def test_a_recorder_may_end_before_the_last_turn_was_watched(tmp_path: Path, mon
             time.sleep(0.02)
         seen.append(turn)
 
-    Graph(
+    EpisodeLauncher(
         namespace=f'graph_{os.getpid()}',
         episode_id='e1',
         parameters={
@@ -54,5 +54,5 @@ def test_a_recorder_may_end_before_the_last_turn_was_watched(tmp_path: Path, mon
         bag=tmp_path / 'bag',
     ).play(watch)
     assert seen[-1] == 3
-    (session,) = read_sessions(tmp_path / 'bag')
+    (session,) = read_episodes(tmp_path / 'bag')
     assert len(session.turns) == 3

@@ -27,7 +27,7 @@ from al_questioner.ros.nodes.perception import PerceptionNode
 from al_questioner.ros.nodes.recorder import RecorderNode
 from al_questioner.ros.nodes.teacher import TeacherNode
 from al_questioner.ros.types import CLOUD_TYPES, header, octets
-from al_questioner.simulation import PerceivedWorld, WorldChoice, load_task
+from al_questioner.simulation import PerceivedWorld, WorldSpec, load_task
 from al_questioner.simulation.kitchen.table_image import draw_scene
 
 OFFERS = {
@@ -43,12 +43,12 @@ FAR = (2**31 - 1) * SECOND
 
 
 def cloud() -> PointCloud2:
-    scene = PerceivedWorld(WorldChoice(load_task('prepare_lunch'), 4, 4).open()).scene(1)
+    scene = PerceivedWorld(WorldSpec(load_task('prepare_lunch'), 4, 4).open()).scene(1)
     return cloud_of_scene(scene, header(FAR, 'camera'), CLOUD_TYPES)
 
 
 def picture() -> Image:
-    world = PerceivedWorld(WorldChoice(load_task('prepare_lunch'), 4, 4).open())
+    world = PerceivedWorld(WorldSpec(load_task('prepare_lunch'), 4, 4).open())
     return image(draw_scene(world.observations(1)).image, header(FAR, 'camera'), Image, octets)
 
 

@@ -15,12 +15,12 @@ import pytest
 
 from al_questioner.bags import BagError, deserialize, read_bag, repair
 from al_questioner.bags.storages import storage_files
-from al_questioner.event_log.events import Told, decoded
+from al_questioner.event_log.events import AnswerAccepted, decoded
 from al_questioner.event_log.log import read_log
 from al_questioner.messages import documents
 from al_questioner.ros import qos
 from al_questioner.ros.nodes.learner import LearnerNode
-from al_questioner.simulation import ScriptedTeacher, WorldChoice, episode_settings, load_task, run_episode
+from al_questioner.simulation import ScriptedTeacher, WorldSpec, episode_settings, load_task, run_episode
 
 DEADLINE = 90.0
 WORLD = {'task': 'prepare_lunch', 'seed': 4}
@@ -84,14 +84,14 @@ def check(state: dict[str, Any], session: Path, budget: float, turns: int) -> No
     """The episode ended as it does when nobody is killed, and every answer counted once."""
     task = load_task(WORLD['task'])
     offline = run_episode(
-        WorldChoice(task, 4, 4),
+        WorldSpec(task, 4, 4),
         episode_settings(task, 'u_sampling_fsq', budget, turns),
         ScriptedTeacher(task.symbols, task.relevant_groups, 4, **RATES),
     )
     assert state['queries'] == [documents.record_members(record) for record in offline.queries]
     events, damage = decoded(read_log(session))
     assert damage is None
-    told = [event.answer.query_id for event in events if isinstance(event, Told)]
+    told = [event.answer.query_id for event in events if isinstance(event, AnswerAccepted)]
     assert told == [f'q{number}' for number in range(1, len(told) + 1)]
 
 

@@ -16,7 +16,7 @@ from sensor_msgs.msg import Image, PointCloud2
 from std_msgs.msg import Header, String
 from visualization_msgs.msg import Marker, MarkerArray
 
-from al_questioner.domain import DECISION_FEATURES, generator
+from al_questioner.domain import DECISION_FEATURES, random_stream
 from al_questioner.messages.clouds import decision_of_cloud, scene_of_cloud
 from al_questioner.messages.documents import write
 from al_questioner.questioning import STRATEGIES, Episode
@@ -24,7 +24,7 @@ from al_questioner.ros import qos
 from al_questioner.ros.nodes.learner import LearnerNode
 from al_questioner.ros.nodes.perception import PerceptionNode
 from al_questioner.ros.nodes.teacher import TeacherNode
-from al_questioner.simulation import PerceivedWorld, ScriptedTeacher, WorldChoice, episode_settings, load_task
+from al_questioner.simulation import PerceivedWorld, ScriptedTeacher, WorldSpec, episode_settings, load_task
 from al_questioner.simulation import turns as play
 from al_questioner.simulation.kitchen.table_image import draw_scene
 
@@ -47,9 +47,9 @@ def offline_queries(
     **kernel: Any,
 ) -> list[tuple[Any, ...]]:
     task = load_task(task_name)
-    episode = Episode(episode_settings(task, strategy, budget, turns, **kernel), generator(seed, 'learner'))
+    episode = Episode(episode_settings(task, strategy, budget, turns, **kernel), random_stream(seed, 'learner'))
     # Turn by turn, as `run_episode` does, without the held-out images on which it measures accuracy.
-    world = PerceivedWorld(WorldChoice(task, seed, seed).open())
+    world = PerceivedWorld(WorldSpec(task, seed, seed).open())
     teacher = ScriptedTeacher(task.symbols, task.relevant_groups, seed, repeat_shown=repeat_shown)
     deque(play(episode, world, teacher), maxlen=0)
     return [(r.turn, r.kind.value, r.object_id, r.symbol, r.cost, r.outcome.value) for r in episode.records]
@@ -151,7 +151,7 @@ def test_the_turn_does_not_wait_for_the_picture(graph: Any, monkeypatch: pytest.
     pictures = graph.listen('scene_image', Image)
     graph.start(PerceptionNode, **graph.world)
     mouth = graph.ears.create_publisher(String, 'turn', qos.LATCHED)
-    world = PerceivedWorld(WorldChoice(load_task(TASK), 4, 4).open())
+    world = PerceivedWorld(WorldSpec(load_task(TASK), 4, 4).open())
     turns = world.change_turns(1000)[:3]
     for seen, turn in enumerate(turns, start=1):
         stamp = {'sec': turn, 'nanosec': 0}
@@ -385,10 +385,10 @@ def test_scene_of_the_graph_is_the_scene_offline(graph: Any) -> None:
     graph.start_robot()
     graph.wait_for(lambda: clouds, 'a scene')
     seen = scene_of_cloud(clouds[0])
-    offline = PerceivedWorld(WorldChoice(load_task(TASK), 4, 4).open()).scene(1)
+    offline = PerceivedWorld(WorldSpec(load_task(TASK), 4, 4).open()).scene(1)
     assert seen.features.tobytes() == offline.features.tobytes()
     assert seen.object_ids == offline.object_ids
-    episode = Episode(episode_settings(load_task(TASK), 'u_sampling'), generator(4, 'learner'))
+    episode = Episode(episode_settings(load_task(TASK), 'u_sampling'), random_stream(4, 'learner'))
     assert episode.ask(seen).query is not None
 
 

@@ -15,7 +15,7 @@ from rclpy.qos import QoSProfile
 from sensor_msgs.msg import PointCloud2
 from std_msgs.msg import String
 
-from al_questioner.event_log.events import Told, decoded
+from al_questioner.event_log.events import AnswerAccepted, decoded
 from al_questioner.event_log.log import read_log
 from al_questioner.messages import documents
 from al_questioner.ros import qos
@@ -23,8 +23,8 @@ from al_questioner.ros.node import QuestionerNode
 from al_questioner.ros.nodes.learner import LearnerNode
 from al_questioner.ros.nodes.perception import PerceptionNode
 from al_questioner.ros.nodes.teacher import TeacherNode
-from al_questioner.ros.repeating import BackOff
-from al_questioner.simulation import ScriptedTeacher, WorldChoice, episode_settings, load_task, run_episode
+from al_questioner.ros.retransmitter import BackOff
+from al_questioner.simulation import ScriptedTeacher, WorldSpec, episode_settings, load_task, run_episode
 
 SHARE = 0.2
 """Of the messages, for each of the four things that can happen to one."""
@@ -95,11 +95,11 @@ class Relay(QuestionerNode):
 def test_a_bad_line_changes_no_label(graph: Any, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, seed: int) -> None:
     """A lost question would stall the robot for ever, and a late answer be taken for one to another question."""
     monkeypatch.setattr('al_questioner.ros.nodes.learner.PATIENT', QUICK)
-    monkeypatch.setattr('al_questioner.ros.delivery.PERSISTENT', QUICK)
+    monkeypatch.setattr('al_questioner.ros.answer_sender.PERSISTENT', QUICK)
     task, rates = load_task('prepare_lunch'), {'wrong_rate': 0.1, 'unknown_rate': 0.2}
     settings = episode_settings(task, 'u_sampling_fsq', 9.0, 10)
     teacher = ScriptedTeacher(task.symbols, task.relevant_groups, seed, **rates)
-    offline = run_episode(WorldChoice(task, seed, seed), settings, teacher)
+    offline = run_episode(WorldSpec(task, seed, seed), settings, teacher)
     expected = [documents.record_members(record) for record in offline.queries]
 
     world = {'task': 'prepare_lunch', 'seed': seed}
@@ -117,7 +117,7 @@ def test_a_bad_line_changes_no_label(graph: Any, tmp_path: Path, monkeypatch: py
     assert last['queries'] == expected
     events, damage = decoded(read_log(tmp_path / 'log'))
     assert damage is None
-    told = [event.answer.query_id for event in events if isinstance(event, Told)]
+    told = [event.answer.query_id for event in events if isinstance(event, AnswerAccepted)]
     assert told == [f'q{number}' for number in range(1, len(expected) + 1)]
     fates = sum(relay.fates.values(), Counter())
     assert min(fates[fate] for fate in ('dropped', 'doubled', 'delayed', 'overtaken')) > 0.1 * fates['all']

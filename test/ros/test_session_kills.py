@@ -14,7 +14,7 @@ from typing import Any
 
 import pytest
 
-from al_questioner.event_log.events import Begun, Decided, Told, decoded
+from al_questioner.event_log.events import ActionChosen, AnswerAccepted, EpisodeStarted, decoded
 from al_questioner.event_log.log import KILL_VARIABLE, SessionLogError, read_log
 from al_questioner.ros import qos
 from al_questioner.ros.nodes.perception import PerceptionNode
@@ -87,8 +87,8 @@ def decisions(session: Path) -> list[tuple[Any, ...]]:
     """What was chosen and asked, in order, and what was answered."""
     found, fault = decoded(read_log(session))
     assert fault is None
-    asked = [(event.turn, event.action, event.query) for event in found if isinstance(event, Decided)]
-    said = [(event.answer.query_id, event.answer.content) for event in found if isinstance(event, Told)]
+    asked = [(event.turn, event.action, event.query) for event in found if isinstance(event, ActionChosen)]
+    said = [(event.answer.query_id, event.answer.content) for event in found if isinstance(event, AnswerAccepted)]
     return [*asked, *said]
 
 
@@ -96,9 +96,9 @@ def check_acknowledged(learners: Learners, session: Path) -> None:
     """Every answer that was acknowledged is in the log, once."""
     found, fault = decoded(read_log(session))
     assert fault is None
-    taken = [(event.answer.query_id, event.answer.answer_id) for event in found if isinstance(event, Told)]
+    taken = [(event.answer.query_id, event.answer.answer_id) for event in found if isinstance(event, AnswerAccepted)]
     assert len(set(taken)) == len(taken)
-    episode_ids = [event.episode_id for event in found if isinstance(event, Begun)]
+    episode_ids = [event.episode_id for event in found if isinstance(event, EpisodeStarted)]
     acks = [ack for ack in learners.acks if ack['accepted'] and ack['episode_id'] in episode_ids]
     acknowledged = {(ack['query_id'], ack['answer_id']) for ack in acks}
     assert acknowledged <= set(taken)

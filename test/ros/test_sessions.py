@@ -10,7 +10,7 @@ import pytest
 from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus
 from std_msgs.msg import String
 
-from al_questioner.event_log.events import KeptLate, Refused, Told, decoded
+from al_questioner.event_log.events import AnswerAccepted, InputRejected, LateAnswerKept, decoded
 from al_questioner.event_log.log import SessionLogError, read_log
 from al_questioner.messages.stamps import stamp_of
 from al_questioner.ros import qos
@@ -56,7 +56,7 @@ class Person:
 EPISODE = {'task': 'prepare_lunch', 'seed': 4, 'budget': 6.0, 'turns': 5, 'strategy': 'u_sampling'}
 
 
-def told(folder: Path, kind: type = Told) -> list[Any]:
+def told(folder: Path, kind: type = AnswerAccepted) -> list[Any]:
     found, fault = decoded(read_log(folder))
     assert fault is None
     return [event for event in found if isinstance(event, kind)]
@@ -71,7 +71,7 @@ def test_an_acknowledged_answer_is_on_the_disk(graph: Any, tmp_path: Path) -> No
     assert not person.says(query, 'pudding')['accepted']
     assert person.says(query, 'snack')['accepted']
     assert [event.answer.content for event in told(tmp_path / 'log')] == ['snack']
-    assert [event.reason[:13] for event in told(tmp_path / 'log', Refused)] == ['unknown label']
+    assert [event.reason[:13] for event in told(tmp_path / 'log', InputRejected)] == ['unknown label']
 
 
 def test_a_new_learner_goes_on_where_the_last_one_ended(graph: Any, tmp_path: Path) -> None:
@@ -133,8 +133,8 @@ def test_a_late_answer_is_refused_and_kept(graph: Any, tmp_path: Path) -> None:
     graph.wait_for(lambda: 'bert' in person.states[-1]['teachers'], 'a state that tells of the late teacher')
     state = person.states[-1]
     assert (state['turn'], state['teachers']['bert']['late'], state['labels']['fruit']) == (1, 1, 0)
-    assert [event.answer.teacher_id for event in told(tmp_path / 'log', KeptLate)] == ['bert']
-    assert told(tmp_path / 'log', Refused) == []
+    assert [event.answer.teacher_id for event in told(tmp_path / 'log', LateAnswerKept)] == ['bert']
+    assert told(tmp_path / 'log', InputRejected) == []
 
 
 @pytest.mark.parametrize('with_log', [True, False])

@@ -26,12 +26,12 @@ from al_questioner.ros.nodes.learner import LearnerNode
 from al_questioner.ros.nodes.perception import PerceptionNode
 from al_questioner.ros.nodes.replayer import ReplayNode
 from al_questioner.ros.nodes.teacher import TeacherNode
-from al_questioner.ros.running import run_nodes
+from al_questioner.ros.running import spin_nodes
 from al_questioner.ros.types import CLOUD_TYPES, header
 from al_questioner.simulation import (
     PerceivedWorld,
     ScriptedTeacher,
-    WorldChoice,
+    WorldSpec,
     episode_settings,
     load_task,
     run_episode,
@@ -94,7 +94,7 @@ def test_a_jumping_clock_changes_nothing_that_is_asked(graph: Any, jumping: None
     graph.wait_for(lambda: states and states[-1]['done'], 'the end of the episode')
     task = load_task('prepare_lunch')
     settings = episode_settings(task, 'random_fsq', 6.0, 8)
-    offline = run_episode(WorldChoice(task, 4, 4), settings, ScriptedTeacher(task.symbols, task.relevant_groups, 4))
+    offline = run_episode(WorldSpec(task, 4, 4), settings, ScriptedTeacher(task.symbols, task.relevant_groups, 4))
     assert states[-1]['queries'] == [documents.record_members(record) for record in offline.queries]
     stamps = {turn['turn']: stamp_of(turn['stamp']) for turn in turns}
     grown = [stamps[turn] for turn in sorted(stamps)]
@@ -107,7 +107,7 @@ def test_a_camera_is_seen_again_after_its_clock_went_back(graph: Any, clock: Sim
     heard = graph.listen('diagnostics', DiagnosticArray, qos.DIAGNOSTICS, '/diagnostics')
     eyes = graph.ears.create_publisher(PointCloud2, 'objects', qos.LATCHED)
     mouth = graph.ears.create_publisher(String, 'answer', qos.EVENTS)
-    scene = PerceivedWorld(WorldChoice(load_task('prepare_lunch'), 4, 4).open()).scene(1)
+    scene = PerceivedWorld(WorldSpec(load_task('prepare_lunch'), 4, 4).open()).scene(1)
 
     def look(seconds: float) -> None:
         eyes.publish(cloud_of_scene(scene, header(round(seconds * SECOND), 'camera'), CLOUD_TYPES))
@@ -174,4 +174,4 @@ def test_a_time_before_the_beginning_of_time_ends_no_node(graph: Any) -> None:
         assert time.monotonic() < end
         return bool(node.get_clock().now().nanoseconds == 7 * SECOND)
 
-    assert run_nodes([make], ['--ros-args', '-p', 'use_sim_time:=true'], has_seen_seven) == 0
+    assert spin_nodes([make], ['--ros-args', '-p', 'use_sim_time:=true'], has_seen_seven) == 0

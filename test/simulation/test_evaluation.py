@@ -7,12 +7,12 @@ from fractions import Fraction
 import numpy as np
 import pytest
 
-from al_questioner.domain import generator
+from al_questioner.domain import random_stream
 from al_questioner.questioning import Episode
 from al_questioner.simulation import (
     Evaluation,
     ScriptedTeacher,
-    WorldChoice,
+    WorldSpec,
     accuracy,
     episode_settings,
     load_task,
@@ -20,7 +20,7 @@ from al_questioner.simulation import (
 )
 
 TASK = load_task('prepare_lunch')
-CHOICE = WorldChoice(TASK, 4, 4)
+CHOICE = WorldSpec(TASK, 4, 4)
 SYMBOLS = ('a', 'b')
 
 
@@ -78,7 +78,7 @@ def test_evaluation_believes_what_the_learner_believes(strategy: str, tune_every
     settings = episode_settings(TASK, strategy, budget=8, turns=12, tune_every=tune_every)
     evaluation = Evaluation(CHOICE, settings)
     features, labels = evaluation.world.test_set
-    episode = Episode(settings, generator(4, 'learner'))
+    episode = Episode(settings, random_stream(4, 'learner'))
     for turn in range(1, 13):
         decision = episode.ask(evaluation.world.scene(turn))
         record = None
@@ -86,5 +86,5 @@ def test_evaluation_believes_what_the_learner_believes(strategy: str, tune_every
             record = episode.tell(teacher().answer(decision.query, evaluation.world.truth(turn)))
         episode.tune()
         measured = evaluation.next_turn(record)
-        assert measured == accuracy(episode.knowledge.predict_proba(features), labels, TASK.symbols)
-    assert evaluation.result().kernel == episode.knowledge.kernel
+        assert measured == accuracy(episode.concepts.predict_proba(features), labels, TASK.symbols)
+    assert evaluation.result().kernel == episode.concepts.kernel

@@ -11,7 +11,7 @@ from al_questioner.simulation import (
     PerceivedWorld,
     ScriptedTeacher,
     Task,
-    WorldChoice,
+    WorldSpec,
     episode_settings,
     load_task,
     run_episode,
@@ -36,7 +36,7 @@ def test_any_task_is_learnt_from_made_up_features(name: str) -> None:
     world = made_up(task)
     settings = episode_settings(task, 'farthest_fsq', budget=25, turns=40)
     teacher = ScriptedTeacher(task.symbols, task.relevant_groups, 1)
-    result = run_episode(WorldChoice(task, 1, 1), settings, teacher, world=world)
+    result = run_episode(WorldSpec(task, 1, 1), settings, teacher, world=world)
     assert result.final_accuracy > 0.6
     assert result.queries[0].groups == task.relevant_groups
     assert len(world.scene(1)) == task.scenes.objects

@@ -8,10 +8,10 @@ from numpy.typing import NDArray
 
 from al_questioner.domain import View
 from al_questioner.perception import perceive, view_features
-from al_questioner.simulation import PerceivedWorld, WorldChoice, load_task
+from al_questioner.simulation import PerceivedWorld, WorldSpec, load_task
 
 TASK = load_task('prepare_lunch')
-CHOICE = WorldChoice(TASK, 4, 4)
+CHOICE = WorldSpec(TASK, 4, 4)
 
 
 def test_scene_that_stays_is_perceived_once() -> None:

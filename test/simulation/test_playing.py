@@ -21,14 +21,14 @@ from al_questioner.simulation import (
     EpisodeResult,
     PerceivedWorld,
     ScriptedTeacher,
-    WorldChoice,
+    WorldSpec,
     episode_settings,
     load_task,
     run_episode,
 )
 
 TASK = load_task('prepare_lunch')
-CHOICE = WorldChoice(TASK, 4, 4)
+CHOICE = WorldSpec(TASK, 4, 4)
 
 
 def teacher(**rates: float | bool) -> ScriptedTeacher:
@@ -57,7 +57,7 @@ def test_the_teacher_shows_what_the_learner_does_not_know(task: str) -> None:
         def answer(self, query: Query, truth: Mapping[int, str]) -> Answer:
             return teacher().answer(query, truth)
 
-    choice = WorldChoice(load_task(task), 4, 4)
+    choice = WorldSpec(load_task(task), 4, 4)
     settings = episode_settings(choice.task, 'rarest_demo', budget=100, turns=40)
     once = run_episode(choice, settings, teacher())
     assert repeats(once) == 0
@@ -103,7 +103,7 @@ def test_same_seed_same_episode_within_its_limits(strategy: str) -> None:
 def test_other_seeds_give_other_episodes() -> None:
     """All samples of a study would be one."""
     settings = episode_settings(TASK, 'random_fsq', budget=7, turns=11)
-    other = WorldChoice(TASK, 5, 5)
+    other = WorldSpec(TASK, 5, 5)
     assert run_episode(CHOICE, settings, teacher()).queries != run_episode(other, settings, teacher()).queries
 
 

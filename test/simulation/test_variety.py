@@ -10,7 +10,7 @@ import pytest
 import yaml
 
 from al_questioner.domain import InputError
-from al_questioner.simulation import Interval, PerceivedWorld, Task, WorldChoice, episode_settings, load_task
+from al_questioner.simulation import Interval, PerceivedWorld, Task, WorldSpec, episode_settings, load_task
 from checkout import ROOT
 
 KITCHENS = 200
@@ -28,7 +28,7 @@ def test_a_kitchen_follows_from_its_number_alone(mixed: Task) -> None:
     assert one.scenes == again.scenes
     assert one.scenes != other.scenes
     assert one.of_sample(8) == one, 'it is a kitchen now, and no longer any'
-    assert WorldChoice(mixed, seed=3, sample=7).task == one
+    assert WorldSpec(mixed, seed=3, sample=7).task == one
     assert load_task('kitchen_table').of_sample(7) == load_task('kitchen_table')
 
 
@@ -52,7 +52,7 @@ def test_the_robot_is_told_the_interval_of_its_kitchen(mixed: Task) -> None:
     """The paper's strategies, which need it, would be handicapped."""
     small = replace(mixed, scenes=replace(mixed.scenes, training_size=60, test_size=4))
     for sample in range(3):
-        choice = WorldChoice(small, sample, sample)
+        choice = WorldSpec(small, sample, sample)
         world, interval = PerceivedWorld(choice.open()), choice.task.scenes.change_interval
         assert episode_settings(choice.task).change_interval == interval
         assert world.change_turns(40)[:1] == [1 + interval]

@@ -6,7 +6,7 @@ from types import SimpleNamespace
 
 import pytest
 
-from al_questioner.support.rate_limiter import RepeatThrottle
+from al_questioner.support.rate_limiter import RepeatLimiter
 
 
 @pytest.fixture
@@ -20,7 +20,7 @@ def now(monkeypatch: pytest.MonkeyPatch) -> SimpleNamespace:
 
 def test_each_kind_passes_once_in_a_period(now: SimpleNamespace) -> None:
     """One fault ten times a second would fill the log, or hide another one."""
-    throttle = RepeatThrottle(5, 1.0)
+    throttle = RepeatLimiter(5, 1.0)
     passed = []
     for tick in range(30):
         now.seconds = tick / 10
@@ -32,7 +32,7 @@ def test_each_kind_passes_once_in_a_period(now: SimpleNamespace) -> None:
 
 def test_no_more_than_so_many_kinds_pass_in_a_period(now: SimpleNamespace) -> None:
     """A flood of garbage, each in its own way, would fill log and memory."""
-    throttle = RepeatThrottle(5, 1.0)
+    throttle = RepeatLimiter(5, 1.0)
     assert sum(throttle.passes(str(number)) for number in range(1000)) == 5
     now.seconds = 1.0
     assert throttle.passes('999')

@@ -9,8 +9,8 @@ import numpy as np
 import pytest
 
 from al_questioner.domain import Action, Answer, Outcome, Query, QueryKind, QueryRecord, Scene
-from al_questioner.terminal.board import Board, Picture, Progress
-from al_questioner.terminal.session import Session
+from al_questioner.terminal.dialogue import TeacherDialogue
+from al_questioner.terminal.view_state import EpisodeProgress, Picture, ViewState
 
 SYMBOLS = ('main_dish', 'snack', 'fruit', 'beverage')
 GROUPS = ('colour', 'size', 'shape', 'texture', 'location', 'base', 'arms', 'hands', 'noise', 'weight')
@@ -74,27 +74,27 @@ class Person:
 
     def __post_init__(self) -> None:
         numbers = iter(range(1, 1000))
-        self.session = Session('anna', lambda *sent: self.sent.append(sent), lambda: f'a{next(numbers)}')
-        self.session.enter('episode')
-        self.session.look(scene_of({1: (0.1, 0.1), 7: (1.2, 0.4), 12: (0.6, 0.7)}), 1)
-        self.session.see(picture_of(), 1)
+        self.dialogue = TeacherDialogue('anna', lambda *sent: self.sent.append(sent), lambda: f'a{next(numbers)}')
+        self.dialogue.enter('episode')
+        self.dialogue.look(scene_of({1: (0.1, 0.1), 7: (1.2, 0.4), 12: (0.6, 0.7)}), 1)
+        self.dialogue.see(picture_of(), 1)
         self.progress(0)
 
     def progress(
         self, turn: int, *records: QueryRecord, done: bool = False, last: tuple[Query, Answer] | None = None
     ) -> None:
         """The learner's state after a turn."""
-        self.session.follow(Progress(turn, 8, 6.0, float(len(records)), done, records, last))
+        self.dialogue.follow(EpisodeProgress(turn, 8, 6.0, float(len(records)), done, records, last))
 
-    def asked(self, query: Query) -> Board:
+    def asked(self, query: Query) -> ViewState:
         """What is shown once this is asked."""
-        self.session.ask(query)
-        return self.session.board()
+        self.dialogue.ask(query)
+        return self.dialogue.board()
 
-    def taken(self, accepted: bool = True, reason: str = '') -> Board:
+    def taken(self, accepted: bool = True, reason: str = '') -> ViewState:
         """What is shown once the learner has said whether it takes the last answer."""
-        self.session.acknowledge(self.sent[-1][1].answer_id, accepted, reason)
-        return self.session.board()
+        self.dialogue.acknowledge(self.sent[-1][1].answer_id, accepted, reason)
+        return self.dialogue.board()
 
 
 @pytest.fixture

@@ -17,9 +17,9 @@ from pathlib import Path
 import numpy as np
 
 from al_questioner.domain import Action, Answer, Outcome, Query, QueryKind, QueryRecord, Scene
-from al_questioner.terminal.attending import attend
-from al_questioner.terminal.board import Progress
-from al_questioner.terminal.session import Session
+from al_questioner.terminal.dialogue import TeacherDialogue
+from al_questioner.terminal.run import run_terminal
+from al_questioner.terminal.view_state import EpisodeProgress
 
 IDS = (1, 7, 12)
 ACTIONS = {
@@ -34,20 +34,22 @@ class Robot:
 
     def __init__(self, file: Path, deaf: bool, slow: bool) -> None:
         self.file, self.deaf, self.slow = file, deaf, slow
-        self.session = Session('anna', self.hear)
+        self.dialogue = TeacherDialogue('anna', self.hear)
         self.records: list[QueryRecord] = []
-        self.session.enter('episode')
-        self.session.look(Scene(IDS, np.eye(3, dtype=np.float32) / 2, np.zeros((3, 1), np.float32), ('colour_hue',)), 1)
-        self.session.see(np.full((692, 1280, 3), 90, np.uint8), 1)
+        self.dialogue.enter('episode')
+        self.dialogue.look(
+            Scene(IDS, np.eye(3, dtype=np.float32) / 2, np.zeros((3, 1), np.float32), ('colour_hue',)), 1
+        )
+        self.dialogue.see(np.full((692, 1280, 3), 90, np.uint8), 1)
         self.ask()
 
     def ask(self) -> None:
         """Go on to the next turn."""
         turn = len(self.records) + 1
-        self.session.follow(Progress(turn - 1, 3, 5.0, turn - 1.0, turn > 3, tuple(self.records)))
+        self.dialogue.follow(EpisodeProgress(turn - 1, 3, 5.0, turn - 1.0, turn > 3, tuple(self.records)))
         if turn <= 3:
             action, choices, text = ACTIONS[f'q{turn}']
-            self.session.ask(Query(f'q{turn}', turn, action, choices, 1, 4, 3 - turn, 1, text))
+            self.dialogue.ask(Query(f'q{turn}', turn, action, choices, 1, 4, 3 - turn, 1, text))
 
     def hear(self, _: str, answer: Answer) -> None:
         """Write an answer down, and take it when it is time."""
@@ -62,7 +64,7 @@ class Robot:
 
     def take(self, answer: Answer) -> None:
         """Acknowledge an answer, and go on."""
-        self.session.acknowledge(answer.answer_id, True, '')
+        self.dialogue.acknowledge(answer.answer_id, True, '')
         if answer.replaces is None:
             self.records.append(QueryRecord(len(self.records) + 1, QueryKind.LABEL, 7, 'fruit', 1.0, Outcome.ANSWERED))
             self.ask()
@@ -74,7 +76,7 @@ def main() -> None:
     robot = Robot(Path(sys.argv[1]), '--deaf' in sys.argv, '--slow' in sys.argv)
     for number in (signal.SIGTERM, signal.SIGINT):
         signal.signal(number, lambda *_: stopped.set())
-    thread = threading.Thread(target=attend, args=(robot.session, stopped))
+    thread = threading.Thread(target=run_terminal, args=(robot.dialogue, stopped))
     thread.start()
     while thread.is_alive():
         thread.join(0.05)

@@ -33,11 +33,11 @@ KEYS = [
 ]
 
 
-def pressed(board: Any, *keys: str) -> list[object]:
+def pressed(view_state: Any, *keys: str) -> list[object]:
     """What these keys ask for, one after another."""
     pad, found = Pad(), []
     for key in keys:
-        pad, command = press(key, pad, board)
+        pad, command = press(key, pad, view_state)
         if command is not None:
             found.append(command)
     return found
@@ -74,13 +74,13 @@ def test_the_first_letter_of_a_name_is_a_command_only_if_it_is_pressed_twice(
     person: Any, made: Any, symbols: tuple[str, ...], key: str, alike: str, command: object
 ) -> None:
     """Whoever presses s for a screwdriver would skip the question, pay for it, and not know why."""
-    board = person.asked(made.label(1, symbols=symbols))
-    (explained,) = pressed(board, key)
+    view_state = person.asked(made.label(1, symbols=symbols))
+    (explained,) = pressed(view_state, key)
     assert isinstance(explained, Explain)
     assert alike in explained.text
-    assert pressed(board, key, key) == [explained, command]
-    assert pressed(board, key, 'c', key) == [explained, Say('cup'), explained]
-    assert pressed(board, key, 'h', key) == [explained, Wish.HELP, explained]
+    assert pressed(view_state, key, key) == [explained, command]
+    assert pressed(view_state, key, 'c', key) == [explained, Say('cup'), explained]
+    assert pressed(view_state, key, 'h', key) == [explained, Wish.HELP, explained]
     # Where numbers are asked for, no name is said by a letter.
     assert pressed(person.asked(made.demonstration(2)), key) == [command]
 
@@ -93,31 +93,31 @@ def test_the_first_letter_of_a_group_is_a_command_only_if_it_is_pressed_twice(
     person: Any, made: Any, group: str, key: str, command: object
 ) -> None:
     """Whoever presses s for size would skip the question, and q for quality would end the conversation."""
-    board = person.asked(made.feature_subset(1, ('colour', group)))
-    (explained,) = pressed(board, key)
+    view_state = person.asked(made.feature_subset(1, ('colour', group)))
+    (explained,) = pressed(view_state, key)
     assert isinstance(explained, Explain)
     assert f'for {group} press 2' in explained.text
-    assert pressed(board, key, key) == [explained, command]
-    assert pressed(board, key, '2', 'enter') == [explained, Say(group)]
-    assert pressed(board, '1', key, key) == [explained, command]
-    assert pressed(board, 'q') == [Wish.QUIT]
+    assert pressed(view_state, key, key) == [explained, command]
+    assert pressed(view_state, key, '2', 'enter') == [explained, Say(group)]
+    assert pressed(view_state, '1', key, key) == [explained, command]
+    assert pressed(view_state, 'q') == [Wish.QUIT]
 
 
 def test_a_group_beyond_the_digits_is_ticked_otherwise(person: Any, made: Any) -> None:
     """There is no key 10."""
-    board = person.asked(made.feature_subset(1, (*'abcdefgij', 'size')))
-    (explained,) = pressed(board, 's')
+    view_state = person.asked(made.feature_subset(1, (*'abcdefgij', 'size')))
+    (explained,) = pressed(view_state, 's')
     assert isinstance(explained, Explain)
     assert 'for size use arrows and space' in explained.text
 
 
 def test_a_capital_is_no_choice_where_another_symbol_begins_so(person: Any, made: Any) -> None:
     """Whoever begins to spell A1 would say a."""
-    board = person.asked(made.label(1, symbols=('a', 'A1')))
-    (explained,) = pressed(board, 'A')
+    view_state = person.asked(made.label(1, symbols=('a', 'A1')))
+    (explained,) = pressed(view_state, 'A')
     assert isinstance(explained, Explain)
     assert explained.text == '"A" could mean two things: for a press a, for A1 press 1'
-    assert pressed(board, 'a', '1') == [Say('a'), Say('A1')]
+    assert pressed(view_state, 'a', '1') == [Say('a'), Say('A1')]
     assert pressed(person.asked(made.label(2, symbols=('Apple', 'Ape'))), 'A', 'a') == [Say('Apple'), Say('Apple')]
     assert pressed(person.asked(made.label(3, symbols=('a', 'b1'))), 'A') == [Say('a')]
 
@@ -141,20 +141,20 @@ def test_one_key_answers_a_label_query(person: Any, made: Any, key: str, word: s
 
 def test_digits_and_enter_answer_a_demonstration_query(person: Any, made: Any) -> None:
     """The first digit of a number would be taken for all of it."""
-    board = person.asked(made.demonstration(1))
-    assert pressed(board, '1', '7', 'backspace', '2', 'enter') == [Say('12')]
-    assert pressed(board, 'n') == [Say('none')]
-    assert pressed(board, 'backspace') == [Wish.UNDO]
-    assert isinstance(pressed(board, 'enter')[0], Explain)
-    assert isinstance(pressed(board, '1', 'f')[0], Explain)
+    view_state = person.asked(made.demonstration(1))
+    assert pressed(view_state, '1', '7', 'backspace', '2', 'enter') == [Say('12')]
+    assert pressed(view_state, 'n') == [Say('none')]
+    assert pressed(view_state, 'backspace') == [Wish.UNDO]
+    assert isinstance(pressed(view_state, 'enter')[0], Explain)
+    assert isinstance(pressed(view_state, '1', 'f')[0], Explain)
 
 
 def test_ticks_and_enter_answer_a_feature_subset_query(person: Any, made: Any) -> None:
     """More than one property could not be named, or a slip not be taken back."""
-    board = person.asked(made.feature_subset(1))
-    assert pressed(board, '1', '3', '3', '9', ' ', 'right', ' ', 'enter') == [Say('colour,weight')]
-    assert pressed(board, 'left', ' ', 'enter') == [Say('weight')]
-    assert isinstance(pressed(board, 'enter')[0], Explain)
+    view_state = person.asked(made.feature_subset(1))
+    assert pressed(view_state, '1', '3', '3', '9', ' ', 'right', ' ', 'enter') == [Say('colour,weight')]
+    assert pressed(view_state, 'left', ' ', 'enter') == [Say('weight')]
+    assert isinstance(pressed(view_state, 'enter')[0], Explain)
 
 
 def test_groups_with_a_comma_can_be_ticked(person: Any, made: Any) -> None:
@@ -169,18 +169,18 @@ def test_groups_with_a_comma_can_be_ticked(person: Any, made: Any) -> None:
 @pytest.mark.parametrize('kind', ['label', 'demonstration', 'feature_subset'])
 def test_commands_are_the_same_at_every_question(person: Any, made: Any, kind: str) -> None:
     """A person could not quit or get help at some question."""
-    board = person.asked(made.QUERIES[kind](1))
+    view_state = person.asked(made.QUERIES[kind](1))
     for key, wish in {'z': Wish.UNDO, 'backspace': Wish.UNDO, 'h': Wish.HELP, 'q': Wish.QUIT}.items():
-        assert pressed(board, key) == [wish]
-    assert pressed(board, ':', 's', 'k', 'i', 'x', 'backspace', 'p', 'enter') == [Say('skip')]
-    assert pressed(board, ':', 'q', 'escape') == []
+        assert pressed(view_state, key) == [wish]
+    assert pressed(view_state, ':', 's', 'k', 'i', 'x', 'backspace', 'p', 'enter') == [Say('skip')]
+    assert pressed(view_state, ':', 'q', 'escape') == []
 
 
 def test_between_questions_keys_answer_nothing(person: Any, made: Any) -> None:
     """A second press would answer a question that nobody has seen."""
-    board = person.session.board()
-    assert pressed(board, 'f', 'n', '?', 'enter') == []
-    assert pressed(board, 'h', 'q') == [Wish.HELP, Wish.QUIT]
+    view_state = person.dialogue.board()
+    assert pressed(view_state, 'f', 'n', '?', 'enter') == []
+    assert pressed(view_state, 'h', 'q') == [Wish.HELP, Wish.QUIT]
 
 
 def test_what_was_typed_at_one_question_is_not_carried_to_the_next(person: Any, made: Any) -> None:
@@ -194,11 +194,11 @@ def test_what_was_typed_at_one_question_is_not_carried_to_the_next(person: Any, 
 @given(st.sampled_from(['label', 'demonstration', 'feature_subset']), st.lists(st.sampled_from(KEYS) | st.characters()))
 def test_no_keys_fail_and_every_answer_of_the_keypad_is_one(made: Any, kind: str, keys: list[str]) -> None:
     """A cat on the keyboard would end the session, or say what the robot cannot read."""
-    board = made.Person().asked(made.QUERIES[kind](1))
-    for command in pressed(board, *(key for key in keys if key != ':')):
-        if isinstance(command, Say) and command.text in board.moment.query.choices:
-            assert read_plain_answer(command.text, board.moment.query).content is not None
-    pressed(board, *keys)
+    view_state = made.Person().asked(made.QUERIES[kind](1))
+    for command in pressed(view_state, *(key for key in keys if key != ':')):
+        if isinstance(command, Say) and command.text in view_state.prompt.query.choices:
+            assert read_plain_answer(command.text, view_state.prompt.query).content is not None
+    pressed(view_state, *keys)
 
 
 @settings(deadline=None)
@@ -206,7 +206,7 @@ def test_no_keys_fail_and_every_answer_of_the_keypad_is_one(made: Any, kind: str
 def test_every_line_is_an_answer_or_is_explained(made: Any, line: str, kind: str) -> None:
     """A script or a person would see a traceback, or nothing at all."""
     person = made.Person()
-    query = person.asked(made.QUERIES[kind](1)).moment.query
+    query = person.asked(made.QUERIES[kind](1)).prompt.query
     command = read_line(line)
     if isinstance(command, Explain):
         assert command.text
@@ -215,9 +215,9 @@ def test_every_line_is_an_answer_or_is_explained(made: Any, line: str, kind: str
             expected = read_plain_answer(line, query, 'anna')
         except AnswerError:
             with pytest.raises(AnswerError, match='expected one of'):
-                person.session.say(command.text)
+                person.dialogue.say(command.text)
         else:
-            person.session.say(command.text)
+            person.dialogue.say(command.text)
             answer = person.sent[0][1]
             assert (answer.outcome, answer.content) == (expected.outcome, expected.content)
 

@@ -11,13 +11,13 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from rich.cells import cell_len
 
+from al_questioner.terminal.capabilities import Capabilities
 from al_questioner.terminal.keypad import Pad, about, press
-from al_questioner.terminal.look import Look
 from al_questioner.terminal.screen import screen
 from al_questioner.terminal.sentences import farewell, question_line
 
-LOOKS = [
-    Look(width, height, colors, monochrome, unicode)
+TERMINALS = [
+    Capabilities(width, height, colors, monochrome, unicode)
     for width, height in ((80, 24), (40, 24), (80, 8), (20, 5), (200, 60), (1, 1))
     for colors, monochrome, unicode in (
         (None, False, True),
@@ -31,31 +31,36 @@ LOOKS = [
 ATTRIBUTES = re.compile(r'\x1b\[[0-9;]*m')
 
 
-def shown(board: Any, look: Look, pad: Pad | None = None, in_help: bool = False) -> str:
-    return look.written(screen(board, pad or Pad(), look, in_help))
+def shown(view_state: Any, capabilities: Capabilities, pad: Pad | None = None, in_help: bool = False) -> str:
+    return capabilities.written(screen(view_state, pad or Pad(), capabilities, in_help))
 
 
 @pytest.mark.parametrize('kind', ['label', 'demonstration', 'feature_subset'])
-@pytest.mark.parametrize('look', LOOKS, ids=str)
-def test_every_screen_fits_its_terminal(made: Any, kind: str, look: Look) -> None:
+@pytest.mark.parametrize('capabilities', TERMINALS, ids=str)
+def test_every_screen_fits_its_terminal(made: Any, kind: str, capabilities: Capabilities) -> None:
     """Lines would wrap and push the question off the screen, on a small one or over a slow line."""
     person = made.Person()
-    person.session.look(made.many_objects(60), 1)
+    person.dialogue.look(made.many_objects(60), 1)
     person.progress(3, *(made.record(turn) for turn in range(1, 4)))
-    board = person.asked(made.QUERIES[kind](5))
-    for pad in (Pad(), Pad(about(board), '12'), Pad(about(board), 'fru', in_words=True), Pad(notice='long ' * 99)):
+    view_state = person.asked(made.QUERIES[kind](5))
+    for pad in (
+        Pad(),
+        Pad(about(view_state), '12'),
+        Pad(about(view_state), 'fru', in_words=True),
+        Pad(notice='long ' * 99),
+    ):
         for in_help in (False, True):
-            lines = ATTRIBUTES.sub('', shown(board, look, pad, in_help)).split('\n')
-            assert len(lines) <= look.height
-            assert max(map(cell_len, lines)) <= look.width
-            assert look.unicode or ''.join(lines).isascii()
+            lines = ATTRIBUTES.sub('', shown(view_state, capabilities, pad, in_help)).split('\n')
+            assert len(lines) <= capabilities.height
+            assert max(map(cell_len, lines)) <= capabilities.width
+            assert capabilities.unicode or ''.join(lines).isascii()
 
 
 @pytest.mark.parametrize('width', [40, 80])
 def test_a_label_query_shows_all_that_it_takes_to_answer(person: Any, made: Any, width: int) -> None:
     """The person could not know what is asked, about which thing, or how to say it."""
     person.progress(1, made.record(1))
-    text = ' '.join(shown(person.asked(made.label(2)), Look(width)).split())
+    text = ' '.join(shown(person.asked(made.label(2)), Capabilities(width)).split())
     for part in (
         'Teaching as anna',
         'turn 2 of 7',
@@ -72,21 +77,21 @@ def test_a_label_query_shows_all_that_it_takes_to_answer(person: Any, made: Any,
 
 def test_without_colours_nothing_but_characters_is_written(person: Any, made: Any) -> None:
     """A terminal without colours, or a log, would be full of codes."""
-    text = shown(person.asked(made.label(1)), Look())
+    text = shown(person.asked(made.label(1)), Capabilities())
     assert '\x1b' not in text
     assert '▀' not in text
 
 
 def test_colours_are_those_that_the_terminal_has(person: Any, made: Any) -> None:
     """A terminal of 256 colours would show none, or wrong ones; one without would show blocks of one colour."""
-    board = person.asked(made.label(1))
+    view_state = person.asked(made.label(1))
     # rich keeps the codes of a style that it has once written, so that each kind of terminal needs colours of its own.
-    assert '38;2;' in shown(board, Look(colors='truecolor'))
-    person.session.see(made.picture_of() // 2, 2)
-    board = person.session.board()
-    assert '38;2;' not in shown(board, Look(colors='256'))
-    assert '38;5;' in shown(board, Look(colors='256'))
-    monochrome = shown(board, Look(colors='256', monochrome=True))
+    assert '38;2;' in shown(view_state, Capabilities(colors='truecolor'))
+    person.dialogue.see(made.picture_of() // 2, 2)
+    view_state = person.dialogue.board()
+    assert '38;2;' not in shown(view_state, Capabilities(colors='256'))
+    assert '38;5;' in shown(view_state, Capabilities(colors='256'))
+    monochrome = shown(view_state, Capabilities(colors='256', monochrome=True))
     assert '38;5;' not in monochrome
     assert '\x1b[1;7m' in monochrome
     assert '▀' not in monochrome
@@ -100,76 +105,81 @@ def test_texts_from_the_robot_reach_the_terminal_as_text(made: Any, text: str, s
     person = made.Person()
     query = made.label(1, symbols=(hostile, *symbols), text=hostile)
     person.progress(1, made.record(3, symbol=hostile))
-    board = person.asked(query)
-    lines = [*shown(board, Look()).split('\n'), question_line(query, False), farewell(board)]
-    person.session.say('?')
-    board = person.taken(False, hostile)
-    lines += shown(board, Look()).split('\n')
+    view_state = person.asked(query)
+    lines = [*shown(view_state, Capabilities()).split('\n'), question_line(query, False), farewell(view_state)]
+    person.dialogue.say('?')
+    view_state = person.taken(False, hostile)
+    lines += shown(view_state, Capabilities()).split('\n')
     assert all(line.isprintable() for line in lines)
     assert any('\\x1b[2J' in line for line in lines)
 
 
 def test_a_number_that_is_typed_shows_its_object(person: Any, made: Any) -> None:
     """The person would learn only afterwards that they pointed at another thing."""
-    board = person.asked(made.demonstration(1))
-    pad, _ = press('1', Pad(), board)
-    pad, _ = press('2', pad, board)
-    text = shown(board, Look(), pad)
+    view_state = person.asked(made.demonstration(1))
+    pad, _ = press('1', Pad(), view_state)
+    pad, _ = press('2', pad, view_state)
+    text = shown(view_state, Capabilities(), pad)
     assert 'Object 12: back' in text
     assert '[12]' in text
 
 
 def test_ticked_groups_are_marked(person: Any, made: Any) -> None:
     """The person could not see what they are about to say."""
-    board = person.asked(made.feature_subset(1))
-    pad, _ = press('2', Pad(), board)
-    assert '[x] 2 size' in shown(board, Look(), pad)
-    assert '[ ] 1 colour' in shown(board, Look(), pad)
+    view_state = person.asked(made.feature_subset(1))
+    pad, _ = press('2', Pad(), view_state)
+    assert '[x] 2 size' in shown(view_state, Capabilities(), pad)
+    assert '[ ] 1 colour' in shown(view_state, Capabilities(), pad)
 
 
 def test_an_object_that_has_gone_is_said_to_have_gone(person: Any, made: Any) -> None:
     """The person would look for it and not find it."""
-    assert 'Object 9 is not in view any more.' in shown(person.asked(made.label(1, object_id=9)), Look())
+    assert 'Object 9 is not in view any more.' in shown(person.asked(made.label(1, object_id=9)), Capabilities())
 
 
 def test_between_questions_the_robot_is_said_to_think(person: Any, made: Any) -> None:
     """The person would take the program for dead."""
     person.progress(3)
-    assert 'thinks. 5 turns left.' in shown(person.session.board(), Look())
+    assert 'thinks. 5 turns left.' in shown(person.dialogue.board(), Capabilities())
 
 
 def test_a_camera_whose_projection_is_unknown_is_not_cut_out(person: Any, made: Any) -> None:
     """The person would be shown some other part of the picture as the object."""
-    person.session.see(made.picture_of(480, 640), 2)
-    text = shown(person.asked(made.label(1)), Look())
+    person.dialogue.see(made.picture_of(480, 640), 2)
+    text = shown(person.asked(made.label(1)), Capabilities())
     assert text.split('\n')[4].startswith('┌─')
 
 
 def test_a_correction_says_what_it_corrects(person: Any, made: Any) -> None:
     """The person would think that the robot asks the same thing again."""
     person.asked(made.label(1))
-    person.session.say('fruit')
+    person.dialogue.say('fruit')
     person.taken()
-    person.session.undo()
-    text = shown(person.session.board(), Look())
+    person.dialogue.undo()
+    text = shown(person.dialogue.board(), Capabilities())
     assert 'Correction of: object 7 is fruit' in text
     # Of the question that is shown, not how far the robot is meanwhile.
     assert 'turn 1 of 6 · correcting' in text
 
 
 @pytest.mark.parametrize('kind', ['label', 'demonstration', 'feature_subset'])
-@pytest.mark.parametrize('look', [Look(80, 24), Look(80, 18), Look(60, 40)], ids=str)
-def test_the_map_stays_where_it_is_while_a_question_is_shown(made: Any, kind: str, look: Look) -> None:
+@pytest.mark.parametrize('capabilities', [Capabilities(80, 24), Capabilities(80, 18), Capabilities(60, 40)], ids=str)
+def test_the_map_stays_where_it_is_while_a_question_is_shown(made: Any, kind: str, capabilities: Capabilities) -> None:
     """The number that somebody is about to point at would jump to another row."""
     person = made.Person()
-    person.session.look(made.many_objects(20), 1)
-    board = person.asked(made.QUERIES[kind](5))
-    pads = (Pad(), Pad(about(board), '1'), Pad(notice='one line'), Pad(notice='words ' * (look.width // 4)))
-    screens = [shown(board, look, pad) for pad in pads]
+    person.dialogue.look(made.many_objects(20), 1)
+    view_state = person.asked(made.QUERIES[kind](5))
+    pads = (
+        Pad(),
+        Pad(about(view_state), '1'),
+        Pad(notice='one line'),
+        Pad(notice='words ' * (capabilities.width // 4)),
+    )
+    screens = [shown(view_state, capabilities, pad) for pad in pads]
     person.progress(4, *(made.record(turn) for turn in range(1, 5)))
-    screens += [shown(person.session.board(), look, pad) for pad in pads]
-    person.session.say('?')
-    screens.append(shown(person.session.board(), look))
+    screens += [shown(person.dialogue.board(), capabilities, pad) for pad in pads]
+    person.dialogue.say('?')
+    screens.append(shown(person.dialogue.board(), capabilities))
     rows = {tuple(n for n, line in enumerate(text.split('\n')) if set('┌└') & set(line)) for text in screens}
     assert len(rows) == 1
     ((top, bottom),) = rows
@@ -181,8 +191,8 @@ def test_numbers_beyond_all_measure_are_shown(person: Any, made: Any) -> None:
     """One strange message would end a person's session."""
     query = made.label(1, symbols=('x' * 9000,) * 3000)
     query = replace(query, turns_left=10**4299, cost=float('inf'), budget_left=1e300)
-    board = person.asked(query)
-    assert 'very many' in shown(board, Look())
+    view_state = person.asked(query)
+    assert 'very many' in shown(view_state, Capabilities())
     assert len(question_line(query, False)) < 3000
 
 
@@ -190,9 +200,9 @@ def test_a_question_that_waits_tells_the_time_that_is_left_now(person: Any, made
     """Who comes back would believe that there is more time than there is."""
     person.asked(made.label(2))
     person.progress(4)
-    board = person.session.board()
-    assert 'turn 5 of 7' in shown(board, Look())
-    assert 'turns left 2' in question_line(board.moment.query, False, board.progress)
+    view_state = person.dialogue.board()
+    assert 'turn 5 of 7' in shown(view_state, Capabilities())
+    assert 'turns left 2' in question_line(view_state.prompt.query, False, view_state.progress)
 
 
 def test_a_line_keeps_names_with_blanks_and_commas_apart(made: Any) -> None:

@@ -10,7 +10,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from al_questioner.simulation.kitchen.table_image import Projection
-from al_questioner.terminal.look import Look
+from al_questioner.terminal.capabilities import Capabilities
 from al_questioner.terminal.table_map import position_in_words, table_map
 from al_questioner.terminal.thumbnail import cut_out, thumbnail
 
@@ -89,7 +89,9 @@ def test_nothing_is_cut_out_where_the_place_is_not_known(made: Any, size: Any, p
 @given(st.integers(1, 50), st.integers(1, 50), st.integers(1, 60), st.integers(1, 30), st.booleans())
 def test_a_picture_of_any_shape_fits(made: Any, height: int, width: int, columns: int, rows: int, color: bool) -> None:
     """An object at the rim of the picture, or a small terminal, would break the screen."""
-    lines = thumbnail(made.picture_of(height, width), columns, rows, Look(colors='truecolor' if color else None))
+    lines = thumbnail(
+        made.picture_of(height, width), columns, rows, Capabilities(colors='truecolor' if color else None)
+    )
     assert 1 <= len(lines) <= rows
     assert {line.cell_len for line in lines} == {len(lines[0].plain)}
     assert len(lines[0].plain) <= columns
@@ -97,6 +99,6 @@ def test_a_picture_of_any_shape_fits(made: Any, height: int, width: int, columns
 
 def test_bright_and_dark_are_told_apart_without_colours(made: Any) -> None:
     """A picture in characters would show nothing."""
-    lines = [line.plain for line in thumbnail(made.picture_of(20, 20), 20, 10, Look())]
+    lines = [line.plain for line in thumbnail(made.picture_of(20, 20), 20, 10, Capabilities())]
     assert lines[0][0] == ' '
     assert lines[5][10] == '@'

@@ -9,7 +9,7 @@ from pathlib import Path
 from al_questioner.domain import InputError
 from al_questioner.messages.schemas import LARGEST_TURN
 from al_questioner.questioning import STRATEGIES
-from al_questioner.support.arguments import LARGEST_SEED, REPEAT_SHOWN_HELP, Parser, number
+from al_questioner.support.arguments import LARGEST_SEED, REPEAT_SHOWN_HELP, Parser, number_within
 from al_questioner.support.configuration import shipped_names
 
 
@@ -23,18 +23,18 @@ def parser() -> Parser:
     result.add_argument('--strategy', help=f"one of {', '.join(STRATEGIES)}, or of an installed package (the task's)")
     result.add_argument('--weights-file', help='YAML file with weights of the decision features')
     result.add_argument('--budget', type=float, help="query budget (the task's)")
-    turns = number(int, 1, LARGEST_TURN)
+    turns = number_within(int, 1, LARGEST_TURN)
     result.add_argument('--turns', type=turns, help="length of the episode (the task's)")
-    tune_every = number(int, 0, LARGEST_TURN)
+    tune_every = number_within(int, 0, LARGEST_TURN)
     tune_help = "turns from one re-optimisation of the models' kernel to the next, 0 for never (%(default)s)"
     result.add_argument('--tune-every', type=tune_every, default=0, metavar='K', help=tune_help)
-    seed = number(int, 0, LARGEST_SEED)
+    seed = number_within(int, 0, LARGEST_SEED)
     result.add_argument('--seed', type=seed, default=0, help='seed of everything drawn at random (%(default)s)')
     result.add_argument('--sample', type=seed, help='sample of observations to draw the scenes from (that of the seed)')
     result.add_argument('--wrong-rate', type=float, default=0.0, help='share of wrong answers (%(default)s)')
     result.add_argument('--unknown-rate', type=float, default=0.0, help='share of "I do not know" (%(default)s)')
     result.add_argument('--repeat-shown', action='store_true', help=REPEAT_SHOWN_HELP)
-    period = number(float, 0, 3600)
+    period = number_within(float, 0, 3600)
     period_help = 'least seconds from turn to turn, not offline (%(default)s)'
     result.add_argument('--turn-period', type=period, default=0.0, help=period_help)
     result.add_argument('--out', type=Path, default=Path('out/demo'), help='folder for the pictures (%(default)s)')

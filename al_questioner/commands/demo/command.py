@@ -8,7 +8,7 @@ import os
 
 from rich.console import Console
 
-from al_questioner.commands.demo.progress import Progress
+from al_questioner.commands.demo.progress import ProgressView
 from al_questioner.commands.demo.report import episode_document, summary
 from al_questioner.concepts import compile_models
 from al_questioner.domain import InputError, QueryRecord
@@ -17,7 +17,7 @@ from al_questioner.simulation import (
     PerceivedWorld,
     ScriptedTeacher,
     TurnWatcher,
-    WorldChoice,
+    WorldSpec,
     episode_settings,
     load_task,
     play,
@@ -31,7 +31,7 @@ PATIENCE = 30.0
 
 def main(given: argparse.Namespace) -> int:
     """Run the demo."""
-    choice = WorldChoice(
+    choice = WorldSpec(
         load_task(given.task), given.seed, given.seed if given.sample is None else given.sample, given.dataset
     )
     settings = episode_settings(
@@ -63,7 +63,7 @@ def main(given: argparse.Namespace) -> int:
     _tell(console, evaluation.world.report())
     with console.status('preparing the models (compiling them, if need be, takes some ten seconds)'):
         compile_models()
-    with Progress(console, choice.task, settings) as progress:
+    with ProgressView(console, choice.task, settings) as progress:
         if given.offline:
             play(evaluation, teacher, progress.after_turn)
         else:
@@ -111,7 +111,7 @@ def _play_graph(given: argparse.Namespace, evaluation: Evaluation, watch: TurnWa
         InputError: the namespace is no namespace.
         EpisodeError: the nodes did not play it to its end.
     """
-    from al_questioner.ros.episode_launcher import Graph
+    from al_questioner.ros.episode_launcher import EpisodeLauncher
     from al_questioner.ros.worlds import new_episode_id
 
     choice, settings = evaluation.choice, evaluation.settings
@@ -126,7 +126,7 @@ def _play_graph(given: argparse.Namespace, evaluation: Evaluation, watch: TurnWa
             accuracy = evaluation.next_turn(record)
             watch(evaluation.turn, record, accuracy)
 
-    Graph(
+    EpisodeLauncher(
         namespace=(given.namespace or f'demo_{os.getpid()}').strip('/'),
         episode_id=episode_id,
         parameters={

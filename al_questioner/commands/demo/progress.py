@@ -14,7 +14,7 @@ from al_questioner.simulation import Task
 from al_questioner.support.text import number_of
 
 
-class Progress:
+class ProgressView:
     """A context manager; tell it of each turn."""
 
     def __init__(self, console: Console, task: Task, settings: EpisodeSettings) -> None:
@@ -35,7 +35,7 @@ class Progress:
         )
         self._task = self._bar.add_task('starting the nodes and looking at the first scene', total=settings.turns)
 
-    def __enter__(self) -> Progress:
+    def __enter__(self) -> ProgressView:
         self._bar.start()
         return self
 

@@ -21,7 +21,7 @@ from al_questioner.experiments.plan import (
 from al_questioner.experiments.studies import STUDIES
 from al_questioner.messages.schemas import LARGEST_TURN
 from al_questioner.questioning import FEATURE_SETS
-from al_questioner.support.arguments import REPEAT_SHOWN_HELP, Parser, number
+from al_questioner.support.arguments import REPEAT_SHOWN_HELP, Parser, number_within
 from al_questioner.support.configuration import shipped_names
 
 
@@ -62,31 +62,35 @@ def parser() -> Parser:
         metavar='NAME',
         help=f'vary what the paper does not tell: {", ".join(STUDIES)}; all if none is named',
     )
-    result.add_argument('--samples', type=number(int, 1, 100_000), default=5, help='of each task (%(default)s)')
+    result.add_argument('--samples', type=number_within(int, 1, 100_000), default=5, help='of each task (%(default)s)')
     first_help = 'number of the first sample (%(default)s)'
-    result.add_argument('--first-sample', type=number(int, 0, 1_000_000), default=0, help=first_help)
+    result.add_argument('--first-sample', type=number_within(int, 0, 1_000_000), default=0, help=first_help)
     result.add_argument('--weights-file', help=f'weights of {" or ".join(FEATURE_SETS)}; those that ship if not given')
-    result.add_argument('--change-interval', type=number(int, 1, 10_000), help="turns between changes (the task's)")
-    result.add_argument('--synchrony', type=number(float, 0, 1), help="how synchronously objects change (the task's)")
     result.add_argument(
-        '--wrong-rate', type=number(float, 0, 1), default=0.0, help='share of wrong answers (%(default)s)'
+        '--change-interval', type=number_within(int, 1, 10_000), help="turns between changes (the task's)"
+    )
+    result.add_argument(
+        '--synchrony', type=number_within(float, 0, 1), help="how synchronously objects change (the task's)"
+    )
+    result.add_argument(
+        '--wrong-rate', type=number_within(float, 0, 1), default=0.0, help='share of wrong answers (%(default)s)'
     )
     result.add_argument(
         '--unknown-rate',
-        type=number(float, 0, 1),
+        type=number_within(float, 0, 1),
         default=0.0,
         help='share of questions without an answer (%(default)s)',
     )
     result.add_argument('--repeat-shown', action='store_true', help=REPEAT_SHOWN_HELP)
     result.add_argument(
         '--amplitude',
-        type=number(float, *AMPLITUDE_RANGE),
+        type=number_within(float, *AMPLITUDE_RANGE),
         default=AMPLITUDE,
         help="variance of the Gaussian processes' kernel (%(default)s)",
     )
     result.add_argument('--dataset', default='', help='root of a directory of crops, for tasks that read one')
     jobs = os.cpu_count() or 1
-    result.add_argument('--jobs', type=number(int, 1, 1024), default=jobs, help='local processes (%(default)s)')
+    result.add_argument('--jobs', type=number_within(int, 1, 1024), default=jobs, help='local processes (%(default)s)')
     backend_help = 'who does the work: processes here, or a dask cluster (%(default)s)'
     result.add_argument('--backend', choices=('processes', 'dask'), default='processes', help=backend_help)
     result.add_argument('--scheduler', metavar='ADDRESS', help='of the dask cluster')

@@ -17,9 +17,9 @@ from al_questioner.commands.experiment.arguments import plan_of
 from al_questioner.concepts import compile_models
 from al_questioner.domain import AMPLITUDE, EpisodeError, SettingsError
 from al_questioner.experiments.figures import condition_name, draw_figures
-from al_questioner.experiments.plan import OWN, Cell, Plan, shipped_weights
+from al_questioner.experiments.plan import PROPOSED, Cell, Plan, shipped_weights
 from al_questioner.experiments.playing import Played
-from al_questioner.experiments.progress import Progress
+from al_questioner.experiments.progress import ExperimentProgress
 from al_questioner.experiments.report import Page, report
 from al_questioner.experiments.results import Results, read_results
 from al_questioner.experiments.running import run
@@ -27,7 +27,7 @@ from al_questioner.experiments.statistics import mean_and_deviation
 from al_questioner.experiments.storing import Store
 from al_questioner.experiments.studies import STUDIES, Study, make_studies
 from al_questioner.questioning import FEATURE_SETS, Weights, make_strategy, read_weights
-from al_questioner.simulation import WorldChoice, load_task
+from al_questioner.simulation import WorldSpec, load_task
 from al_questioner.support.files import write_text
 from al_questioner.support.text import number_of
 
@@ -51,7 +51,7 @@ def main(given: argparse.Namespace) -> int:
     began = time.monotonic()
     total = sum(len(each.plan.cells()) for each in stores)
     try:
-        with Progress(console, total) as progress:
+        with ExperimentProgress(console, total) as progress:
             failed = run(stores, given.jobs, given.scheduler, progress.begin, progress.watch)
     except KeyboardInterrupt:
         finished = sum(each.finished() for each in stores)
@@ -67,7 +67,7 @@ def main(given: argparse.Namespace) -> int:
         read_results(store.folder),
         {task: plan.variation.task(task).of_sample(plan.samples[0]).scenes.change_interval for task in plan.tasks},
         (),
-        {name: weights[name] for name in plan.strategies if name in weights and name not in OWN},
+        {name: weights[name] for name in plan.strategies if name in weights and name not in PROPOSED},
         [
             (study, {label: read_results(each.folder) for label, each in by_label.items() if each.finished()})
             for study, by_label in variants
@@ -119,7 +119,7 @@ def _check_worlds(plans: Sequence[Plan], given: argparse.Namespace) -> None:
         task = load_task(name)
         # What workers elsewhere will read need not be here.
         if task.source == 'simulated' or dataset is None or given.scheduler is None:
-            WorldChoice(task, given.first_sample, given.first_sample, dataset).open()
+            WorldSpec(task, given.first_sample, given.first_sample, dataset).open()
 
 
 def _varied(given: argparse.Namespace) -> str:

@@ -21,7 +21,7 @@ def main(given: argparse.Namespace) -> int:
     if given.repair is not None:
         return _repair(given.repair)
     from al_questioner.ros.nodes.recorder import RecorderNode
-    from al_questioner.ros.running import run_nodes
+    from al_questioner.ros.running import spin_nodes
 
     made: list[RecorderNode] = []
 
@@ -29,7 +29,7 @@ def main(given: argparse.Namespace) -> int:
         made.append(RecorderNode())
         return made[0]
 
-    run_nodes(
+    spin_nodes(
         [make],
         given.ros,
         lambda: made[0].done or made[0].failure is not None,

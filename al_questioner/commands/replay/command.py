@@ -12,7 +12,7 @@ from rich.console import Console
 from rich.live import Live
 from rich.text import Text
 
-from al_questioner.bags import LeftOut, read_bag, read_sessions
+from al_questioner.bags import LeftOut, read_bag, read_episodes
 from al_questioner.bags.playback import STEP, Playback, without_steps_back
 from al_questioner.bags.rerun import first_divergence
 from al_questioner.bags.scenes import scenes_of
@@ -23,10 +23,10 @@ from al_questioner.ros.message_classes import installed_part
 from al_questioner.support.text import number_of
 
 if TYPE_CHECKING:
+    from al_questioner.ros.nodes.recorded_perception import RecordedPerceptionNode
     from al_questioner.ros.nodes.replayer import ReplayNode
-    from al_questioner.ros.nodes.stand_in import StandInNode
 
-Shown = TypeVar('Shown', 'ReplayNode', 'StandInNode')
+Shown = TypeVar('Shown', 'ReplayNode', 'RecordedPerceptionNode')
 
 
 def main(given: argparse.Namespace) -> int:
@@ -66,10 +66,10 @@ def _stand_in(path: Path, ros: Sequence[str], console: Console) -> int:
     scenes = scenes_of(read_bag(path))
     last = max(scenes.clouds)
     console.print(f'{path}: scenes of {len(scenes.clouds)} turns, the last is turn {last}', highlight=False)
-    from al_questioner.ros.nodes.stand_in import StandInNode
+    from al_questioner.ros.nodes.recorded_perception import RecordedPerceptionNode
 
     node = _run(
-        lambda: StandInNode(scenes),
+        lambda: RecordedPerceptionNode(scenes),
         ros,
         console,
         lambda node, keys: f'turn {node.turn} of {last}' + ('\nq: quit' if keys else ''),
@@ -93,7 +93,7 @@ def _run(
         InputError: the node must not go on.
     """
     from al_questioner.ros.keys import Keys
-    from al_questioner.ros.running import run_nodes
+    from al_questioner.ros.running import spin_nodes
 
     made: list[Shown] = []
 
@@ -110,7 +110,7 @@ def _run(
             return made[0].over
 
         with keys:
-            run_nodes([make_one], ros, watch)
+            spin_nodes([make_one], ros, watch)
     if made and made[0].failure is not None:
         raise made[0].failure
     return made[0] if made else None
@@ -130,7 +130,7 @@ def _check(path: Path, console: Console) -> int:
         EpisodeError: a decision differs, or something could not be checked; the text names the first difference.
     """
     left_out: list[LeftOut] = []
-    for session in read_sessions(path, left_out):
+    for session in read_episodes(path, left_out):
         where = f'{path}: {session.episode_id}'
         divergence = first_divergence(session)
         if divergence is not None:

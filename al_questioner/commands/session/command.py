@@ -14,7 +14,7 @@ from al_questioner.commands.session.export import session_document, spoken, writ
 from al_questioner.domain import Answer, Outcome
 from al_questioner.domain.names import quoted
 from al_questioner.event_log.log import read_log, repair_log
-from al_questioner.event_log.summary import Account, Said, account_of
+from al_questioner.event_log.summary import SessionSummary, StatedAnswer, summarise_session
 from al_questioner.support.files import check_writable, write_text
 from al_questioner.support.text import number_of
 
@@ -23,7 +23,7 @@ def main(given: argparse.Namespace) -> int:
     """Show a session, and return 0 if its log is whole, 1 if it is damaged."""
     if given.json is not None:
         check_writable(given.json)
-    account = account_of(given.folder, read_log(given.folder))
+    account = summarise_session(given.folder, read_log(given.folder))
     console = Console()
     if not console.is_terminal:
         # Through a pipe rich would take 80 columns for the width.
@@ -49,7 +49,7 @@ def main(given: argparse.Namespace) -> int:
     return 0 if account.fault is None else 1
 
 
-def _show(console: Console, account: Account) -> None:
+def _show(console: Console, account: SessionSummary) -> None:
     """Print what was asked and said, and whether the log is whole."""
     begun, episode = account.begun, account.episode
     world = '' if begun.world is None else f'{begun.world["task"]} · '
@@ -85,7 +85,7 @@ def _show(console: Console, account: Account) -> None:
         _say(console, f'{account.folder}: DAMAGED: {account.fault}; {recovered}')
 
 
-def _row(said: Said) -> tuple[str, ...]:
+def _row(said: StatedAnswer) -> tuple[str, ...]:
     answer, query = said.answer, said.query
     return (
         '' if query is None else str(query.turn),

@@ -12,9 +12,9 @@ from typing import Any
 
 from al_questioner.domain import Content, InputError, Query
 from al_questioner.domain.names import joined
-from al_questioner.event_log.summary import Account
+from al_questioner.event_log.summary import SessionSummary
 from al_questioner.messages.documents import record_members, settings_members
-from al_questioner.simulation import Evaluation, WorldChoice, load_task
+from al_questioner.simulation import Evaluation, WorldSpec, load_task
 from al_questioner.support.files import write_text
 
 ANSWER_COLUMNS = (
@@ -36,7 +36,7 @@ TURN_COLUMNS = (
 )
 
 
-def session_document(account: Account) -> dict[str, Any]:
+def session_document(account: SessionSummary) -> dict[str, Any]:
     """The JSON of an episode, see docs/interfaces.md; accuracy only if the simulated world can be looked at."""
     begun, records = account.begun, account.episode.records
     accuracy, reason = measured_accuracy(account)
@@ -57,7 +57,7 @@ def session_document(account: Account) -> dict[str, Any]:
         'dataset': None if begun.world is None else begun.world['dataset'],
         **settings,
         'view_tolerance': begun.view_tolerance,
-        'kernel': asdict(account.episode.knowledge.kernel) if account.episode.turn else None,
+        'kernel': asdict(account.episode.concepts.kernel) if account.episode.turn else None,
         'teachers': {name: asdict(record) for name, record in account.episode.teachers.items()},
         'turns_over': account.turns_over,
         'damage': account.fault,
@@ -65,14 +65,14 @@ def session_document(account: Account) -> dict[str, Any]:
     }
 
 
-def measured_accuracy(account: Account) -> tuple[list[float], str | None]:
+def measured_accuracy(account: SessionSummary) -> tuple[list[float], str | None]:
     """Accuracy on held-out observations after each turn that is over, with all corrections, or why it is not known."""
     world = account.begun.world
     if world is None:
         return [], 'the world was not simulated'
     try:
         dataset = None if world['dataset'] is None else Path(world['dataset'])
-        choice = WorldChoice(load_task(world['task']), world['seed'], world['sample'], dataset)
+        choice = WorldSpec(load_task(world['task']), world['seed'], world['sample'], dataset)
         evaluation = Evaluation(choice, account.begun.settings)
         by_turn = {record.turn: record for record in account.episode.records}
         for seen in account.seen[: account.turns_over]:
@@ -84,7 +84,7 @@ def measured_accuracy(account: Account) -> tuple[list[float], str | None]:
     return (list(evaluation.result().accuracy), None) if evaluation.turn else ([], 'no turn is over')
 
 
-def write_tables(account: Account, folder: Path) -> list[Path]:
+def write_tables(account: SessionSummary, folder: Path) -> list[Path]:
     """Write `answers.csv`, all that was said, and `turns.csv`, what came of each turn.
 
     Raises:
@@ -108,7 +108,7 @@ def time_of(stamp: int) -> str:
     return datetime.fromtimestamp(stamp / 1e9, timezone.utc).isoformat(timespec='milliseconds')
 
 
-def _answer_rows(account: Account) -> list[list[object]]:
+def _answer_rows(account: SessionSummary) -> list[list[object]]:
     rows: list[tuple[int, list[object]]] = []
     for said in account.said:
         answer = said.answer
@@ -128,7 +128,7 @@ def _asked(query: Query | None) -> list[object]:
     return [query.turn, query.query_id, action.kind.value, action.object_id, action.symbol, query.cost]
 
 
-def _turn_rows(account: Account) -> list[list[object]]:
+def _turn_rows(account: SessionSummary) -> list[list[object]]:
     records = {record.turn: record for record in account.episode.records}
     queries = {query.turn: query for query in account.queries.values()}
     rows: list[list[object]] = []

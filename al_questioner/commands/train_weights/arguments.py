@@ -10,7 +10,7 @@ from pathlib import Path
 from al_questioner.domain import InputError
 from al_questioner.imitation.settings import METHODS, RIDGE, MatchingSettings
 from al_questioner.questioning import FEATURE_SETS
-from al_questioner.support.arguments import LARGEST_SEED, Parser, number
+from al_questioner.support.arguments import LARGEST_SEED, Parser, number_within
 from al_questioner.support.configuration import named_bag
 
 MOST = 10_000
@@ -38,21 +38,27 @@ def parser() -> Parser:
         help='maxent: match the feature counts in rollouts, for simulated worlds (default);'
         ' choice: likelihood of the choices, without a simulator',
     )
-    result.add_argument('--seed', type=number(int, 0, LARGEST_SEED), default=0, help='of the rollouts (%(default)s)')
+    result.add_argument(
+        '--seed', type=number_within(int, 0, LARGEST_SEED), default=0, help='of the rollouts (%(default)s)'
+    )
     iterations_help = 'of maxent, at most (%(default)s)'
     patience_help = (
         'iterations of maxent without a new smallest gap, training or validation, until it stops (%(default)s)'
     )
-    result.add_argument('--iterations', type=number(int, 2, MOST), default=defaults.iterations, help=iterations_help)
-    result.add_argument('--patience', type=number(int, 1, MOST), default=defaults.patience, help=patience_help)
+    result.add_argument(
+        '--iterations', type=number_within(int, 2, MOST), default=defaults.iterations, help=iterations_help
+    )
+    result.add_argument('--patience', type=number_within(int, 1, MOST), default=defaults.patience, help=patience_help)
     rollouts_help = 'of each demonstration at each iteration of maxent (%(default)s)'
-    result.add_argument('--rollouts', type=number(int, 2, MOST), default=defaults.rollouts, help=rollouts_help)
+    result.add_argument('--rollouts', type=number_within(int, 2, MOST), default=defaults.rollouts, help=rollouts_help)
     validation_help = 'number of demonstrations, the last ones, that choose among the iterations (%(default)s)'
-    result.add_argument('--validation', type=number(int, 0, MOST), default=1, help=validation_help)
+    result.add_argument('--validation', type=number_within(int, 0, MOST), default=1, help=validation_help)
     ridge_help = 'strength of the prior of choice (%(default)s)'
-    result.add_argument('--ridge', type=number(float, 0, 1e6), default=RIDGE, help=ridge_help)
+    result.add_argument('--ridge', type=number_within(float, 0, 1e6), default=RIDGE, help=ridge_help)
     jobs = os.cpu_count() or 1
-    result.add_argument('--jobs', type=number(int, 1, 1024), default=jobs, help='processes of maxent (%(default)s)')
+    result.add_argument(
+        '--jobs', type=number_within(int, 1, 1024), default=jobs, help='processes of maxent (%(default)s)'
+    )
     result.add_argument('--picture', type=Path, metavar='FILE', help='(the name of --out, ending in .png)')
     return result
 

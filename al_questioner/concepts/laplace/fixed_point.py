@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-from al_questioner.concepts.arrays import Array
 from al_questioner.concepts.laplace.compiled import compiled
+from al_questioner.support.arrays import Array
 
 Memory = tuple[Array, Array, Array, Array]
 """Of many problems: (H, n) guesses, last images and last residuals, and (H,) squared lengths of the residuals."""

@@ -9,8 +9,8 @@ from __future__ import annotations
 
 import numpy as np
 
-from al_questioner.concepts.arrays import Array, Index
 from al_questioner.domain import FloatArray
+from al_questioner.support.arrays import Array, Index
 from al_questioner.support.late_imports import late
 
 cdist = late('scipy.spatial.distance', 'cdist')

@@ -10,8 +10,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from al_questioner.concepts.arrays import Array
 from al_questioner.concepts.laplace.gaussian_process import cdist, expit, find_modes, well_conditioned
+from al_questioner.support.arrays import Array
 from al_questioner.support.late_imports import late
 
 minimize = late('scipy.optimize', 'minimize')

@@ -10,11 +10,11 @@ from __future__ import annotations
 import numpy as np
 from scipy.special import expit
 
-from al_questioner.concepts.arrays import Array, Index
 from al_questioner.concepts.laplace.gaussian_process import expected_logistic, find_modes, predict_probabilities
 from al_questioner.concepts.laplace.mode_shift import MOST_MODE_STEPS, find_shift
 from al_questioner.concepts.laplace.posterior import Marginals, Posterior
 from al_questioner.concepts.laplace.variance_change import covariance_tangent, spectrum_bounds, variance_drops
+from al_questioner.support.arrays import Array, Index
 
 PROBABILITY_TOLERANCE = 8e-7
 """A probability whose error bound is larger is computed by refitting."""

@@ -10,10 +10,10 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from al_questioner.concepts.arrays import Array
 from al_questioner.concepts.laplace.compiled import compiled
 from al_questioner.concepts.laplace.fixed_point import extrapolate
 from al_questioner.concepts.laplace.posterior import Posterior
+from al_questioner.support.arrays import Array
 
 MODE_TOLERANCE = 2e-7
 """The search for a mode ends when it is no farther from the true one, in posterior standard deviations."""

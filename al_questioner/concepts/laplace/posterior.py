@@ -11,8 +11,8 @@ from functools import cached_property
 
 import numpy as np
 
-from al_questioner.concepts.arrays import Array, Index, Single
 from al_questioner.concepts.laplace.gaussian_process import expit, find_modes, well_conditioned
+from al_questioner.support.arrays import Array, Index, Single
 from al_questioner.support.late_imports import late
 
 dpotrf = late('scipy.linalg.lapack', 'dpotrf')

@@ -11,8 +11,8 @@ from __future__ import annotations
 
 import numpy as np
 
-from al_questioner.concepts.arrays import Array, Single
 from al_questioner.concepts.laplace.compiled import compiled
+from al_questioner.support.arrays import Array, Single
 
 MOST_STEPS = 6
 """Single precision keeps Lanczos' vectors orthogonal for about so many steps."""

@@ -9,10 +9,10 @@ from __future__ import annotations
 
 import numpy as np
 
-from al_questioner.concepts.arrays import Array, Single
 from al_questioner.concepts.laplace.compiled import compiled, touch_packing_buffers
 from al_questioner.concepts.laplace.fixed_point import extrapolate
 from al_questioner.concepts.laplace.quadrature import ROUNDING, resolvent_forms
+from al_questioner.support.arrays import Array, Single
 
 VARIANCE_TOLERANCE = 8e-6
 """Error of a variance at which it counts as known; a probability then errs by no more than 4e-7."""

@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 
 from al_questioner.concepts import Selector
 from al_questioner.domain import Action, Outcome, QueryKind
-from al_questioner.questioning.turn_context import Situation
+from al_questioner.questioning.turn_context import TurnContext
 
 TIE = 1e-9
 """Candidates within this relative distance of the best are equal: the rest is rounding."""
@@ -22,7 +22,7 @@ NO_ANSWER = (Outcome.UNKNOWN, Outcome.SKIP)
 
 @dataclass(frozen=True, eq=False)
 class Choice:
-    """A strategy's choice among the candidates of a situation.
+    """A strategy's choice among the candidates of a turn.
 
     Attributes:
         index: of the chosen candidate.
@@ -38,36 +38,36 @@ class Choice:
 
 @runtime_checkable
 class Strategy(Protocol):
-    """Decides what to ask. It keeps no state of its own: all it knows is in the situation."""
+    """Decides what to ask. It keeps no state of its own: all it knows is in the context."""
 
     @property
     def selector(self) -> Selector | None:
         """How the learner selects features computationally where no teacher does; None if it does not."""
         ...
 
-    def choose(self, situation: Situation, rng: np.random.Generator) -> Choice:
-        """Choose one of `situation.candidates`; ties are broken with `rng`."""
+    def choose(self, context: TurnContext, rng: np.random.Generator) -> Choice:
+        """Choose one of `context.candidates`; ties are broken with `rng`."""
 
 
 StrategyFactory: TypeAlias = Callable[[Mapping[str, float]], Strategy]
 """Makes a strategy from weights by decision feature, which are empty if none are given."""
 
 
-def nothing_considered(situation: Situation) -> NDArray[np.float64]:
+def nothing_considered(context: TurnContext) -> NDArray[np.float64]:
     """(C,) NaN."""
-    return np.full(len(situation.candidates), np.nan)
+    return np.full(len(context.candidates), np.nan)
 
 
-def ask_nothing(situation: Situation) -> Choice:
+def ask_nothing(context: TurnContext) -> Choice:
     """NQ, where nothing else is considered."""
-    utilities = nothing_considered(situation)
+    utilities = nothing_considered(context)
     # It costs nothing, so it is always there, as the last candidate.
     utilities[-1] = 0.0
     return Choice(len(utilities) - 1, utilities)
 
 
 def choose_best(
-    situation: Situation,
+    context: TurnContext,
     utilities: NDArray[np.float64],
     rng: np.random.Generator,
     features: NDArray[np.float64] | None = None,
@@ -79,21 +79,21 @@ def choose_best(
     asking something from asking something useful, so pointless questions would keep the non-query time low.
 
     Args:
-        situation: whose candidates they are.
+        context: whose candidates they are.
         utilities: (C,) NaN for candidates that are not considered.
         rng: breaks the ties.
         features: (C, F) handed on to the choice.
     """
-    settled = settled_actions(situation)
-    considered = np.where([action in settled for action in situation.candidates], np.nan, utilities)
+    settled = settled_actions(context)
+    considered = np.where([action in settled for action in context.candidates], np.nan, utilities)
     if np.isnan(considered).all():
-        considered = ask_nothing(situation).utilities
+        considered = ask_nothing(context).utilities
     best = np.nanmax(considered)
     ties = np.flatnonzero(considered >= best - TIE * abs(best))
     return Choice(int(rng.choice(ties)), considered, features)
 
 
-def settled_actions(situation: Situation) -> set[Action]:
+def settled_actions(context: TurnContext) -> set[Action]:
     """The questions that it is pointless to put again.
 
     That is the feature subset query once it has been asked, or, if the teacher had no answer to it, asked twice; what
@@ -102,23 +102,23 @@ def settled_actions(situation: Situation) -> set[Action]:
     is here: the teacher said so, or has named all things here otherwise. A question that nobody heard is not settled,
     but the feature subset query, which waits for a late answer.
     """
-    unnameable = np.flatnonzero(situation.knowledge.is_unnameable(situation.scene))
-    settled = {Action(QueryKind.LABEL, situation.scene.object_ids[row]) for row in unnameable}
-    subset_queries = [record for record in situation.history if record.kind is QueryKind.FEATURE_SUBSET]
+    unnameable = np.flatnonzero(context.concepts.is_unnameable(context.scene))
+    settled = {Action(QueryKind.LABEL, context.scene.object_ids[row]) for row in unnameable}
+    subset_queries = [record for record in context.history if record.kind is QueryKind.FEATURE_SUBSET]
     if len(subset_queries) > 1 or any(record.outcome not in NO_ANSWER for record in subset_queries):
         settled.add(Action(QueryKind.FEATURE_SUBSET))
-    for record in takewhile(lambda record: record.turn >= situation.scene_turn, reversed(situation.history)):
+    for record in takewhile(lambda record: record.turn >= context.scene_turn, reversed(context.history)):
         if record.outcome in NO_ANSWER:
             settled.add(Action(record.kind, record.object_id, record.symbol))
-    absent = situation.absent_symbols | situation.excluded_symbols
-    return settled | situation.known_answers | {Action(QueryKind.DEMONSTRATION, symbol=symbol) for symbol in absent}
+    absent = context.absent_symbols | context.excluded_symbols
+    return settled | context.known_answers | {Action(QueryKind.DEMONSTRATION, symbol=symbol) for symbol in absent}
 
 
-def rows_of(situation: Situation, kind: QueryKind) -> NDArray[np.intp]:
+def rows_of(context: TurnContext, kind: QueryKind) -> NDArray[np.intp]:
     """Rows of the candidates of this kind, in canonical order."""
-    return np.flatnonzero([action.kind is kind for action in situation.candidates])
+    return np.flatnonzero([action.kind is kind for action in context.candidates])
 
 
-def has_asked(situation: Situation, kind: QueryKind) -> bool:
+def has_asked(context: TurnContext, kind: QueryKind) -> bool:
     """Whether a query of this kind was put to the teacher in this episode, whatever came of it."""
-    return any(record.kind is kind for record in situation.history)
+    return any(record.kind is kind for record in context.history)

@@ -7,9 +7,9 @@ look-ahead are evaluated at once. Conditional distributions are normalised as in
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
-Array = NDArray[np.float64]
+from al_questioner.support.arrays import Array
 
 
 def symbol_given_object(q: Array) -> Array:

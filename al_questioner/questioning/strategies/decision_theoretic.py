@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 from al_questioner.domain import DECISION_FEATURES, SettingsError
 from al_questioner.questioning.strategies.choice import Choice, choose_best
 from al_questioner.questioning.strategies.expected_utility import expected_features
-from al_questioner.questioning.turn_context import Situation
+from al_questioner.questioning.turn_context import TurnContext
 
 IROS_FEATURES = DECISION_FEATURES[:2]
 TASK_FEATURES = DECISION_FEATURES[:4]
@@ -24,10 +24,10 @@ class DecisionTheoretic:
     def __init__(self, weights: NDArray[np.float64]) -> None:
         self.weights = weights
 
-    def choose(self, situation: Situation, rng: np.random.Generator) -> Choice:
+    def choose(self, context: TurnContext, rng: np.random.Generator) -> Choice:
         """The best of all candidates; the choice carries their expected features."""
-        features = expected_features(situation)
-        return choose_best(situation, features @ self.weights, rng, features)
+        features = expected_features(context)
+        return choose_best(context, features @ self.weights, rng, features)
 
 
 def decision_theoretic(name: str, used: tuple[str, ...], weights: Mapping[str, float]) -> DecisionTheoretic:

@@ -10,16 +10,16 @@ from functools import lru_cache
 
 import numpy as np
 
-from al_questioner.concepts import Knowledge
+from al_questioner.concepts import ConceptLearner
 from al_questioner.domain import DECISION_FEATURES, Action, QueryKind, Scene
 from al_questioner.questioning.strategies import decision_features as phi
-from al_questioner.questioning.strategies.decision_features import Array
-from al_questioner.questioning.turn_context import Situation
+from al_questioner.questioning.turn_context import TurnContext
+from al_questioner.support.arrays import Array
 
 INSTANCE_QUERIES = (QueryKind.LABEL, QueryKind.DEMONSTRATION)
 
 
-def expected_features(situation: Situation) -> Array:
+def expected_features(context: TurnContext) -> Array:
     """E[phi | a] of each candidate a, (C, 7) in the order of `DECISION_FEATURES`.
 
     The outcomes of LQ(x) are the symbols y with p(y|x), those of DQ(y) the objects x with p(x|y); either way the
@@ -27,46 +27,46 @@ def expected_features(situation: Situation) -> Array:
     computational selector picks from the labels so far; without labels, or once the teacher has answered an FSQ, the
     beliefs stay as they are.
     """
-    expected = np.empty((len(situation.candidates), len(DECISION_FEATURES)))
-    knowledge = situation.knowledge
-    expected[:, :4] = _expected_task_features(knowledge, knowledge.model_version, situation.scene, situation.candidates)
-    expected[:, 4:] = environment_features(situation)
+    expected = np.empty((len(context.candidates), len(DECISION_FEATURES)))
+    concepts = context.concepts
+    expected[:, :4] = _expected_task_features(concepts, concepts.model_version, context.scene, context.candidates)
+    expected[:, 4:] = environment_features(context)
     return expected
 
 
 @lru_cache(maxsize=1)
 def _expected_task_features(
-    knowledge: Knowledge, model_version: int, scene: Scene, actions: tuple[Action, ...]
+    concepts: ConceptLearner, model_version: int, scene: Scene, actions: tuple[Action, ...]
 ) -> Array:
     """(C, 4) those of the learning task; a turn without a question changes none of them.
 
     Args:
-        knowledge: what the learner knows.
-        model_version: of this knowledge, which tells it from what it was before.
+        concepts: what the learner knows.
+        model_version: of these concepts, which tells it from what it was before.
         scene: what is seen.
         actions: the C candidates.
     """
-    q = knowledge.predict_proba(scene.features)
-    positives = np.array(list(knowledge.positives.values()))
+    q = concepts.predict_proba(scene.features)
+    positives = np.array(list(concepts.positives.values()))
     expected = np.empty((len(actions), 4))
     expected[:] = task_features(q, positives)
 
     if any(action.kind in INSTANCE_QUERIES for action in actions):
-        by_object, by_symbol = _after_instance_queries(knowledge, scene, q, positives)
+        by_object, by_symbol = _after_instance_queries(concepts, scene, q, positives)
         for row, action in enumerate(actions):
             if action.kind is QueryKind.LABEL and action.object_id is not None:
                 expected[row] = by_object[scene.index_of(action.object_id)]
             elif action.kind is QueryKind.DEMONSTRATION and action.symbol is not None:
-                expected[row] = by_symbol[knowledge.symbols.index(action.symbol)]
+                expected[row] = by_symbol[concepts.symbols.index(action.symbol)]
 
-    if knowledge.labelled_views and not knowledge.subset_was_told:
+    if concepts.labelled_views and not concepts.subset_was_told:
         for row, action in enumerate(actions):
             if action.kind is QueryKind.FEATURE_SUBSET:
-                expected[row] = task_features(knowledge.predict_after_selection(scene), positives)
+                expected[row] = task_features(concepts.predict_after_selection(scene), positives)
     return expected
 
 
-def _after_instance_queries(knowledge: Knowledge, scene: Scene, q: Array, positives: Array) -> tuple[Array, Array]:
+def _after_instance_queries(concepts: ConceptLearner, scene: Scene, q: Array, positives: Array) -> tuple[Array, Array]:
     """Expected task features after LQ(x), (|X|, 4), and after DQ(y), (|Y|, 4).
 
     The look-ahead is taken in as it comes: of a large scene its whole table need not fit into memory.
@@ -74,7 +74,7 @@ def _after_instance_queries(knowledge: Knowledge, scene: Scene, q: Array, positi
     p_symbol, p_object = phi.symbol_given_object(q), phi.object_given_symbol(q)
     by_object, by_symbol = np.empty((len(p_symbol), 4)), np.zeros((len(positives), 4))
     one_more = positives + np.eye(len(positives), dtype=int)
-    for rows, beliefs in knowledge.look_ahead_chunks(scene):
+    for rows, beliefs in concepts.look_ahead_chunks(scene):
         after = task_features(beliefs, one_more)
         by_object[rows] = np.einsum('xy,xyf->xf', p_symbol[rows], after)
         by_symbol += np.einsum('xy,xyf->yf', p_object[rows], after)
@@ -99,15 +99,15 @@ def task_features(q: Array, positives: Array) -> Array:
     )
 
 
-def environment_features(situation: Situation) -> Array:
+def environment_features(context: TurnContext) -> Array:
     """(C, 3) budget consumption, remaining time and non-query time after each candidate."""
-    kinds = [action.kind for action in situation.candidates]
-    spent = {kind: situation.spent + situation.costs.of(kind) for kind in QueryKind}
-    idle = [situation.non_query_turns + 1 if kind is QueryKind.NO_QUERY else 0 for kind in kinds]
+    kinds = [action.kind for action in context.candidates]
+    spent = {kind: context.spent + context.costs.price(kind) for kind in QueryKind}
+    idle = [context.non_query_turns + 1 if kind is QueryKind.NO_QUERY else 0 for kind in kinds]
     return _side_by_side(
-        phi.budget_consumption([spent[kind] for kind in kinds], situation.budget),
-        phi.remaining_time(situation.turns_left, situation.turns),
-        phi.non_query_time(idle, situation.change_interval),
+        phi.budget_consumption([spent[kind] for kind in kinds], context.budget),
+        phi.remaining_time(context.turns_left, context.turns),
+        phi.non_query_time(idle, context.change_interval),
     )
 
 

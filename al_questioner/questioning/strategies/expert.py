@@ -10,7 +10,7 @@ from al_questioner.questioning.candidates import is_affordable, is_open
 from al_questioner.questioning.strategies.choice import Choice, choose_best, has_asked, rows_of, settled_actions
 from al_questioner.questioning.strategies.decision_features import symbol_given_object
 from al_questioner.questioning.strategies.expected_utility import expected_features
-from al_questioner.questioning.turn_context import Situation
+from al_questioner.questioning.turn_context import TurnContext
 
 LATEST_SUBSET_TURN = 5
 """By the end of this turn the expert has asked which features matter."""
@@ -36,56 +36,56 @@ class ScriptedExpert:
 
     selector = None
 
-    def choose(self, situation: Situation, rng: np.random.Generator) -> Choice:
+    def choose(self, context: TurnContext, rng: np.random.Generator) -> Choice:
         """What the rules say, ties broken at random; nothing if they say nothing."""
-        preferred = self._preferred(situation, rng)
-        utilities = np.zeros(len(situation.candidates))
-        utilities[preferred if len(preferred) else rows_of(situation, QueryKind.NO_QUERY)] = 1.0
-        return choose_best(situation, utilities, rng, expected_features(situation))
+        preferred = self._preferred(context, rng)
+        utilities = np.zeros(len(context.candidates))
+        utilities[preferred if len(preferred) else rows_of(context, QueryKind.NO_QUERY)] = 1.0
+        return choose_best(context, utilities, rng, expected_features(context))
 
-    def _preferred(self, situation: Situation, rng: np.random.Generator) -> NDArray[np.intp]:
+    def _preferred(self, context: TurnContext, rng: np.random.Generator) -> NDArray[np.intp]:
         """Rows of the candidates that the rules single out, of which one is taken; none if nothing is to be asked."""
-        subset = rows_of(situation, QueryKind.FEATURE_SUBSET)
-        if len(subset) and not has_asked(situation, QueryKind.FEATURE_SUBSET):
-            turns_left = LATEST_SUBSET_TURN - situation.turn
+        subset = rows_of(context, QueryKind.FEATURE_SUBSET)
+        if len(subset) and not has_asked(context, QueryKind.FEATURE_SUBSET):
+            turns_left = LATEST_SUBSET_TURN - context.turn
             if rng.random() * (turns_left + 1) < 1:
                 return subset
-        due = self._due(situation) + rng.random() * HEAD_START * situation.costs.label
-        settled = settled_actions(situation)
-        missing = self._missed_symbol(situation, settled)
-        if missing is not None and is_affordable(situation.costs.demonstration, due):
-            return rows_of(situation, QueryKind.DEMONSTRATION)[missing : missing + 1]
-        labels = rows_of(situation, QueryKind.LABEL)
-        is_open = np.array([situation.candidates[row] not in settled for row in labels], dtype=bool)
-        if not len(labels) or not is_affordable(situation.costs.label, due):
+        due = self._due(context) + rng.random() * HEAD_START * context.costs.label
+        settled = settled_actions(context)
+        missing = self._missed_symbol(context, settled)
+        if missing is not None and is_affordable(context.costs.demonstration, due):
+            return rows_of(context, QueryKind.DEMONSTRATION)[missing : missing + 1]
+        labels = rows_of(context, QueryKind.LABEL)
+        is_open = np.array([context.candidates[row] not in settled for row in labels], dtype=bool)
+        if not len(labels) or not is_affordable(context.costs.label, due):
             return labels[:0]
-        fresh = np.flatnonzero(is_open & ~situation.labelled)
+        fresh = np.flatnonzero(is_open & ~context.labelled)
         if not len(fresh):
             return fresh
-        positives = np.array(list(situation.knowledge.positives.values()))
+        positives = np.array(list(context.concepts.positives.values()))
         rarest = positives == positives.min()
-        likely = symbol_given_object(situation.probabilities)[fresh][:, rarest].sum(axis=1)
+        likely = symbol_given_object(context.probabilities)[fresh][:, rarest].sum(axis=1)
         best: NDArray[np.intp] = labels[fresh[likely >= likely.max() - 1e-9]]
         return best
 
-    def _due(self, situation: Situation) -> float:
+    def _due(self, context: TurnContext) -> float:
         """What an even pace leaves to spend by the end of this turn, the price of the subset query set aside."""
-        will_ask = is_open(QueryKind.FEATURE_SUBSET, situation.scene)
-        subset = min(situation.costs.feature_subset, situation.budget) if will_ask else 0.0
-        spent = situation.spent - (subset if has_asked(situation, QueryKind.FEATURE_SUBSET) else 0.0)
-        return (situation.budget - subset) * situation.turn / situation.turns - spent
+        will_ask = is_open(QueryKind.FEATURE_SUBSET, context.scene)
+        subset = min(context.costs.feature_subset, context.budget) if will_ask else 0.0
+        spent = context.spent - (subset if has_asked(context, QueryKind.FEATURE_SUBSET) else 0.0)
+        return (context.budget - subset) * context.turn / context.turns - spent
 
-    def _missed_symbol(self, situation: Situation, settled: set[Action]) -> int | None:
+    def _missed_symbol(self, context: TurnContext, settled: set[Action]) -> int | None:
         """Index of a symbol that still has no example when others have `MISSED`; not if it is not here to be shown."""
-        counts = list(situation.knowledge.positives.values())
+        counts = list(context.concepts.positives.values())
         if max(counts) < MISSED:
             return None
         tried = {
             record.symbol
-            for record in situation.history
-            if record.kind is QueryKind.DEMONSTRATION and record.turn >= situation.scene_turn
+            for record in context.history
+            if record.kind is QueryKind.DEMONSTRATION and record.turn >= context.scene_turn
         }
-        for index, (symbol, count) in enumerate(zip(situation.symbols, counts, strict=True)):
+        for index, (symbol, count) in enumerate(zip(context.symbols, counts, strict=True)):
             is_settled = Action(QueryKind.DEMONSTRATION, symbol=symbol) in settled
             if count == 0 and symbol not in tried and not is_settled:
                 return index

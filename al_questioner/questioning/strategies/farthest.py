@@ -6,12 +6,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 from al_questioner.questioning.strategies.subset_first import UnlabelledFirst
-from al_questioner.questioning.turn_context import Situation
+from al_questioner.questioning.turn_context import TurnContext
 
 
 class Farthest(UnlabelledFirst):
     """The view farthest from all labelled ones, in the chosen features."""
 
-    def score(self, situation: Situation) -> NDArray[np.float64]:
+    def score(self, context: TurnContext) -> NDArray[np.float64]:
         """(|X|,) distance to the nearest labelled view."""
-        return situation.knowledge.distance_to_labelled(situation.scene)
+        return context.concepts.distance_to_labelled(context.scene)

@@ -14,7 +14,7 @@ from al_questioner.domain import DECISION_FEATURES, VALUE_CONSTANTS, VALUE_FEATU
 from al_questioner.questioning.strategies.choice import Choice, Strategy
 from al_questioner.questioning.strategies.expected_utility import expected_features
 from al_questioner.questioning.strategies.value_per_cost import is_worthless, value_features
-from al_questioner.questioning.turn_context import Situation
+from al_questioner.questioning.turn_context import TurnContext
 
 
 def _never(features: NDArray[np.float64]) -> NDArray[np.bool_]:
@@ -28,14 +28,14 @@ class FeatureSet:
     Attributes:
         strategy: its name.
         names: of the F features.
-        of: (C, F) those of the candidates of a situation.
+        of: (C, F) those of the candidates of a turn.
         constants: names of what a weights file may set beside the weights.
         is_worthless: (C,) whether the strategy never considers a candidate with such features, (C, F).
     """
 
     strategy: str
     names: tuple[str, ...]
-    of: Callable[[Situation], NDArray[np.float64]]
+    of: Callable[[TurnContext], NDArray[np.float64]]
     constants: tuple[str, ...] = ()
     is_worthless: Callable[[NDArray[np.float64]], NDArray[np.bool_]] = _never
 
@@ -50,7 +50,7 @@ FEATURE_SETS: Mapping[str, FeatureSet] = {
 """By the strategy's name."""
 
 
-class Observed:
+class FeatureRecorder:
     """A strategy whose choices carry the features of another one: what it shows that one.
 
     What is worthless to that one counts as not considered, unless it is chosen.
@@ -68,8 +68,8 @@ class Observed:
         """That of the strategy."""
         return self._strategy.selector
 
-    def choose(self, situation: Situation, rng: np.random.Generator) -> Choice:
+    def choose(self, context: TurnContext, rng: np.random.Generator) -> Choice:
         """The strategy's choice, with the features of the set."""
-        choice, features = self._strategy.choose(situation, rng), self._feature_set.of(situation)
+        choice, features = self._strategy.choose(context, rng), self._feature_set.of(context)
         left_out = self._feature_set.is_worthless(features) & (np.arange(len(features)) != choice.index)
         return dataclasses.replace(choice, utilities=np.where(left_out, np.nan, choice.utilities), features=features)

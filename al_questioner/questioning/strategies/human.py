@@ -17,7 +17,7 @@ from al_questioner.questioning.candidates import is_open
 from al_questioner.questioning.strategies.choice import Choice, settled_actions
 from al_questioner.questioning.strategies.decision_features import symbol_given_object
 from al_questioner.questioning.strategies.expected_utility import expected_features
-from al_questioner.questioning.turn_context import Situation
+from al_questioner.questioning.turn_context import TurnContext
 
 HELP = 'a number asks what that object is, a symbol to be shown one, f which properties matter; Enter asks nothing'
 HELP_TABLE = """\
@@ -29,7 +29,7 @@ HELP_TABLE = """\
 MOST_BELIEFS = 2
 """Symbols that the menu tells of an object: the most probable ones."""
 
-Picker = Callable[[Situation], int]
+Picker = Callable[[TurnContext], int]
 """Chooses a candidate: its index."""
 
 
@@ -48,16 +48,16 @@ class Human:
     def __init__(self, pick: Picker | None = None) -> None:
         self._pick = pick or at_terminal()
 
-    def choose(self, situation: Situation, rng: np.random.Generator) -> Choice:
+    def choose(self, context: TurnContext, rng: np.random.Generator) -> Choice:
         """What the person picks.
 
         Raises:
             EpisodeError: nobody is there to choose.
         """
         # Before the question, so that the person's answer is not waited upon twice.
-        features = expected_features(situation)
-        index = self._pick(situation)
-        utilities = np.zeros(len(situation.candidates))
+        features = expected_features(context)
+        index = self._pick(context)
+        utilities = np.zeros(len(context.candidates))
         utilities[index] = 1.0
         return Choice(index, utilities, features)
 
@@ -100,10 +100,10 @@ class Lines:
 def at_terminal() -> Picker:
     """Asks whoever sits at the terminal of this process."""
     lines = Lines(0)
-    return lambda situation: pick_from_menu(situation, lines, sys.stdout)
+    return lambda context: pick_from_menu(context, lines, sys.stdout)
 
 
-class Remembered:
+class ReplayedPicks:
     """A person's choices played back, so that nobody is asked twice; what is not given is asked of the person.
 
     Attributes:
@@ -114,36 +114,36 @@ class Remembered:
         self.action: Action | None = None
         self._ask = at_terminal()
 
-    def __call__(self, situation: Situation) -> int:
+    def __call__(self, context: TurnContext) -> int:
         """Index of the choice.
 
         Raises:
             InputError: what was chosen is no candidate of this turn.
         """
         if self.action is None:
-            return self._ask(situation)
-        if self.action not in situation.candidates:
+            return self._ask(context)
+        if self.action not in context.candidates:
             raise InputError(f'{self.action} was chosen, which is no candidate here')
-        return situation.candidates.index(self.action)
+        return context.candidates.index(self.action)
 
 
-def pick_from_menu(situation: Situation, source: LineSource, screen: TextIO) -> int:
+def pick_from_menu(context: TurnContext, source: LineSource, screen: TextIO) -> int:
     """Show the candidates and read lines until one names a candidate.
 
     Raises:
         EpisodeError: the input has ended.
     """
-    print(menu(situation), file=screen)
+    print(menu(context), file=screen)
     while True:
         print('ask> ', end='', file=screen, flush=True)
         line = source.readline()
         if not line:
             raise EpisodeError('strategy human: the input has ended, so nobody chooses; start it in a terminal')
-        if _asks_for_help(line, situation.symbols):
+        if _asks_for_help(line, context.symbols):
             print(HELP_TABLE, file=screen)
             continue
         try:
-            return chosen_candidate(line, situation)
+            return chosen_candidate(line, context)
         except InputError as error:
             print(f'  {error}', file=screen)
 
@@ -159,7 +159,7 @@ def _begun(line: str, symbols: Sequence[str]) -> list[str]:
     return [symbol for symbol in symbols if word and loosely(symbol).startswith(word)]
 
 
-def chosen_candidate(line: str, situation: Situation) -> int:
+def chosen_candidate(line: str, context: TurnContext) -> int:
     """Index of the candidate that a line names: an object's number, a symbol or its beginning, `f`, or nothing.
 
     What is exactly a symbol is that symbol, whatever else it may mean.
@@ -167,13 +167,13 @@ def chosen_candidate(line: str, situation: Situation) -> int:
     Raises:
         InputError: it names none, or several; the text says what would be one.
     """
-    word, symbols = line.rstrip('\r\n'), situation.symbols
+    word, symbols = line.rstrip('\r\n'), context.symbols
     if not word.strip():
-        return _index(Action(QueryKind.NO_QUERY), situation, 'asking nothing')
+        return _index(Action(QueryKind.NO_QUERY), context, 'asking nothing')
     found = meant(word, (*symbols, *NOTHING_WORDS, NO_SYMBOL, *FEATURES_WORDS))
     number = loosely(word).removeprefix('#').strip()
     if not found and number.isdecimal():
-        return _index_of_object(number, situation)
+        return _index_of_object(number, context)
     found = found or _begun(word, symbols)
     if len(found) > 1:
         raise InputError(f'{quoted(word.strip())} could be {" or ".join(found)}: type more of it, or exactly that')
@@ -181,39 +181,39 @@ def chosen_candidate(line: str, situation: Situation) -> int:
         hint = suggestion(word, symbols, (NOTHING_WORDS[0], FEATURES_WORDS[0], HELP_WORDS[0]))
         raise InputError(f'{quoted(word.strip())} is no question{hint}: {HELP}')
     if found[0] in symbols:
-        return _index(Action(QueryKind.DEMONSTRATION, symbol=found[0]), situation, f'being shown a {found[0]}')
+        return _index(Action(QueryKind.DEMONSTRATION, symbol=found[0]), context, f'being shown a {found[0]}')
     if found[0] in FEATURES_WORDS:
-        return _index(Action(QueryKind.FEATURE_SUBSET), situation, 'that question')
-    return _index(Action(QueryKind.NO_QUERY), situation, 'asking nothing')
+        return _index(Action(QueryKind.FEATURE_SUBSET), context, 'that question')
+    return _index(Action(QueryKind.NO_QUERY), context, 'asking nothing')
 
 
-def _index_of_object(number: str, situation: Situation) -> int:
+def _index_of_object(number: str, context: TurnContext) -> int:
     """Index of the question about the object of a number, which may be far longer than any object's."""
-    by_number = {str(object_id): object_id for object_id in situation.scene.object_ids}
+    by_number = {str(object_id): object_id for object_id in context.scene.object_ids}
     object_id = by_number.get(number.lstrip('0') or '0')
     what = f'a question about object {number[:LONGEST_QUOTED]}'
     if object_id is None:
         raise InputError(f'{what} is not possible: there is no such object')
-    return _index(Action(QueryKind.LABEL, object_id=object_id), situation, what)
+    return _index(Action(QueryKind.LABEL, object_id=object_id), context, what)
 
 
-def menu(situation: Situation) -> str:
+def menu(context: TurnContext) -> str:
     """The candidates by kind with their costs, what is believed and known of the objects, and what is left; 80 wide."""
-    costs, settled = situation.costs, settled_actions(situation)
-    left = f'budget left: {situation.budget_left:g} of {situation.budget:g}'
-    lines = [f'Turn {situation.turn} of {situation.turns}; {left}; scene since turn {situation.scene_turn}']
-    kinds = {action.kind for action in situation.candidates}
-    if not len(situation.scene):
+    costs, settled = context.costs, settled_actions(context)
+    left = f'budget left: {context.budget_left:g} of {context.budget:g}'
+    lines = [f'Turn {context.turn} of {context.turns}; {left}; scene since turn {context.scene_turn}']
+    kinds = {action.kind for action in context.candidates}
+    if not len(context.scene):
         lines.append('Nothing is in view')
     if QueryKind.LABEL in kinds:
         lines.append(f'What is it? (cost {costs.label:g}; * named already)')
-        lines += _columns([_object(situation, row, settled) for row in range(len(situation.scene))])
+        lines += _columns([_object(context, row, settled) for row in range(len(context.scene))])
     if QueryKind.DEMONSTRATION in kinds:
         lines.append(f'Show me one (cost {costs.demonstration:g}); examples so far:')
         lines += _columns(
             [
                 f'{symbol}: {count}' + _remark(Action(QueryKind.DEMONSTRATION, symbol=symbol), settled)
-                for symbol, count in situation.knowledge.positives.items()
+                for symbol, count in context.concepts.positives.items()
             ]
         )
     if QueryKind.FEATURE_SUBSET in kinds and Action(QueryKind.FEATURE_SUBSET) not in settled:
@@ -222,12 +222,12 @@ def menu(situation: Situation) -> str:
     return '\n'.join(lines)
 
 
-def _object(situation: Situation, row: int, settled: set[Action]) -> str:
-    object_id = situation.scene.object_ids[row]
-    p = symbol_given_object(situation.probabilities)[row]
+def _object(context: TurnContext, row: int, settled: set[Action]) -> str:
+    object_id = context.scene.object_ids[row]
+    p = symbol_given_object(context.probabilities)[row]
     best = np.argsort(-p, kind='stable')[:MOST_BELIEFS]
-    beliefs = ', '.join(f'{situation.symbols[i]} {p[i]:.0%}' for i in best) if np.ptp(p) else 'anything'
-    known = '*' if situation.labelled[row] else ' '
+    beliefs = ', '.join(f'{context.symbols[i]} {p[i]:.0%}' for i in best) if np.ptp(p) else 'anything'
+    known = '*' if context.labelled[row] else ' '
     return f'{object_id:>3}{known} {beliefs}' + _remark(Action(QueryKind.LABEL, object_id=object_id), settled)
 
 
@@ -245,23 +245,23 @@ def _columns(entries: Sequence[str], width: int = 80) -> list[str]:
     ]
 
 
-def _index(action: Action, situation: Situation, what: str) -> int:
-    reason = _reason_against(action, situation)
+def _index(action: Action, context: TurnContext, what: str) -> int:
+    reason = _reason_against(action, context)
     if reason:
         raise InputError(f'{what} is not possible: {reason}')
-    return situation.candidates.index(action)
+    return context.candidates.index(action)
 
 
-def _reason_against(action: Action, situation: Situation) -> str:
+def _reason_against(action: Action, context: TurnContext) -> str:
     """Why something cannot be chosen; empty if it can."""
-    if action.kind is QueryKind.LABEL and action.object_id not in situation.scene.object_ids:
+    if action.kind is QueryKind.LABEL and action.object_id not in context.scene.object_ids:
         return 'there is no such object'
-    if not is_open(action.kind, situation.scene):
+    if not is_open(action.kind, context.scene):
         return 'nothing is in view' if action.kind is QueryKind.DEMONSTRATION else 'it has only one possible answer'
-    if action.symbol in situation.excluded_symbols:
+    if action.symbol in context.excluded_symbols:
         return 'all things here have been named otherwise'
-    if action in situation.known_answers:
+    if action in context.known_answers:
         return 'its only possible answer is known'
-    if action in settled_actions(situation):
+    if action in settled_actions(context):
         return 'it was asked before and would tell nothing new'
-    return '' if action in situation.candidates else 'the budget does not pay for it'
+    return '' if action in context.candidates else 'the budget does not pay for it'

@@ -8,7 +8,7 @@ from numpy.typing import NDArray
 from al_questioner.domain import QueryKind
 from al_questioner.questioning.candidates import is_affordable
 from al_questioner.questioning.strategies.subset_first import SubsetFirst
-from al_questioner.questioning.turn_context import Situation
+from al_questioner.questioning.turn_context import TurnContext
 
 
 class RarestDemonstration(SubsetFirst):
@@ -19,18 +19,18 @@ class RarestDemonstration(SubsetFirst):
 
     kind = QueryKind.DEMONSTRATION
 
-    def values(self, situation: Situation) -> NDArray[np.float64]:
+    def values(self, context: TurnContext) -> NDArray[np.float64]:
         """(|Y|,) minus the number of examples; NaN for what is exhausted in this scene, or not due yet."""
-        counts = np.array(list(situation.knowledge.positives.values()), dtype=np.float64)
-        if situation.labelled.all() or not is_affordable(situation.costs.demonstration, situation.allowance):
+        counts = np.array(list(context.concepts.positives.values()), dtype=np.float64)
+        if context.labelled.all() or not is_affordable(context.costs.demonstration, context.allowance):
             return np.full(len(counts), np.nan)
-        times_labelled = situation.knowledge.times_labelled(situation.scene)
+        times_labelled = context.concepts.times_labelled(context.scene)
         exhausted = {
             record.symbol
-            for record in situation.history
+            for record in context.history
             if record.kind is QueryKind.DEMONSTRATION
-            and record.turn >= situation.scene_turn
+            and record.turn >= context.scene_turn
             and record.object_id is not None
-            and times_labelled[situation.scene.index_of(record.object_id)] > 1
+            and times_labelled[context.scene.index_of(record.object_id)] > 1
         }
-        return np.where([symbol in exhausted for symbol in situation.symbols], np.nan, -counts)
+        return np.where([symbol in exhausted for symbol in context.symbols], np.nan, -counts)

@@ -20,7 +20,7 @@ from al_questioner.questioning.strategies.choice import (
     rows_of,
     settled_actions,
 )
-from al_questioner.questioning.turn_context import Situation
+from al_questioner.questioning.turn_context import TurnContext
 
 
 class SubsetFirst(ABC):
@@ -33,34 +33,34 @@ class SubsetFirst(ABC):
     selector = None
     kind = QueryKind.LABEL
 
-    def choose(self, situation: Situation, rng: np.random.Generator) -> Choice:
+    def choose(self, context: TurnContext, rng: np.random.Generator) -> Choice:
         """The feature subset query when it is due, else what the control is about."""
-        utilities = nothing_considered(situation)
-        if self._subset_is_due(situation):
-            utilities[rows_of(situation, QueryKind.FEATURE_SUBSET)] = 1.0
+        utilities = nothing_considered(context)
+        if self._subset_is_due(context):
+            utilities[rows_of(context, QueryKind.FEATURE_SUBSET)] = 1.0
         else:
-            rows = rows_of(situation, self.kind)
-            utilities[rows] = self.values(situation)[: len(rows)]
-        return choose_best(situation, utilities, rng)
+            rows = rows_of(context, self.kind)
+            utilities[rows] = self.values(context)[: len(rows)]
+        return choose_best(context, utilities, rng)
 
     @abstractmethod
-    def values(self, situation: Situation) -> NDArray[np.float64]:
+    def values(self, context: TurnContext) -> NDArray[np.float64]:
         """Value of each query of the control's kind, in canonical order; NaN for one that is not to be asked."""
 
-    def _subset_is_due(self, situation: Situation) -> bool:
-        both = situation.costs.feature_subset + situation.costs.of(self.kind)
+    def _subset_is_due(self, context: TurnContext) -> bool:
+        both = context.costs.feature_subset + context.costs.price(self.kind)
         subset = Action(QueryKind.FEATURE_SUBSET)
-        is_left = subset in situation.candidates and subset not in settled_actions(situation)
-        return is_left and is_affordable(both, situation.budget_left)
+        is_left = subset in context.candidates and subset not in settled_actions(context)
+        return is_left and is_affordable(both, context.budget_left)
 
 
 class UnlabelledFirst(SubsetFirst):
     """Label queries about views that nothing is known of."""
 
-    def values(self, situation: Situation) -> NDArray[np.float64]:
+    def values(self, context: TurnContext) -> NDArray[np.float64]:
         """(|X|,) the control's score, NaN for what was labelled."""
-        return np.where(situation.labelled, np.nan, self.score(situation))
+        return np.where(context.labelled, np.nan, self.score(context))
 
     @abstractmethod
-    def score(self, situation: Situation) -> NDArray[np.float64]:
+    def score(self, context: TurnContext) -> NDArray[np.float64]:
         """(|X|,) value of labelling each object."""

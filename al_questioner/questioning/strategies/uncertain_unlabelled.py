@@ -7,12 +7,12 @@ from numpy.typing import NDArray
 
 from al_questioner.questioning.strategies.decision_features import prediction_entropy
 from al_questioner.questioning.strategies.subset_first import UnlabelledFirst
-from al_questioner.questioning.turn_context import Situation
+from al_questioner.questioning.turn_context import TurnContext
 
 
 class UncertainUnlabelled(UnlabelledFirst):
     """The view of largest prediction entropy."""
 
-    def score(self, situation: Situation) -> NDArray[np.float64]:
+    def score(self, context: TurnContext) -> NDArray[np.float64]:
         """(|X|,) entropy of p(y|x)."""
-        return prediction_entropy(situation.probabilities)
+        return prediction_entropy(context.probabilities)

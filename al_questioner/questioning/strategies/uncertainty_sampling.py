@@ -8,7 +8,7 @@ from al_questioner.concepts import Selector, select_features
 from al_questioner.domain import QueryKind
 from al_questioner.questioning.strategies.choice import Choice, choose_best, nothing_considered
 from al_questioner.questioning.strategies.decision_features import prediction_entropy
-from al_questioner.questioning.turn_context import Situation
+from al_questioner.questioning.turn_context import TurnContext
 
 
 class UncertaintySampling:
@@ -26,13 +26,13 @@ class UncertaintySampling:
         self.selector = selector
         self._repeats = repeats
 
-    def choose(self, situation: Situation, rng: np.random.Generator) -> Choice:
+    def choose(self, context: TurnContext, rng: np.random.Generator) -> Choice:
         """The affordable label query of largest entropy; nothing if there is none."""
-        utilities = nothing_considered(situation)
-        entropy = prediction_entropy(situation.probabilities)
-        for row, action in enumerate(situation.candidates):
+        utilities = nothing_considered(context)
+        entropy = prediction_entropy(context.probabilities)
+        for row, action in enumerate(context.candidates):
             if action.kind is QueryKind.LABEL and action.object_id is not None:
-                index = situation.scene.index_of(action.object_id)
-                if self._repeats or not situation.labelled[index]:
+                index = context.scene.index_of(action.object_id)
+                if self._repeats or not context.labelled[index]:
                     utilities[row] = entropy[index]
-        return choose_best(situation, utilities, rng)
+        return choose_best(context, utilities, rng)

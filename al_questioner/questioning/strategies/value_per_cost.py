@@ -17,9 +17,8 @@ from al_questioner.domain import VALUE_CONSTANTS, VALUE_FEATURES, Outcome, Query
 from al_questioner.questioning.beliefs import class_beliefs, with_labels
 from al_questioner.questioning.candidates import BUDGET_ROUNDING
 from al_questioner.questioning.strategies.choice import TIE, Choice, choose_best, rows_of
-from al_questioner.questioning.turn_context import Situation
-
-Array = NDArray[np.float64]
+from al_questioner.questioning.turn_context import TurnContext
+from al_questioner.support.arrays import Array
 
 LEAST = 1e-6
 """Smallest factor, or constant, that is told from 0: the features stay finite."""
@@ -85,42 +84,42 @@ class ValuePerCost:
         self.weights = np.array([float(weights.get(name, BY_DERIVATION[name])) for name in VALUE_FEATURES])
         self.constants = Constants(**{name: float(weights[name]) for name in VALUE_CONSTANTS if name in weights})
 
-    def choose(self, situation: Situation, rng: np.random.Generator) -> Choice:
+    def choose(self, context: TurnContext, rng: np.random.Generator) -> Choice:
         """The best of the candidates that are worth anything; the utility is the logarithm of the value."""
-        features = value_features(situation, self.constants)
-        return choose_best(situation, np.where(is_worthless(features), np.nan, features @ self.weights), rng)
+        features = value_features(context, self.constants)
+        return choose_best(context, np.where(is_worthless(features), np.nan, features @ self.weights), rng)
 
 
-def value_features(situation: Situation, constants: Constants = DEFAULTS) -> Array:
+def value_features(context: TurnContext, constants: Constants = DEFAULTS) -> Array:
     """(C, 5) of each candidate, in the order of `VALUE_FEATURES`; all finite.
 
     They are the logarithms of the gain, the chance and the price, and, of asking nothing, how far the spending is ahead
     of its pace, and 1.
     """
-    factors = np.ones((len(situation.candidates), 2))
-    beliefs = class_beliefs(situation, constants.reach, constants.doubt)
-    gains = example_gains(situation, constants.decline)
-    labels, demonstrations = rows_of(situation, QueryKind.LABEL), rows_of(situation, QueryKind.DEMONSTRATION)
+    factors = np.ones((len(context.candidates), 2))
+    beliefs = class_beliefs(context, constants.reach, constants.doubt)
+    gains = example_gains(context, constants.decline)
+    labels, demonstrations = rows_of(context, QueryKind.LABEL), rows_of(context, QueryKind.DEMONSTRATION)
     if len(labels):
         symbols = beliefs[:, :-1]
         named = symbols.sum(axis=1)
         factors[labels, GAIN] = (symbols * gains).sum(axis=1) / np.maximum(named, LEAST)
-        factors[labels, CHANCE] = named * _answered(situation, QueryKind.LABEL)
+        factors[labels, CHANCE] = named * _answered(context, QueryKind.LABEL)
     if len(demonstrations):
-        shown = with_labels(situation, beliefs)
+        shown = with_labels(context, beliefs)
         factors[demonstrations, GAIN] = (shown * gains).sum(axis=0) / np.maximum(shown.sum(axis=0), LEAST)
         here = 1 - np.prod(1 - shown, axis=0)
-        factors[demonstrations, CHANCE] = here * _answered(situation, QueryKind.DEMONSTRATION)
-    subset = rows_of(situation, QueryKind.FEATURE_SUBSET)
+        factors[demonstrations, CHANCE] = here * _answered(context, QueryKind.DEMONSTRATION)
+    subset = rows_of(context, QueryKind.FEATURE_SUBSET)
     factors[subset, GAIN], factors[subset, CHANCE] = (
-        later_answers(situation),
-        _answered(situation, QueryKind.FEATURE_SUBSET),
+        later_answers(context),
+        _answered(context, QueryKind.FEATURE_SUBSET),
     )
-    asks = np.array([action.kind is not QueryKind.NO_QUERY for action in situation.candidates])
+    asks = np.array([action.kind is not QueryKind.NO_QUERY for action in context.candidates])
     features = np.zeros((len(factors), len(VALUE_FEATURES)))
     features[:, :2] = np.log(np.maximum(factors, LEAST))
-    features[asks, PRICE] = log_prices(situation)[asks]
-    features[~asks, AHEAD] = lead(situation, constants.pace)
+    features[asks, PRICE] = log_prices(context)[asks]
+    features[~asks, AHEAD] = lead(context, constants.pace)
     features[~asks, SILENCE] = 1.0
     return features
 
@@ -130,15 +129,15 @@ def is_worthless(features: Array) -> NDArray[np.bool_]:
     return np.asarray(features[:, GAIN] <= np.log(LEAST))
 
 
-def example_gains(situation: Situation, decline: float) -> Array:
+def example_gains(context: TurnContext, decline: float) -> Array:
     """(|X|, |Y|) what an object would gain as an example of a symbol, as a share of the first example's gain.
 
     That is nothing where the classifiers call it so already, and where its view is labelled; else (1 + n)^-decline
     beside n examples of the symbol. Among symbols that are equally probable each is called with an equal share.
     """
-    mistaken = 1 - called_shares(situation.probabilities)
-    mistaken[situation.labelled] = 0.0
-    n = np.array(list(situation.knowledge.positives.values()), dtype=np.float64)
+    mistaken = 1 - called_shares(context.probabilities)
+    mistaken[context.labelled] = 0.0
+    n = np.array(list(context.concepts.positives.values()), dtype=np.float64)
     gains: Array = mistaken * (1 + n) ** -decline
     return gains
 
@@ -154,54 +153,54 @@ def called_shares(probabilities: Array) -> Array:
     return np.asarray(largest / largest.sum(axis=1, keepdims=True))
 
 
-def later_answers(situation: Situation) -> float:
+def later_answers(context: TurnContext) -> float:
     """Labels that can still be asked for once the relevant features are known: each of them gains the more for it."""
-    costs = situation.costs
+    costs = context.costs
     if costs.label == 0:
-        return float(situation.turns_left)
-    affordable = np.floor((situation.budget_left - costs.feature_subset + BUDGET_ROUNDING) / costs.label)
-    return float(np.clip(affordable, 0, situation.turns_left))
+        return float(context.turns_left)
+    affordable = np.floor((context.budget_left - costs.feature_subset + BUDGET_ROUNDING) / costs.label)
+    return float(np.clip(affordable, 0, context.turns_left))
 
 
-def scarcity(situation: Situation) -> float:
+def scarcity(context: TurnContext) -> float:
     """How much the budget, rather than the time, limits what can be asked.
 
     1 if it pays for no more than the cheaper of label and demonstration in each turn that is left, 0 if it pays for the
     dearer, and in proportion between.
     """
-    cheap, dear = sorted((situation.costs.label, situation.costs.demonstration))
-    turns = situation.turns_left + 1
-    if situation.budget_left + BUDGET_ROUNDING >= dear * turns:
+    cheap, dear = sorted((context.costs.label, context.costs.demonstration))
+    turns = context.turns_left + 1
+    if context.budget_left + BUDGET_ROUNDING >= dear * turns:
         return 0.0
-    if situation.budget_left <= cheap * turns:
+    if context.budget_left <= cheap * turns:
         return 1.0
-    return float((dear * turns - situation.budget_left) / ((dear - cheap) * turns))
+    return float((dear * turns - context.budget_left) / ((dear - cheap) * turns))
 
 
-def log_prices(situation: Situation) -> Array:
+def log_prices(context: TurnContext) -> Array:
     """(C,) logarithm of what each candidate costs, as a share of the dearest, as far as the budget is short."""
-    costs = np.array([situation.costs.of(action.kind) for action in situation.candidates])
-    dearest = max(situation.costs.label, situation.costs.demonstration, situation.costs.feature_subset)
+    costs = np.array([context.costs.price(action.kind) for action in context.candidates])
+    dearest = max(context.costs.label, context.costs.demonstration, context.costs.feature_subset)
     if dearest == 0:
         return np.zeros(len(costs))
-    return scarcity(situation) * np.log(np.maximum(costs / dearest, LEAST_PRICE))
+    return scarcity(context) * np.log(np.maximum(costs / dearest, LEAST_PRICE))
 
 
-def lead(situation: Situation, pace: float) -> float:
+def lead(context: TurnContext, pace: float) -> float:
     """Share of the budget by which more is spent than later scenes can spare; 0 where the budget is not short.
 
     It is negative where less is spent.
     """
-    if scarcity(situation) == 0 or situation.budget == 0:
+    if scarcity(context) == 0 or context.budget == 0:
         return 0.0
-    return situation.spent / situation.budget - float((situation.turn / situation.turns) ** pace)
+    return context.spent / context.budget - float((context.turn / context.turns) ** pace)
 
 
-def _answered(situation: Situation, kind: QueryKind) -> float:
+def _answered(context: TurnContext, kind: QueryKind) -> float:
     """Share of the queries of a kind so far that the teacher had an answer to.
 
     Two answers are imagined before the first: a single failure does not condemn a question. Where nobody was there to
     answer, nothing is said of the question.
     """
-    asked = [r.outcome for r in situation.history if r.kind is kind and r.outcome is not Outcome.UNANSWERED]
+    asked = [r.outcome for r in context.history if r.kind is kind and r.outcome is not Outcome.UNANSWERED]
     return (asked.count(Outcome.ANSWERED) + 2) / (len(asked) + 2)

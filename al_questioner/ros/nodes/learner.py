@@ -26,7 +26,7 @@ from al_questioner.domain import (
     Query,
     Scene,
 )
-from al_questioner.event_log.events import Seen
+from al_questioner.event_log.events import SceneObserved
 from al_questioner.event_log.reports import episode_members, noise_text, state_members
 from al_questioner.messages import documents
 from al_questioner.messages.clouds import cloud_of_decision, scene_of_cloud
@@ -35,12 +35,12 @@ from al_questioner.messages.pictures import markers
 from al_questioner.messages.stamps import nanoseconds, stamp_members
 from al_questioner.questioning import make_strategy, read_plain_answer, respelt
 from al_questioner.ros import qos
-from al_questioner.ros.alarm import Alarm
 from al_questioner.ros.learner_session import session_of, settings_of
 from al_questioner.ros.node import QuestionerNode
+from al_questioner.ros.one_shot_timer import OneShotTimer
 from al_questioner.ros.parameters import declare, refuse_unknown
-from al_questioner.ros.repeating import PATIENT, Repeater
-from al_questioner.ros.running import run_nodes
+from al_questioner.ros.retransmitter import PATIENT, Retransmitter
+from al_questioner.ros.running import spin_nodes
 from al_questioner.ros.settings import all_names, learner_settings
 from al_questioner.ros.stale_scenes import StaleScenes
 from al_questioner.ros.turn_stamps import TurnStamps
@@ -82,7 +82,7 @@ class LearnerNode(QuestionerNode):
         self._session = session_of(self._settings, world, self._given)
         self.episode_id = self._session.begun.episode_id
         self._stamps = TurnStamps()
-        self._patience = Alarm(self, self._go_on_without)
+        self._patience = OneShotTimer(self, self._go_on_without)
         self._stale = StaleScenes()
         self._awaits_scene = False
         self._last_turn_start = 0.0
@@ -92,16 +92,16 @@ class LearnerNode(QuestionerNode):
         self._publish_episode = self.document_publisher('episode')
         self._publish_turn = self.document_publisher('turn')
         # What the course of the episode hangs on is said until it is served, the last state for as long as it is true.
-        self._request = Repeater(self, self._publish_turn, PATIENT)
-        self._question = Repeater(self, self.document_publisher('query'), PATIENT)
-        self._state = Repeater(self, self.document_publisher('learner_state'), PATIENT)
+        self._request = Retransmitter(self, self._publish_turn, PATIENT)
+        self._question = Retransmitter(self, self.document_publisher('query'), PATIENT)
+        self._state = Retransmitter(self, self.document_publisher('learner_state'), PATIENT)
         self._publish_ack = self.document_publisher('answer_ack', qos.EVENTS)
         self._decision = self.advertise(PointCloud2, 'decision', qos.EVENTS)
         self._markers = self.advertise(MarkerArray, 'scene_markers', qos.LATCHED)
         self.on_message(PointCloud2, 'objects', self._perceive, qos.LATCHED)
         self.on_message(String, 'answer', self._hear, qos.EVENTS)
         self.on_document('turn', self._hear_turn)
-        self.does('preparing the models; where they have to be compiled first, that takes some ten seconds')
+        self.set_status('preparing the models; where they have to be compiled first, that takes some ten seconds')
         self.submit(compile_models)
         if self._given['wait_for_recorder']:
             self.await_recorder('episode', 'turn', 'query', 'answer_ack', 'decision', 'learner_state')
@@ -109,7 +109,7 @@ class LearnerNode(QuestionerNode):
 
     def _start(self) -> None:
         """Begin the first turn, or go on where the session ended."""
-        self.does('going through what the session holds')
+        self.set_status('going through what the session holds')
         self._session.start()
         seen, decision = self._session.seen, self._session.decision
         if seen is None or decision is None:
@@ -136,7 +136,7 @@ class LearnerNode(QuestionerNode):
         self._stale.begin_turn()
         self._state.stop()
         turn = self._session.episode.turn + 1
-        self.does(f'turn {turn}: waiting for objects', SECONDS_FOR_OBJECTS, awaited='objects')
+        self.set_status(f'turn {turn}: waiting for objects', SECONDS_FOR_OBJECTS, awaited='objects')
         self._request.say({'turn': turn, 'stamp': stamp_members(stamp), 'world': self._world})
 
     def _perceive(self, cloud: PointCloud2) -> None:
@@ -147,8 +147,8 @@ class LearnerNode(QuestionerNode):
         if not self._stamps.is_of_turn(stamp, now):
             self._stale.pass_over(stamp, self._stamps.last, now)
             return
-        scene = scene_of_cloud(cloud, self._session.episode.knowledge.feature_names)
-        seen = Seen(self._session.episode.turn + 1, self._stamps.last, cloud.header.frame_id, scene)
+        scene = scene_of_cloud(cloud, self._session.episode.concepts.feature_names)
+        seen = SceneObserved(self._session.episode.turn + 1, self._stamps.last, cloud.header.frame_id, scene)
         decision = self._session.ask(seen)
         self._tell_of_sensors(scene)
         self._awaits_scene = False
@@ -165,7 +165,7 @@ class LearnerNode(QuestionerNode):
         """Take note of the noise for /diagnostics, and say once of each feature what it read that cannot be."""
         episode = self._session.episode
         self._view_noise = noise_text(episode.view_noise)
-        for object_id, feature, value in episode.knowledge.implausible_readings(scene):
+        for object_id, feature, value in episode.concepts.implausible_readings(scene):
             if feature not in self._implausible:
                 self._implausible[feature] = f'{value:g} of object {object_id}'
                 self.get_logger().warning(
@@ -178,7 +178,7 @@ class LearnerNode(QuestionerNode):
         implausible = {f'implausible {feature}': what for feature, what in dict(self._implausible).items()}
         return {'view noise': self._view_noise, **implausible}
 
-    def _put(self, seen: Seen, decision: Decision) -> None:
+    def _put(self, seen: SceneObserved, decision: Decision) -> None:
         """Publish a decision, and the question that waits, again if nobody answered it in the turn before."""
         pending = self._session.episode.pending
         if pending is not None:
@@ -193,7 +193,7 @@ class LearnerNode(QuestionerNode):
         timeout, missed = float(self._given['answer_timeout']), self._session.episode.unanswered_turns
         # Once a turn has passed without an answer, that is the concern.
         patience = math.inf if missed else SECONDS_FOR_ANSWER
-        self.does(f'turn {turn}: waiting for the answer to {query.query_id}', expected_within=patience)
+        self.set_status(f'turn {turn}: waiting for the answer to {query.query_id}', expected_within=patience)
         if timeout:
             self._patience.set(timeout * min(2**missed, LONGEST_BACK_OFF))
 
@@ -204,7 +204,7 @@ class LearnerNode(QuestionerNode):
             self.get_logger().info(
                 f'turn {self._session.episode.turn}: going on without the answer to {query.query_id}'
             )
-            self._session.let_pass()
+            self._session.time_out()
             self._end_turn()
 
     def _now(self) -> int:
@@ -252,7 +252,7 @@ class LearnerNode(QuestionerNode):
             document = documents.read('answer', content)
             if document['episode_id'] != self.episode_id:
                 raise AnswerError(f'the answer belongs to episode {document["episode_id"]}, this is {self.episode_id}')
-            known = (*self._settings.symbols, *self._session.episode.knowledge.groups)
+            known = (*self._settings.symbols, *self._session.episode.concepts.groups)
             return respelt(documents.answer_of(document), known)
         if self._session.episode.pending is None:
             raise AnswerError('no query is pending')
@@ -267,7 +267,7 @@ class LearnerNode(QuestionerNode):
         if episode.done:
             self._tell_state()
             self._is_over = True
-            self.does('the episode is over')
+            self.set_status('the episode is over')
             self.get_logger().info(
                 f'the episode is over: {episode.spent:g} of {self._settings.budget:g} spent;'
                 ' corrections are still taken; start a learner again for another episode'
@@ -297,16 +297,16 @@ class LearnerNode(QuestionerNode):
     def _beliefs(self) -> NDArray[np.float64]:
         """(n, |Y|) q_y(x) of the present scene."""
         episode = self._session.episode
-        return episode.knowledge.predict_proba(episode.scene.features)
+        return episode.concepts.predict_proba(episode.scene.features)
 
-    def _show(self, seen: Seen, beliefs: NDArray[np.float64]) -> None:
+    def _show(self, seen: SceneObserved, beliefs: NDArray[np.float64]) -> None:
         """Publish the scene, the beliefs and the pending query for people who watch."""
         pending = self._session.episode.pending
         asked = pending.action.object_id if pending else None
         head = header(seen.stamp, seen.frame_id)
         self._markers.publish(markers(seen.scene, beliefs, self._settings.symbols, asked, head, MARKER_TYPES))
 
-    def concern(self) -> str:
+    def health_warning(self) -> str:
         """That nobody answers, or that another learner speaks on the same topics, which confuses everybody."""
         return self._rival() or self._absence()
 
@@ -350,4 +350,4 @@ def _spoken(content: Content) -> str:
 
 def main(arguments: Sequence[str]) -> int:
     """Run the node."""
-    return run_nodes([partial(LearnerNode, yields=True)], arguments)
+    return spin_nodes([partial(LearnerNode, yields=True)], arguments)

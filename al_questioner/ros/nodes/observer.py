@@ -39,7 +39,7 @@ class ObserverNode(QuestionerNode):
         self._last_progress = time.monotonic()
         self.on_document('learner_state', self._follow)
         self.on_message(DiagnosticArray, '/diagnostics', self._examine, qos.DIAGNOSTICS)
-        self.does('watching the learner')
+        self.set_status('watching the learner')
 
     def _follow(self, document: Document) -> None:
         if self.done or document['episode_id'] != self.episode_id:

@@ -17,7 +17,7 @@ from al_questioner.messages.stamps import stamp_of
 from al_questioner.ros import qos
 from al_questioner.ros.node import QuestionerNode
 from al_questioner.ros.parameters import declare, refuse_unknown
-from al_questioner.ros.running import run_nodes
+from al_questioner.ros.running import spin_nodes
 from al_questioner.ros.settings import PERCEPTION_SETTINGS, all_names
 from al_questioner.ros.types import CLOUD_TYPES, header, octets
 from al_questioner.ros.worker import Worker
@@ -49,7 +49,7 @@ class PerceptionNode(QuestionerNode):
         self.on_document('turn', self._look)
         for line in self._world.report().splitlines():
             self.get_logger().info(line)
-        self.does('waiting for a turn', awaited='turn')
+        self.set_status('waiting for a turn', awaited='turn')
 
     def _look(self, document: Document) -> None:
         check_world(document, self._choice)
@@ -57,7 +57,7 @@ class PerceptionNode(QuestionerNode):
         scene = self._world.scene(turn)
         stamp = header(stamp_of(document['stamp']), str(self._given['frame_id']))
         self._objects.publish(cloud_of_scene(scene, stamp, CLOUD_TYPES))
-        self.does(f'turn {turn}: {len(scene)} objects')
+        self.set_status(f'turn {turn}: {len(scene)} objects')
         if scene is not self._pictured:
             self._pictured = scene
             self._painter.submit(partial(self._draw, scene, self._world.observations(turn), stamp))
@@ -75,4 +75,4 @@ class PerceptionNode(QuestionerNode):
 
 def main(arguments: Sequence[str]) -> int:
     """Run the node."""
-    return run_nodes([PerceptionNode], arguments)
+    return spin_nodes([PerceptionNode], arguments)

@@ -66,7 +66,7 @@ class RecorderNode(QuestionerNode):
             self.listen(CLASSES[type_], name, self._taker(name, names[name]), profile, raw=True)
         steady = Clock(clock_type=ClockType.STEADY_TIME)
         self.create_timer(SYNC_PERIOD, lambda: self.submit(self._sync), clock=steady)
-        self.does(f'recording to {path}')
+        self.set_status(f'recording to {path}')
         self.get_logger().info(f'recording to {path}')
 
     @property
@@ -136,7 +136,7 @@ class RecorderNode(QuestionerNode):
         try:
             document = documents.read(name, deserialize_message(data, String).data)
         except (InputError, RuntimeError) as error:
-            self.refuse(name, str(error))
+            self.reject(name, str(error))
             return
         if name == 'turn':
             episode_id, turn = document['episode_id'], document['turn']

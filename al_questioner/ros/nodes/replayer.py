@@ -76,7 +76,7 @@ class ReplayNode(QuestionerNode):
         self.create_timer(POLL, lambda: self.submit(self._yield_to_learner), clock=steady)
         if clock_hz > 0:
             self.create_timer(1 / clock_hz, lambda: self.submit(self._tell_time), clock=steady)
-        self.does('waiting for listeners')
+        self.set_status('waiting for listeners')
         self.submit(partial(self._await_listeners, time.monotonic() + patience))
 
     def press(self, key: str) -> None:
@@ -131,7 +131,7 @@ class ReplayNode(QuestionerNode):
             return
         if not self.begun:
             self.begun = True
-            self.does('playing')
+            self.set_status('playing')
         self._round += 1
         self._publish(self.playback.due(time.monotonic()))
         wait = self.playback.wait(time.monotonic())
@@ -149,7 +149,7 @@ class ReplayNode(QuestionerNode):
 
     def _finish(self) -> None:
         """Let the last messages arrive: they are gone with their publishers."""
-        self.does('the end of the bag')
+        self.set_status('the end of the bag')
         self._tell_time()
         end = time.monotonic() + LINGER
         for out in self._out.values():

@@ -12,16 +12,16 @@ from typing import Any
 from al_questioner.domain import Answer, EpisodeError, InputError
 from al_questioner.messages import documents
 from al_questioner.messages.documents import Document
-from al_questioner.ros.delivery import Delivery
+from al_questioner.ros.answer_sender import AnswerSender
 from al_questioner.ros.node import QuestionerNode
-from al_questioner.ros.nodes.terminal_teacher import Attend, TerminalTeacher, login_name
+from al_questioner.ros.nodes.terminal_teacher import RunTerminal, TerminalTeacher, login_name
 from al_questioner.ros.parameters import declare, refuse_unknown
-from al_questioner.ros.running import run_nodes
+from al_questioner.ros.running import spin_nodes
 from al_questioner.ros.setting import Value
 from al_questioner.ros.settings import TEACHER_MODES, TEACHER_SETTINGS, all_names
 from al_questioner.ros.worlds import check_world, declare_world
-from al_questioner.simulation import ScriptedTeacher, WorldChoice
-from al_questioner.terminal.attending import attend
+from al_questioner.simulation import ScriptedTeacher, WorldSpec
+from al_questioner.terminal.run import run_terminal
 
 LONGEST_NAME = 100
 
@@ -34,7 +34,7 @@ class TeacherNode(QuestionerNode):
         node_arguments: of the node.
     """
 
-    def __init__(self, attend: Attend = attend, **node_arguments: Any) -> None:
+    def __init__(self, run_terminal: RunTerminal = run_terminal, **node_arguments: Any) -> None:
         super().__init__('teacher', **node_arguments)
         choice = declare_world(self)
         given = declare(self, TEACHER_SETTINGS)
@@ -48,14 +48,14 @@ class TeacherNode(QuestionerNode):
             self.await_recorder('answer')
         self._teacher: _Script | TerminalTeacher
         if mode == 'terminal':
-            self._teacher = TerminalTeacher(self, teacher_id or login_name(), attend)
+            self._teacher = TerminalTeacher(self, teacher_id or login_name(), run_terminal)
         else:
             self._teacher = _Script(self, choice, given)
 
     @property
     def unacknowledged(self) -> Answer | None:
         """The answer that is on its way."""
-        return self._teacher.delivery.unacknowledged
+        return self._teacher.sender.unacknowledged
 
     @property
     def failure(self) -> Exception | None:
@@ -73,7 +73,7 @@ class _Script:
 
     failure = None
 
-    def __init__(self, node: QuestionerNode, choice: WorldChoice, given: Mapping[str, Value]) -> None:
+    def __init__(self, node: QuestionerNode, choice: WorldSpec, given: Mapping[str, Value]) -> None:
         self._node = node
         self._choice = choice
         self._world = choice.open()
@@ -87,9 +87,9 @@ class _Script:
             bool(given['repeat_shown']),
         )
         self._delay = float(given['delay'])
-        self.delivery = Delivery(node, self._acknowledged)
+        self.sender = AnswerSender(node, self._acknowledged)
         node.on_document('query', self._consider)
-        node.does('waiting for a query', awaited='query')
+        node.set_status('waiting for a query', awaited='query')
 
     def close(self) -> None:
         """Nothing is held."""
@@ -102,11 +102,11 @@ class _Script:
             # What was named in another episode is nothing that this learner knows.
             self._teacher = dataclasses.replace(self._teacher)
         answer = self._teacher.answer(query, self._world.truth(query.turn))
-        self._node.does(f'{query.query_id}: {query.text}')
-        self.delivery.send(answer, self._delay)
+        self._node.set_status(f'{query.query_id}: {query.text}')
+        self.sender.send(answer, self._delay)
 
     def _acknowledged(self, _: Answer, __: Document) -> None:
-        self._node.does('waiting for a query', awaited='query')
+        self._node.set_status('waiting for a query', awaited='query')
 
 
 def main(arguments: Sequence[str]) -> int:
@@ -122,7 +122,7 @@ def main(arguments: Sequence[str]) -> int:
         made.append(TeacherNode())
         return made[0]
 
-    status = run_nodes([make], arguments)
+    status = spin_nodes([make], arguments)
     if made and made[0].failure is not None:
         raise EpisodeError(f'the terminal failed: {type(made[0].failure).__name__}: {made[0].failure}')
     return status

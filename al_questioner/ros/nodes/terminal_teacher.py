@@ -16,15 +16,15 @@ from al_questioner.messages.documents import Document
 from al_questioner.messages.pictures import picture_of_image
 from al_questioner.messages.stamps import nanoseconds
 from al_questioner.ros import qos
-from al_questioner.ros.delivery import Delivery
+from al_questioner.ros.answer_sender import AnswerSender
 from al_questioner.ros.node import QuestionerNode
-from al_questioner.terminal.board import Progress
-from al_questioner.terminal.session import Session
+from al_questioner.terminal.dialogue import TeacherDialogue
+from al_questioner.terminal.view_state import EpisodeProgress
 
 SECONDS_TO_CLOSE = 5.0
 """Within which the screen has gone."""
 
-Attend = Callable[[Session, threading.Event], Any]
+RunTerminal = Callable[[TeacherDialogue, threading.Event], Any]
 """Shows a session to a person and has them answer, until they have done or the event is set."""
 
 
@@ -52,33 +52,33 @@ class TerminalTeacher:
         failure: why the thread ended before its time.
     """
 
-    def __init__(self, node: QuestionerNode, teacher_id: str, attend: Attend) -> None:
-        self.session = Session(teacher_id, self._say)
+    def __init__(self, node: QuestionerNode, teacher_id: str, run_terminal: RunTerminal) -> None:
+        self.dialogue = TeacherDialogue(teacher_id, self._say)
         self.failure: Exception | None = None
         self._node = node
-        self._attend = attend
+        self._attend = run_terminal
         self._stopped = threading.Event()
         self._feature_names: tuple[str, ...] = ()
-        self.delivery = Delivery(node, self._acknowledged)
+        self.sender = AnswerSender(node, self._acknowledged)
         node.on_document('episode', self._begin)
         node.on_document('learner_state', self._follow)
         node.on_document('query', self._ask)
         node.on_message(PointCloud2, 'objects', self._look, qos.LATCHED)
         node.on_message(Image, 'scene_image', self._see, qos.LATCHED)
-        node.does('waiting for a query', awaited='query')
+        node.set_status('waiting for a query', awaited='query')
         self._thread = threading.Thread(target=self._run, name='terminal', daemon=True)
         self._thread.start()
 
     def close(self) -> None:
         """Give the terminal back."""
         self._stopped.set()
-        self.session.wake()
+        self.dialogue.wake()
         if self._thread is not threading.current_thread():
             self._thread.join(SECONDS_TO_CLOSE)
 
     def _run(self) -> None:
         try:
-            self._attend(self.session, self._stopped)
+            self._attend(self.dialogue, self._stopped)
         except Exception as error:  # noqa: BLE001 - whatever it is, the process must end and say so
             self.failure = error
         finally:
@@ -88,12 +88,12 @@ class TerminalTeacher:
     def _enter(self, document: Document) -> None:
         if document['episode_id'] != self._node.episode_id:
             self._node.episode_id = document['episode_id']
-            self.delivery.drop()
-        self.session.enter(document['episode_id'])
+            self.sender.drop()
+        self.dialogue.enter(document['episode_id'])
 
     def _begin(self, document: Document) -> None:
         self._enter(document)
-        self.session.begin(document['turns'], float(document['budget']))
+        self.dialogue.begin(document['turns'], float(document['budget']))
 
     def _follow(self, document: Document) -> None:
         if document['done'] and self._node.episode_id not in ('', document['episode_id']):
@@ -101,8 +101,8 @@ class TerminalTeacher:
             return
         self._enter(document)
         last = document.get('last_answer')
-        self.session.follow(
-            Progress(
+        self.dialogue.follow(
+            EpisodeProgress(
                 document['turn'],
                 document['turns'],
                 float(document['budget']),
@@ -116,25 +116,25 @@ class TerminalTeacher:
     def _ask(self, document: Document) -> None:
         query = documents.query_of(document)
         self._enter(document)
-        self.session.ask(query)
-        self._node.does(f'{query.query_id}: {query.text}')
+        self.dialogue.ask(query)
+        self._node.set_status(f'{query.query_id}: {query.text}')
 
     def _look(self, cloud: PointCloud2) -> None:
         scene = scene_of_cloud(cloud, self._feature_names)
         self._feature_names = scene.feature_names
-        self.session.look(scene, nanoseconds(cloud.header.stamp))
+        self.dialogue.look(scene, nanoseconds(cloud.header.stamp))
 
     def _see(self, image: Image) -> None:
-        self.session.see(picture_of_image(image), nanoseconds(image.header.stamp))
+        self.dialogue.see(picture_of_image(image), nanoseconds(image.header.stamp))
 
     def _say(self, episode_id: str, answer: Answer) -> None:
         def send() -> None:
             # The answer to a question of an episode that has been left meanwhile is none to the new one's.
             if episode_id == self._node.episode_id:
-                self.delivery.send(answer)
+                self.sender.send(answer)
 
         self._node.submit(send)
 
     def _acknowledged(self, answer: Answer, document: Document) -> None:
-        self._node.does('waiting for a query', awaited='query')
-        self.session.acknowledge(answer.answer_id, document['accepted'], document['reason'])
+        self._node.set_status('waiting for a query', awaited='query')
+        self.dialogue.acknowledge(answer.answer_id, document['accepted'], document['reason'])

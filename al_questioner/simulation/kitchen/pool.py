@@ -7,7 +7,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from al_questioner.domain import NO_SYMBOL, Observation, View, generator
+from al_questioner.domain import NO_SYMBOL, Observation, View, random_stream
 from al_questioner.simulation.kitchen.drawing.rendering import draw_lighting, draw_pose, render
 from al_questioner.simulation.kitchen.layout import Place, places
 from al_questioner.simulation.kitchen.sensors import REFRIGERATOR, read_sensors
@@ -21,7 +21,7 @@ _PLACES_PER_OBJECT = 3
 
 
 @dataclass(frozen=True)
-class Thing:
+class ObjectInstance:
     """One physical object.
 
     Attributes:
@@ -34,13 +34,13 @@ class Thing:
 
     kind: Kind
     look: Look
-    heft: float
+    weight_factor: float
     slot: int
     places: tuple[int, ...]
 
 
 @dataclass(frozen=True)
-class Sight:
+class ViewSpec:
     """One observation before it is made: a thing in a state.
 
     Attributes:
@@ -51,7 +51,7 @@ class Sight:
     """
 
     key: str
-    thing: Thing
+    thing: ObjectInstance
     state: int
     place: int
 
@@ -70,8 +70,8 @@ class Sample:
         test: held-out sights, each of some symbol.
     """
 
-    training: tuple[Sight, ...]
-    test: tuple[Sight, ...]
+    training: tuple[ViewSpec, ...]
+    test: tuple[ViewSpec, ...]
 
 
 KindsBySymbol = Mapping[str, Sequence[Kind]]
@@ -88,7 +88,7 @@ def make_sample(task: Task, sample: int, there_are: KindsBySymbol | None = None)
         sample: its number.
         there_are: the kinds of things of each symbol, and of 'none'; those of the task's catalogue if not given.
     """
-    rng = generator(sample, 'world/sample')
+    rng = random_stream(sample, 'world/sample')
     scenes = task.scenes
     kinds = _some_kinds(task, there_are, rng)
     shares = task.class_frequencies
@@ -102,9 +102,9 @@ def make_sample(task: Task, sample: int, there_are: KindsBySymbol | None = None)
     return Sample(_sights(training, len(training), 'training'), _held_out(kinds, task, rng, 'test'))
 
 
-def make_validation(task: Task, sample: int, there_are: KindsBySymbol | None = None) -> tuple[Sight, ...]:
+def make_validation(task: Task, sample: int, there_are: KindsBySymbol | None = None) -> tuple[ViewSpec, ...]:
     """A second draw of test sights, like those of `make_sample` but none of them, and drawn independently."""
-    of_sample, rng = generator(sample, 'world/sample'), generator(sample, 'world/validation')
+    of_sample, rng = random_stream(sample, 'world/sample'), random_stream(sample, 'world/validation')
     kinds = _some_kinds(task, there_are, of_sample)
     if task.scenes.turnover != 'state':
         return _held_out(kinds, task, rng, 'validation')
@@ -112,12 +112,12 @@ def make_validation(task: Task, sample: int, there_are: KindsBySymbol | None = N
     return _elsewhere(_things(_kinds(kinds, counts, of_sample), task, of_sample), task, rng, 'validation')
 
 
-def observe(sight: Sight, task: Task, sample: int, object_id: int) -> Observation:
+def observe(sight: ViewSpec, task: Task, sample: int, object_id: int) -> Observation:
     """Make the observation: render the view and read the sensors. The same sight looks the same whatever its id."""
-    rng = generator(sample, f'world/observation/{sight.key}')
+    rng = random_stream(sample, f'world/observation/{sight.key}')
     position = position_of(sight, task, rng)
     state = sight.thing.kind.states[sight.state]
-    sensors = read_sensors(rng, position, sight.thing.heft * state.weight_kg, task.sensors)
+    sensors = read_sensors(rng, position, sight.thing.weight_factor * state.weight_kg, task.sensors)
     return Observation(object_id, position, _view(sight, task, rng), sensors)
 
 
@@ -152,7 +152,7 @@ def _kinds(kinds: Mapping[str, Sequence[Kind]], counts: Mapping[str, int], rng: 
     return [chosen[i] for i in rng.permutation(len(chosen))]
 
 
-def _things(kinds: Sequence[Kind], task: Task, rng: np.random.Generator) -> list[Thing]:
+def _things(kinds: Sequence[Kind], task: Task, rng: np.random.Generator) -> list[ObjectInstance]:
     """Things of these kinds, dealt out evenly over the places of the table."""
     looks = task.appearance
     things = []
@@ -163,9 +163,9 @@ def _things(kinds: Sequence[Kind], task: Task, rng: np.random.Generator) -> list
             tone=float(np.exp(rng.normal(0, looks.tone_spread))),
             variant=float(rng.random()),
         )
-        heft = float(np.exp(rng.normal(0, looks.weight_spread)))
+        weight_factor = float(np.exp(rng.normal(0, looks.weight_spread)))
         slot = index if task.scenes.turnover == 'state' else owned[0]
-        things.append(Thing(kinds[index], look, heft, slot, owned))
+        things.append(ObjectInstance(kinds[index], look, weight_factor, slot, owned))
     return things
 
 
@@ -184,20 +184,20 @@ def _deal_places(kinds: Sequence[Kind], task: Task, rng: np.random.Generator) ->
     return [tuple(owned) for owned in dealt]
 
 
-def _sights(things: Sequence[Thing], count: int, split: str) -> tuple[Sight, ...]:
+def _sights(things: Sequence[ObjectInstance], count: int, split: str) -> tuple[ViewSpec, ...]:
     """So many sights, evenly over the things and, of each thing, over its states and places."""
     sights = []
     for i in range(count):
         view, thing = i // len(things), things[i % len(things)]
         states = len(thing.kind.states)
         place = thing.places[(view + view // states) % len(thing.places)]
-        sights.append(Sight(f'{split}/{i}', thing, view % states, place))
+        sights.append(ViewSpec(f'{split}/{i}', thing, view % states, place))
     return tuple(sights)
 
 
 def _held_out(
     kinds: Mapping[str, Sequence[Kind]], task: Task, rng: np.random.Generator, split: str
-) -> tuple[Sight, ...]:
+) -> tuple[ViewSpec, ...]:
     """Held-out sights, each of a thing of its own."""
     scenes = task.scenes
     equal = {symbol: 1 / len(task.symbols) for symbol in task.symbols}
@@ -205,7 +205,9 @@ def _held_out(
     return _elsewhere(_things(_kinds(kinds, counts, rng), task, rng), task, rng, split)
 
 
-def _elsewhere(things: Sequence[Thing], task: Task, rng: np.random.Generator, split: str) -> tuple[Sight, ...]:
+def _elsewhere(
+    things: Sequence[ObjectInstance], task: Task, rng: np.random.Generator, split: str
+) -> tuple[ViewSpec, ...]:
     """Held-out sights, anywhere on the table: where a thing lay in training says nothing about where it lies later."""
     sights = _sights(things, task.scenes.test_size, split)
     if task.sensors.cold_pull > 0:
@@ -219,14 +221,14 @@ def _grid(task: Task) -> tuple[Place, ...]:
     return places(task.scenes.table_m, copies * task.scenes.objects)
 
 
-def position_of(sight: Sight, task: Task, rng: np.random.Generator) -> tuple[float, float, float]:
+def position_of(sight: ViewSpec, task: Task, rng: np.random.Generator) -> tuple[float, float, float]:
     """Where a thing is seen on the table, in metres."""
     place = _grid(task)[sight.place]
     jitter = rng.uniform(-1, 1, 2) * place.slack
     return float(place.x + jitter[0]), float(place.y + jitter[1]), 0.0
 
 
-def _view(sight: Sight, task: Task, rng: np.random.Generator) -> View:
+def _view(sight: ViewSpec, task: Task, rng: np.random.Generator) -> View:
     look = sight.thing.look
     solid = sight.thing.kind.states[sight.state].draw(look, rng)
     pose = draw_pose(rng, solid, look.size, task.camera)

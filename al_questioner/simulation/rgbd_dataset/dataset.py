@@ -9,7 +9,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from al_questioner.domain import NO_SYMBOL, Camera, InputError, Observation, View, generator
+from al_questioner.domain import NO_SYMBOL, Camera, InputError, Observation, View, random_stream
 from al_questioner.simulation.kitchen.layout import places
 from al_questioner.simulation.kitchen.sensors import read_sensors
 from al_questioner.simulation.rgbd_dataset.files import CropError, CropFiles, Skipped, index_crops, read_view
@@ -26,7 +26,7 @@ REPORTED = 20
 """Skipped files that the report names; it counts the others."""
 
 
-class _Seen(NamedTuple):
+class _PlacedView(NamedTuple):
     """An object of a scene, and the crop that shows it."""
 
     crop: CropFiles
@@ -68,7 +68,7 @@ class DatasetWorld:
         index = index_crops(root, self._dataset.categories)
         self._root = index.root
         self._skipped = {skipped.path: skipped for skipped in index.skipped}
-        split = split_crops(index.crops, self._dataset.test_share, generator(self._sample, 'dataset/split'))
+        split = split_crops(index.crops, self._dataset.test_share, random_stream(self._sample, 'dataset/split'))
         absent = [f'{category}: absent, no complete crop' for category in index.absent]
         found = {self._dataset.categories[category] for category in index.crops}
         unseen = [f'{symbol}: none of its categories is there' for symbol in task.symbols if symbol not in found]
@@ -82,9 +82,9 @@ class DatasetWorld:
         self._test = self._draw(
             split.test, scenes.test_size, balanced if scenes.test_balance == 'classes' else frequencies, 'test'
         )
-        self._deck = _Deck(self._training, generator(seed, 'dataset/deck'))
+        self._deck = _Deck(self._training, random_stream(seed, 'dataset/deck'))
         self._newest_id = 0
-        self._scenes: list[tuple[_Seen, ...]] = [self._first_scene()]
+        self._scenes: list[tuple[_PlacedView, ...]] = [self._first_scene()]
 
     def scene(self, turn: int) -> tuple[Observation, ...]:
         """See `World.scene`."""
@@ -162,7 +162,7 @@ class DatasetWorld:
         """Weight in kg by physical object, around the nominal weight of its category."""
         things = sorted({crop.thing for found in crops.values() for crop in found})
         nominal = [self._dataset.weights_kg.get(category, DEFAULT_WEIGHT_KG) for category, _ in things]
-        rng = generator(self._sample, 'dataset/weights')
+        rng = random_stream(self._sample, 'dataset/weights')
         factors = np.exp(rng.normal(0, self._task.appearance.weight_spread, len(things)))
         return dict(zip(things, (np.array(nominal) * factors).tolist(), strict=True))
 
@@ -171,7 +171,7 @@ class DatasetWorld:
         present = {category: symbol for category, symbol in self._dataset.categories.items() if pool.get(category)}
         kinds = list(present.values())
         by_category = {c: shares.get(symbol, 0.0) / kinds.count(symbol) for c, symbol in present.items()}
-        drawn = draw_sample(pool, size, by_category, generator(self._sample, f'dataset/{part}'))
+        drawn = draw_sample(pool, size, by_category, random_stream(self._sample, f'dataset/{part}'))
         if not drawn:
             raise InputError(f'dataset {self._root}: no crop of any symbol is left for the {part}')
         return drawn
@@ -185,7 +185,7 @@ class DatasetWorld:
 
     def _observe(self, object_id: int, crop: CropFiles, view: View, place: int) -> Observation:
         """The same crop in the same place gives the same readings whatever its id."""
-        rng = generator(self._sample, f'dataset/observation/{crop.stem.name}')
+        rng = random_stream(self._sample, f'dataset/observation/{crop.stem.name}')
         spots = places(self._task.scenes.table_m, self._task.scenes.objects)
         spot = spots[place % len(spots)]
         jitter = rng.uniform(-1, 1, 2) * spot.slack
@@ -194,19 +194,19 @@ class DatasetWorld:
         return Observation(object_id, position, view, sensors)
 
     @cached_property
-    def _training_pool(self) -> tuple[_Seen, ...]:
+    def _training_pool(self) -> tuple[_PlacedView, ...]:
         return self._observe_all(self._training)
 
     @cached_property
-    def _test_set(self) -> tuple[_Seen, ...]:
+    def _test_set(self) -> tuple[_PlacedView, ...]:
         found = self._observe_all(self._test)
         if not found:
             raise InputError(f'dataset {self._root}: no test crop can be read; the last: {self.skipped[-1]}')
         return found
 
-    def _observe_all(self, drawn: Mapping[str, Draw]) -> tuple[_Seen, ...]:
+    def _observe_all(self, drawn: Mapping[str, Draw]) -> tuple[_PlacedView, ...]:
         read = [pair for draw in drawn.values() for pair in self._read_all(draw)]
-        return tuple(_Seen(crop, self._observe(i, crop, view, i)) for i, (crop, view) in enumerate(read))
+        return tuple(_PlacedView(crop, self._observe(i, crop, view, i)) for i, (crop, view) in enumerate(read))
 
     def _read_all(self, draw: Draw) -> Iterator[tuple[CropFiles, View]]:
         """As many crops as were drawn, spares in place of the unreadable ones as long as there are any."""
@@ -216,18 +216,18 @@ class DatasetWorld:
                 wanted -= 1
                 yield crop, view
 
-    def _seen(self, turn: int) -> tuple[_Seen, ...]:
+    def _seen(self, turn: int) -> tuple[_PlacedView, ...]:
         if turn < 1:
             raise InputError(f'turn must be 1 or more, not {turn}')
         number = (turn - 1) // self._task.scenes.change_interval
         while len(self._scenes) <= number:
-            rng = generator(self._seed, f'dataset/scene/{len(self._scenes)}')
+            rng = random_stream(self._seed, f'dataset/scene/{len(self._scenes)}')
             self._scenes.append(self._next_scene(self._scenes[-1], rng))
         return self._scenes[number]
 
-    def _first_scene(self) -> tuple[_Seen, ...]:
-        rng = generator(self._seed, 'dataset/scene/0')
-        scene: list[_Seen] = []
+    def _first_scene(self) -> tuple[_PlacedView, ...]:
+        rng = random_stream(self._seed, 'dataset/scene/0')
+        scene: list[_PlacedView] = []
         for place in range(self._task.scenes.objects):
             newcomer = self._newcomer(place, scene, rng)
             if newcomer is not None:
@@ -236,7 +236,7 @@ class DatasetWorld:
             raise InputError(f'dataset {self._root}: no training crop can be read; the last: {self.skipped[-1]}')
         return tuple(scene)
 
-    def _next_scene(self, before: tuple[_Seen, ...], rng: np.random.Generator) -> tuple[_Seen, ...]:
+    def _next_scene(self, before: tuple[_PlacedView, ...], rng: np.random.Generator) -> tuple[_PlacedView, ...]:
         """The scene after a change: exactly the persistent share of the objects stays as it is."""
         staying = round(self._task.scenes.persistence * len(before))
         after = list(before)
@@ -247,19 +247,19 @@ class DatasetWorld:
             after[place] = replacement or self._seen_anew(place, before[place], rng)
         return tuple(after)
 
-    def _newcomer(self, place: int, present: Iterable[_Seen], rng: np.random.Generator) -> _Seen | None:
+    def _newcomer(self, place: int, present: Iterable[_PlacedView], rng: np.random.Generator) -> _PlacedView | None:
         """A physical object that is not present, or None if there is no other."""
         things = {seen.crop.thing for seen in present}
         drawn = self._deal(lambda crop: crop.thing not in things, rng)
         if drawn is None:
             return None
         self._newest_id += 1
-        return _Seen(drawn[0], self._observe(self._newest_id, *drawn, place))
+        return _PlacedView(drawn[0], self._observe(self._newest_id, *drawn, place))
 
-    def _seen_anew(self, place: int, old: _Seen, rng: np.random.Generator) -> _Seen:
+    def _seen_anew(self, place: int, old: _PlacedView, rng: np.random.Generator) -> _PlacedView:
         """Another view of the same object, or the same one if there is no other."""
         drawn = self._deal(lambda crop: crop.thing == old.crop.thing and crop != old.crop, rng)
-        return old if drawn is None else _Seen(drawn[0], self._observe(old.observation.object_id, *drawn, place))
+        return old if drawn is None else _PlacedView(drawn[0], self._observe(old.observation.object_id, *drawn, place))
 
     def _deal(self, fits: Callable[[CropFiles], bool], rng: np.random.Generator) -> tuple[CropFiles, View] | None:
         while (crop := self._deck.deal(fits, rng)) is not None:

@@ -7,7 +7,7 @@ from collections.abc import Mapping
 import numpy as np
 
 from al_questioner.domain import QueryKind
-from al_questioner.questioning import Choice, Situation, choose_best, nothing_considered, rows_of, symbol_given_object
+from al_questioner.questioning import Choice, TurnContext, choose_best, nothing_considered, rows_of, symbol_given_object
 
 
 class SmallestMargin:
@@ -23,14 +23,14 @@ class SmallestMargin:
         if weights:
             raise ValueError('it uses no weights')
 
-    def choose(self, situation: Situation, rng: np.random.Generator) -> Choice:
+    def choose(self, context: TurnContext, rng: np.random.Generator) -> Choice:
         """The relevant features, once; then the unlabelled object of the smallest margin."""
-        utilities = nothing_considered(situation)
+        utilities = nothing_considered(context)
         # More than minus any margin, and never again: `choose_best` leaves out what is settled.
-        utilities[rows_of(situation, QueryKind.FEATURE_SUBSET)] = 1.0
-        second, first = np.sort(symbol_given_object(situation.probabilities), axis=1)[:, -2:].T
-        values = np.where(situation.labelled, np.nan, second - first)
+        utilities[rows_of(context, QueryKind.FEATURE_SUBSET)] = 1.0
+        second, first = np.sort(symbol_given_object(context.probabilities), axis=1)[:, -2:].T
+        values = np.where(context.labelled, np.nan, second - first)
         # What the budget cannot pay for is no candidate, so there is a row for every object or for none.
-        rows = rows_of(situation, QueryKind.LABEL)
+        rows = rows_of(context, QueryKind.LABEL)
         utilities[rows] = values[: len(rows)]
-        return choose_best(situation, utilities, rng)
+        return choose_best(context, utilities, rng)

@@ -12,7 +12,7 @@ from al_questioner.domain import QueryKind
 from al_questioner.simulation import (
     PerceivedWorld,
     ScriptedTeacher,
-    WorldChoice,
+    WorldSpec,
     episode_settings,
     load_task,
     run_episode,
@@ -25,7 +25,7 @@ def test_the_caption_of_the_scene_counts_every_query(
 ) -> None:
     """What is about no single object would be left out, and the numbers not add up to the budget that was spent."""
     task = load_task('prepare_lunch')
-    choice = WorldChoice(task, 4, 4)
+    choice = WorldSpec(task, 4, 4)
     world = PerceivedWorld(choice.open())
     settings = episode_settings(task, strategy, 12.0, 7)
     result = run_episode(choice, settings, ScriptedTeacher(task.symbols, task.relevant_groups, 4), world=world)

@@ -19,7 +19,7 @@ from typing import Any
 import pytest
 import yaml
 
-from al_questioner.bags import BagWriter, LeftOut, Topic, read_bag, read_sessions
+from al_questioner.bags import BagWriter, LeftOut, Topic, read_bag, read_episodes
 from al_questioner.cli import main
 from al_questioner.commands.replay import command
 from checkout import ROOT
@@ -38,7 +38,7 @@ def test_checking_names_what_differs_and_what_cannot_be_checked(
     capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
 ) -> None:
     """A recording that is no good, or of which a part is, would be taken for a whole one."""
-    (recorded,) = read_sessions(BAG)
+    (recorded,) = read_episodes(BAG)
     other = dataclasses.replace(recorded.settings, strategy='random_fsq')
     for session, status, text in (
         (recorded, 1, 'short: cannot be checked: too short'),
@@ -49,7 +49,7 @@ def test_checking_names_what_differs_and_what_cannot_be_checked(
             left_out.append(LeftOut('short', 'too short'))
             return [session]
 
-        monkeypatch.setattr(command, 'read_sessions', read)
+        monkeypatch.setattr(command, 'read_episodes', read)
         assert main(['replay', str(BAG), '--check']) == status
         printed = capsys.readouterr()
         assert text in printed.out + printed.err

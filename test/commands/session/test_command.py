@@ -14,13 +14,13 @@ from typing import Any
 import numpy as np
 import pytest
 
-from al_questioner.bags import of_session, read_sessions
+from al_questioner.bags import of_session, read_episodes
 from al_questioner.bags.rerun import decisions_anew, first_divergence
 from al_questioner.cli import main
-from al_questioner.domain import Answer, EpisodeSettings, LateAnswerError, Outcome, Scene, generator
+from al_questioner.domain import Answer, EpisodeSettings, LateAnswerError, Outcome, Scene, random_stream
 from al_questioner.event_log import log as session_log
 from al_questioner.event_log.durable_episode import DurableEpisode
-from al_questioner.event_log.events import Begun, Encoder, Seen, decoded
+from al_questioner.event_log.events import Encoder, EpisodeStarted, SceneObserved, decoded
 from al_questioner.event_log.log import DATABASE, SessionLog, read_log
 from al_questioner.event_log.replay import learn
 from al_questioner.imitation.bags import read_demonstrations
@@ -28,32 +28,32 @@ from al_questioner.questioning import (
     FEATURE_SETS,
     Choice,
     Episode,
-    Observed,
-    Situation,
+    FeatureRecorder,
+    TurnContext,
     make_strategy,
     read_plain_answer,
 )
-from al_questioner.simulation import PerceivedWorld, ScriptedTeacher, WorldChoice, episode_settings, load_task
+from al_questioner.simulation import PerceivedWorld, ScriptedTeacher, WorldSpec, episode_settings, load_task
 
 TASK = load_task('prepare_lunch')
 TEACHER = ScriptedTeacher(TASK.symbols, TASK.relevant_groups, 4)
 EPISODE = ['--task', 'prepare_lunch', '--strategy', 'dt_iros', '--budget', '6', '--turns', '7', '--seed', '4']
 WORLD = {'task': 'prepare_lunch', 'seed': 4, 'sample': 4, 'dataset': None}
-BEGUN = Begun('e1', episode_settings(TASK, 'dt_iros', 6.0, 7, tune_every=3), 4, 1e-3, WORLD, '1')
+BEGUN = EpisodeStarted('e1', episode_settings(TASK, 'dt_iros', 6.0, 7, tune_every=3), 4, 1e-3, WORLD, '1')
 
 
 @pytest.fixture(scope='module')
 def world() -> PerceivedWorld:
-    return PerceivedWorld(WorldChoice(TASK, 4, 4).open())
+    return PerceivedWorld(WorldSpec(TASK, 4, 4).open())
 
 
-def write_session(folder: Path, world: PerceivedWorld, corrected: bool = False, begun: Begun = BEGUN) -> None:
+def write_session(folder: Path, world: PerceivedWorld, corrected: bool = False, begun: EpisodeStarted = BEGUN) -> None:
     """A whole session, in which the first answer may be corrected, and another teacher be late."""
     session = DurableEpisode(begun, SessionLog(folder))
     session.start()
     while not session.episode.done:
         turn = session.episode.turn + 1
-        query = session.ask(Seen(turn, turn * 10**9, 'table', world.scene(turn))).query
+        query = session.ask(SceneObserved(turn, turn * 10**9, 'table', world.scene(turn))).query
         if query is not None:
             session.take(TEACHER.answer(query, world.truth(turn)))
         session.tune()
@@ -77,9 +77,9 @@ def test_a_teacher_who_was_away_leaves_a_session_like_any_other(
         session.start()
         if not session.episode.awaits_answer and session.episode.turns_left:
             turn = session.episode.turn + 1
-            session.ask(Seen(turn, turn * 10**9, 'table', world.scene(turn)))
+            session.ask(SceneObserved(turn, turn * 10**9, 'table', world.scene(turn)))
         elif session.episode.turn in away:
-            session.let_pass()
+            session.time_out()
         elif session.episode.pending is not None:
             session.take(TEACHER.answer(session.episode.pending, world.truth(session.episode.pending.turn)))
         if not session.episode.awaits_answer:
@@ -90,7 +90,7 @@ def test_a_teacher_who_was_away_leaves_a_session_like_any_other(
     assert any(record.outcome is Outcome.UNANSWERED for record in asked) != comes_back
     assert main(['session', str(log), '--bag', str(tmp_path / 'bag'), '--json', str(tmp_path / 'json')]) == 0
     assert ('unanswered, withdrawn' in capsys.readouterr().out) != comes_back
-    (recorded,) = read_sessions(tmp_path / 'bag')
+    (recorded,) = read_episodes(tmp_path / 'bag')
     assert recorded.records == asked
     assert first_divergence(recorded) is None
     (demonstration,) = read_demonstrations([tmp_path / 'bag'])
@@ -139,7 +139,7 @@ def test_a_session_as_a_bag_leads_to_the_same_decisions(tmp_path: Path, world: P
     """What people said could not be replayed, looked at in Foxglove, or learnt weights from."""
     write_session(tmp_path / 'log', world)
     assert main(['session', str(tmp_path / 'log'), '--bag', str(tmp_path / 'bag')]) == 0
-    (session,) = read_sessions(tmp_path / 'bag')
+    (session,) = read_episodes(tmp_path / 'bag')
     assert (session.episode_id, session.settings, len(session.turns)) == ('e1', BEGUN.settings, 7)
     assert first_divergence(session) is None
     (demonstration,) = read_demonstrations([tmp_path / 'bag'])
@@ -187,14 +187,14 @@ def test_names_that_tasks_may_not_have_any_more_stay_readable(
     """What was taught before such a name was refused would be lost."""
     symbols = ('Cup', 'cup', '7', 'skip', 'None', ' a,b ', 'Fru\u0308chte')
     settings = EpisodeSettings(symbols, 20.0, 9, 'random_fsq')
-    begun = Begun('e1', settings, 1, 1e-3, None, '1')
+    begun = EpisodeStarted('e1', settings, 1, 1e-3, None, '1')
     session = DurableEpisode(begun, SessionLog(tmp_path / 'log'))
     session.start()
     for turn, symbol in enumerate(('', *symbols, 'none'), 1):
         ids = [10 * turn + 1, 10 * turn + 2]
         features = np.random.default_rng(turn).random((2, 3), dtype=np.float32)
         scene = Scene(ids, np.zeros((2, 3), np.float32), features, ['bbox[0,1]_w', 'bbox[0,1]_h', 'size_m'])
-        query = session.ask(Seen(turn, turn * 10**9, 'table', scene)).query
+        query = session.ask(SceneObserved(turn, turn * 10**9, 'table', scene)).query
         assert query is not None
         session.take(read_plain_answer(symbol or 'size,bbox[0,1]', query))
     session.close()
@@ -207,7 +207,7 @@ def test_names_that_tasks_may_not_have_any_more_stay_readable(
     with (Path(paths[1]) / 'answers.csv').open() as file:
         contents = [row['content'] for row in csv.DictReader(file)]
     assert contents == ['size,"bbox[0,1]"', *symbols, 'none']
-    (recorded,) = read_sessions(Path(paths[2]))
+    (recorded,) = read_episodes(Path(paths[2]))
     assert recorded.settings.symbols == symbols
     assert first_divergence(recorded) is None
 
@@ -227,7 +227,7 @@ def test_a_clock_that_was_put_back_hides_nothing_of_a_session(
     write_session(tmp_path / 'log', world, corrected)
     assert next(ticks) > 18
     assert main(['session', str(tmp_path / 'log'), '--bag', str(tmp_path / 'bag')]) == 0
-    (session,) = read_sessions(tmp_path / 'bag')
+    (session,) = read_episodes(tmp_path / 'bag')
     assert len(session.turns) == 7
     assert first_divergence(session) is None
 
@@ -239,16 +239,16 @@ def test_what_was_corrected_later_is_replayed_as_it_was_known(
     """Weights would be learnt from choices beside features of what nobody knew when they were made."""
     seen_live: list[np.ndarray] = []
 
-    class Watched(Observed):
-        def choose(self, situation: Situation, rng: np.random.Generator) -> Choice:
-            choice = super().choose(situation, rng)
+    class Watched(FeatureRecorder):
+        def choose(self, context: TurnContext, rng: np.random.Generator) -> Choice:
+            choice = super().choose(context, rng)
             assert choice.features is not None
             seen_live.append(choice.features)
             return choice
 
     feature_set, settings = FEATURE_SETS[name], BEGUN.settings
     watched = Watched(make_strategy(settings.strategy, settings.weights), feature_set)
-    live = Episode(settings, generator(BEGUN.seed, 'learner'), BEGUN.view_tolerance, watched)
+    live = Episode(settings, random_stream(BEGUN.seed, 'learner'), BEGUN.view_tolerance, watched)
     session = DurableEpisode(BEGUN, SessionLog(tmp_path / 'log'))
     session.start()
 
@@ -258,7 +258,7 @@ def test_what_was_corrected_later_is_replayed_as_it_was_known(
 
     taken: list[Answer] = []
     for turn in range(1, settings.turns + 1):
-        query = session.ask(Seen(turn, turn * 10**9, 'table', world.scene(turn))).query
+        query = session.ask(SceneObserved(turn, turn * 10**9, 'table', world.scene(turn))).query
         assert live.ask(world.scene(turn)).query == query
         if turn == 3:
             take(Answer('q1', 'c1', 'anna', Outcome.UNKNOWN, replaces=taken[0].answer_id))
@@ -277,7 +277,7 @@ def test_what_was_corrected_later_is_replayed_as_it_was_known(
     assert main(['session', str(tmp_path / 'log'), '--bag', str(tmp_path / 'bag')]) == 0
     assert main(['replay', str(tmp_path / 'bag'), '--check']) == 0
     assert '7 decisions, all as recorded' in capsys.readouterr().out
-    (recorded,) = read_sessions(tmp_path / 'bag')
+    (recorded,) = read_episodes(tmp_path / 'bag')
     assert recorded.records == live.records
     anew = [decision.features for decision in decisions_anew(recorded, feature_set)]
     assert len(anew) == len(seen_live)

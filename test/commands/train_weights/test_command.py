@@ -13,7 +13,7 @@ import numpy as np
 import pytest
 import yaml
 
-from al_questioner.bags import BagWriter, Topic, read_bag, read_sessions
+from al_questioner.bags import BagWriter, Topic, read_bag, read_episodes
 from al_questioner.bags.rerun import decisions_anew, first_divergence
 from al_questioner.cli import main
 from al_questioner.domain import DECISION_FEATURES, InputError
@@ -21,7 +21,7 @@ from al_questioner.imitation.bags import read_demonstrations
 from al_questioner.imitation.demonstration import teacher_of
 from al_questioner.imitation.feature_matching import Iteration
 from al_questioner.questioning import FEATURE_SETS
-from al_questioner.simulation import ScriptedTeacher, WorldChoice, episode_settings, load_task, run_episode
+from al_questioner.simulation import ScriptedTeacher, WorldSpec, episode_settings, load_task, run_episode
 from checkout import ROOT
 
 BAGS = [str(ROOT / 'bags' / f'expert_{number}') for number in range(3)]
@@ -51,7 +51,7 @@ def test_the_shipped_bags_are_demonstrations_of_the_training_scenario() -> None:
 @pytest.mark.parametrize('bag', BAGS, ids=lambda bag: Path(bag).name)
 def test_the_shipped_bags_replay_to_the_same_decisions(bag: str) -> None:
     """Training would learn from decisions that this software does not make; another processor may round otherwise."""
-    (session,) = read_sessions(Path(bag))
+    (session,) = read_episodes(Path(bag))
     divergence = first_divergence(session)
     rounding = divergence and re.fullmatch(r'the (features|utilities) differ by up to (\S+)', divergence.what)
     assert divergence is None or (rounding and float(rounding[2]) < 1e-9)
@@ -106,7 +106,7 @@ def test_bags_tell_what_was_not_recorded(tmp_path: Path) -> None:
     assert all(set(now.actions) <= set(then.actions) for now, then in zip(anew.steps, recorded.steps, strict=True))
     chosen = [[step.actions[step.chosen] for step in steps] for steps in (anew.steps, recorded.steps)]
     assert chosen[0] == chosen[1]
-    (session,) = read_sessions(path)
+    (session,) = read_episodes(path)
     again = [decision.features for decision in decisions_anew(session, FEATURE_SETS['dt_task_env'])]
     for ours, turn in zip(again, session.turns, strict=True):
         np.testing.assert_allclose(ours, turn.decision.features, atol=1e-9)
@@ -256,7 +256,7 @@ def test_a_recording_that_is_cut_short_says_so(tmp_path: Path, capsys: pytest.Ca
     recorded = read_bag(Path(BAGS[0])).messages
     ends = [at for at, message in enumerate(recorded) if message.topic.endswith('/turn')]
     write_anew(Path(BAGS[0]), tmp_path / 'b', 'mcap', end=ends[14])
-    (session,) = read_sessions(tmp_path / 'b')
+    (session,) = read_episodes(tmp_path / 'b')
     played = len(session.turns)
     assert 10 < played < 30
     assert main(['replay', str(tmp_path / 'b'), '--check']) == 0
@@ -315,7 +315,7 @@ def test_the_shipped_weights_ask_as_the_documentation_says(budget: int, turns: i
     # Of the demonstrations that they were learnt from.
     settings = episode_settings(task, 'dt_task_env', budget, turns, amplitude=4.0)
     teacher = ScriptedTeacher(task.symbols, task.relevant_groups, 1)
-    result = run_episode(WorldChoice(task, 1, 1), settings, teacher)
+    result = run_episode(WorldSpec(task, 1, 1), settings, teacher)
     assert len(result.queries) >= least
     assert result.spent <= budget
     assert max(query.turn for query in result.queries) >= latest

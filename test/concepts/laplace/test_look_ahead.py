@@ -7,7 +7,7 @@ import warnings
 import numpy as np
 import pytest
 
-from al_questioner.concepts import ConceptModels, Knowledge, models
+from al_questioner.concepts import ConceptLearner, ConceptModels, models
 from al_questioner.concepts.laplace import look_ahead
 from al_questioner.domain import NO_SYMBOL, InputError, Scene
 
@@ -90,20 +90,20 @@ def test_any_length_scale(learning_state, length_scale):
 
 
 def test_after_the_teacher_has_named_the_relevant_features():
-    """Through `Knowledge`: the subset shrinks the kernel's length scale and must reach both sides of the comparison."""
+    """The subset shrinks the length scale of `ConceptLearner`, and must reach both sides of the comparison."""
     rng = np.random.default_rng(8)
     names = tuple(f'{group}_{i}' for group in ('colour', 'size', 'noise') for i in range(12))
     table = rng.normal(loc=3, scale=2, size=(8, 36)).astype(np.float32)
     scene = Scene(tuple(range(8)), np.zeros((8, 3), dtype=np.float32), table, names)
 
     def taught(*more):
-        knowledge = Knowledge(('snack', 'fruit', 'beverage'), amplitude=25.0)
-        knowledge.observe(scene)
+        concepts = ConceptLearner(('snack', 'fruit', 'beverage'), amplitude=25.0)
+        concepts.observe(scene)
         for turn, (thing, symbol) in enumerate([(0, 'snack'), (1, 'fruit'), (2, NO_SYMBOL), (0, 'fruit'), *more]):
-            knowledge.label(thing, scene.features[thing], symbol, turn)
+            concepts.label(thing, scene.features[thing], symbol, turn)
             if turn == 1:
-                knowledge.restrict_to_groups(('colour', 'size'))
-        return knowledge
+                concepts.restrict_to_groups(('colour', 'size'))
+        return concepts
 
     ahead = taught().look_ahead(scene)
     for i in (0, 5):

@@ -7,7 +7,7 @@ import pytest
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
-from al_questioner.domain import NO_SYMBOL, Outcome, QueryKind, generator
+from al_questioner.domain import NO_SYMBOL, Outcome, QueryKind, random_stream
 from al_questioner.questioning import Episode
 from al_questioner.questioning.strategies.expected_utility import expected_features
 
@@ -15,7 +15,7 @@ from al_questioner.questioning.strategies.expected_utility import expected_featu
 def demonstration(toy, seed, budget=15.0, turns=30, change_interval=10, unknown_rate=0.0):
     world = toy.world(seed, n_objects=8, change_interval=change_interval, unknown_rate=unknown_rate)
     episode = Episode(
-        toy.settings('expert', budget, turns, change_interval=change_interval), generator(seed, 'learner')
+        toy.settings('expert', budget, turns, change_interval=change_interval), random_stream(seed, 'learner')
     )
     decisions = []
     while not episode.done:
@@ -81,47 +81,47 @@ def test_every_decision_shows_what_was_weighed(toy):
 
 def test_the_rarest_class_is_what_it_asks_about(toy):
     """By hand: two examples of snack and of fruit, one of main_dish: the likeliest main_dish is asked about."""
-    from al_questioner.concepts import Knowledge
+    from al_questioner.concepts import ConceptLearner
     from al_questioner.domain import Costs, QueryRecord
-    from al_questioner.questioning import Situation, make_strategy
+    from al_questioner.questioning import TurnContext, make_strategy
 
     table = np.zeros((8, 5))
     table[:, 0] = [0, 5, 5, 10, 10, 0.2, 5.2, 10.2]
     scene = toy.scene(table)
-    knowledge = Knowledge(toy.symbols)
-    knowledge.observe(scene)
+    concepts = ConceptLearner(toy.symbols)
+    concepts.observe(scene)
     for row, label in enumerate(['main_dish', 'snack', 'snack', 'fruit', 'fruit']):
-        knowledge.label(row, scene.features[row], label, 1)
+        concepts.label(row, scene.features[row], label, 1)
     subset = QueryRecord(1, QueryKind.FEATURE_SUBSET, None, None, 2.0, Outcome.UNKNOWN)
-    situation = Situation(8, 20, scene, knowledge, 20.0, 4.0, Costs(), 5, 0, 1, (subset,))
-    choice = make_strategy('expert', {}).choose(situation, np.random.default_rng(0))
-    assert situation.candidates[choice.index].object_id == 5
-    np.testing.assert_array_equal(choice.features, expected_features(situation))
+    context = TurnContext(8, 20, scene, concepts, 20.0, 4.0, Costs(), 5, 0, 1, (subset,))
+    choice = make_strategy('expert', {}).choose(context, np.random.default_rng(0))
+    assert context.candidates[choice.index].object_id == 5
+    np.testing.assert_array_equal(choice.features, expected_features(context))
 
 
 def test_asks_for_a_demonstration_of_a_class_that_stays_without_example(toy):
     """Waiting for chance would leave a class untaught; what is not here is not asked for again."""
-    from al_questioner.concepts import Knowledge
+    from al_questioner.concepts import ConceptLearner
     from al_questioner.domain import Costs, QueryRecord
-    from al_questioner.questioning import Situation, make_strategy
+    from al_questioner.questioning import TurnContext, make_strategy
 
     scene = toy.scene(np.random.default_rng(0).normal(size=(6, 5)))
-    knowledge = Knowledge(toy.symbols)
-    knowledge.observe(scene)
+    concepts = ConceptLearner(toy.symbols)
+    concepts.observe(scene)
     for row, label in enumerate(['snack', 'snack', 'fruit', NO_SYMBOL]):
-        knowledge.label(row, scene.features[row], label, 1)
+        concepts.label(row, scene.features[row], label, 1)
     subset = QueryRecord(1, QueryKind.FEATURE_SUBSET, None, None, 2.0, Outcome.UNKNOWN)
     not_here = QueryRecord(6, QueryKind.DEMONSTRATION, None, 'main_dish', 2.0, Outcome.ANSWERED)
     for history, kind in (((subset,), QueryKind.DEMONSTRATION), ((subset, not_here), QueryKind.LABEL)):
-        situation = Situation(10, 20, scene, knowledge, 20.0, 4.0, Costs(), 5, 0, 5, history)
-        choice = make_strategy('expert', {}).choose(situation, np.random.default_rng(0))
-        assert situation.candidates[choice.index].kind is kind
+        context = TurnContext(10, 20, scene, concepts, 20.0, 4.0, Costs(), 5, 0, 5, history)
+        choice = make_strategy('expert', {}).choose(context, np.random.default_rng(0))
+        assert context.candidates[choice.index].kind is kind
     for row in (4, 5):
-        knowledge.label(row, scene.features[row], NO_SYMBOL, 1)
-    situation = Situation(10, 20, scene, knowledge, 20.0, 4.0, Costs(), 5, 0, 5, (subset,))
+        concepts.label(row, scene.features[row], NO_SYMBOL, 1)
+    context = TurnContext(10, 20, scene, concepts, 20.0, 4.0, Costs(), 5, 0, 5, (subset,))
     for seed in range(5):
-        choice = make_strategy('expert', {}).choose(situation, np.random.default_rng(seed))
-        assert situation.candidates[choice.index].kind is QueryKind.NO_QUERY, 'all that is here has been named'
+        choice = make_strategy('expert', {}).choose(context, np.random.default_rng(seed))
+        assert context.candidates[choice.index].kind is QueryKind.NO_QUERY, 'all that is here has been named'
 
 
 @settings(max_examples=25, deadline=None, suppress_health_check=[HealthCheck.function_scoped_fixture])

@@ -12,25 +12,25 @@ import pytest
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
-from al_questioner.concepts import Knowledge
-from al_questioner.domain import Action, Costs, EpisodeError, InputError, Outcome, QueryKind, QueryRecord, generator
-from al_questioner.questioning import Episode, Situation
+from al_questioner.concepts import ConceptLearner
+from al_questioner.domain import Action, Costs, EpisodeError, InputError, Outcome, QueryKind, QueryRecord, random_stream
+from al_questioner.questioning import Episode, TurnContext
 from al_questioner.questioning.strategies.expected_utility import expected_features
 from al_questioner.questioning.strategies.human import HELP_TABLE, Human, Lines, chosen_candidate, menu, pick_from_menu
 
 SYMBOLS = ('main_dish', 'snack', 'soup')
 
 
-def situation_of(toy: Any, **changes: Any) -> Situation:
+def context_of(toy: Any, **changes: Any) -> TurnContext:
     scene = toy.scene(np.random.default_rng(0).normal(size=(7, 5)), range(20, 27))
-    knowledge = Knowledge(SYMBOLS)
-    knowledge.observe(scene)
-    knowledge.label(21, scene.features[1], 'snack', 1)
+    concepts = ConceptLearner(SYMBOLS)
+    concepts.observe(scene)
+    concepts.label(21, scene.features[1], 'snack', 1)
     values = {
-        'turn': 3, 'turns': 20, 'scene': scene, 'knowledge': knowledge, 'budget': 20.0, 'spent': 1.0, 'costs': Costs(),
+        'turn': 3, 'turns': 20, 'scene': scene, 'concepts': concepts, 'budget': 20.0, 'spent': 1.0, 'costs': Costs(),
         'change_interval': 5, 'non_query_turns': 0, 'scene_turn': 1, 'history': (),
     }  # fmt: skip
-    return Situation(**{**values, **changes})
+    return TurnContext(**{**values, **changes})
 
 
 @pytest.mark.parametrize(
@@ -47,8 +47,8 @@ def situation_of(toy: Any, **changes: Any) -> Situation:
 )
 def test_a_line_names_a_candidate(toy: Any, line: str, action: Action) -> None:
     """The robot would ask something else than the expert said."""
-    situation = situation_of(toy)
-    assert situation.candidates[chosen_candidate(line, situation)] == action
+    context = context_of(toy)
+    assert context.candidates[chosen_candidate(line, context)] == action
 
 
 @pytest.mark.parametrize(
@@ -83,13 +83,13 @@ def test_a_line_that_names_none_is_explained(toy: Any, line: str, changes: dict[
         'one group': toy.scene(np.zeros((1, 5)), names=[f'colour_{i}' for i in range(5)]),
     }
     if changes.get('scene') == 'named':
-        situation = situation_of(toy)
-        first = toy.scene(situation.scene.features[1:2], [21])
-        changes = {'scene': first, 'knowledge': situation.knowledge}
+        context = context_of(toy)
+        first = toy.scene(context.scene.features[1:2], [21])
+        changes = {'scene': first, 'concepts': context.concepts}
     elif 'scene' in changes:
         changes = {**changes, 'scene': scenes[changes['scene']]}
     with pytest.raises(InputError, match=reason):
-        chosen_candidate(line, situation_of(toy, **changes))
+        chosen_candidate(line, context_of(toy, **changes))
 
 
 @pytest.mark.parametrize(
@@ -111,20 +111,20 @@ def test_a_line_that_names_none_is_explained(toy: Any, line: str, changes: dict[
 )
 def test_what_is_exactly_a_symbol_is_that_symbol(toy: Any, symbols: tuple[str, ...], line: str, action: Action) -> None:
     """A symbol that the menu lists could not be asked for, or another question would be paid for."""
-    knowledge = Knowledge(symbols)
-    situation = situation_of(toy)
-    knowledge.observe(situation.scene)
-    situation = situation_of(toy, knowledge=knowledge)
-    assert situation.candidates[chosen_candidate(line, situation)] == action
+    concepts = ConceptLearner(symbols)
+    context = context_of(toy)
+    concepts.observe(context.scene)
+    context = context_of(toy, concepts=concepts)
+    assert context.candidates[chosen_candidate(line, context)] == action
 
 
 @given(line=st.text(max_size=30))
 @settings(suppress_health_check=[HealthCheck.function_scoped_fixture])
 def test_any_line_is_a_candidate_or_explained(toy: Any, line: str) -> None:
     """A slip of the finger would end the demonstration."""
-    situation = situation_of(toy)
+    context = context_of(toy)
     with contextlib.suppress(InputError):
-        assert 0 <= chosen_candidate(line, situation) < len(situation.candidates)
+        assert 0 <= chosen_candidate(line, context) < len(context.candidates)
 
 
 def test_lines_are_read_as_they_come() -> None:
@@ -144,32 +144,32 @@ def test_lines_are_read_as_they_come() -> None:
 
 def test_wrong_input_is_asked_again_and_the_end_is_told(toy: Any) -> None:
     """A typing error would be a choice, or a closed terminal a frozen robot."""
-    situation, screen = situation_of(toy), io.StringIO()
-    index = pick_from_menu(situation, io.StringIO('99\nwhat?\n23\n'), screen)
-    assert situation.candidates[index].object_id == 23
+    context, screen = context_of(toy), io.StringIO()
+    index = pick_from_menu(context, io.StringIO('99\nwhat?\n23\n'), screen)
+    assert context.candidates[index].object_id == 23
     assert screen.getvalue().count('ask> ') == 3
     assert 'no such object' in screen.getvalue()
     with pytest.raises(EpisodeError, match='input has ended'):
-        pick_from_menu(situation, io.StringIO('99\n'), screen)
+        pick_from_menu(context, io.StringIO('99\n'), screen)
 
 
 def test_help_is_the_table_of_inputs(toy: Any) -> None:
     """An expert would guess what can be typed; but what a symbol begins with means that symbol."""
-    situation, screen = situation_of(toy), io.StringIO()
-    index = pick_from_menu(situation, io.StringIO('h\nHelp\n23\n'), screen)
-    assert situation.candidates[index].object_id == 23
+    context, screen = context_of(toy), io.StringIO()
+    index = pick_from_menu(context, io.StringIO('h\nHelp\n23\n'), screen)
+    assert context.candidates[index].object_id == 23
     assert screen.getvalue().count(HELP_TABLE) == 2
     assert 'no question' not in screen.getvalue()
-    knowledge = Knowledge(('hot', 'cold'))
-    knowledge.observe(situation.scene)
-    hot = situation_of(toy, knowledge=knowledge)
+    concepts = ConceptLearner(('hot', 'cold'))
+    concepts.observe(context.scene)
+    hot = context_of(toy, concepts=concepts)
     found = pick_from_menu(hot, io.StringIO('h\n'), io.StringIO())
     assert hot.candidates[found] == Action(QueryKind.DEMONSTRATION, symbol='hot')
 
 
 def test_the_menu_tells_what_there_is_to_choose(toy: Any) -> None:
     """The expert would choose without knowing prices, beliefs, or what is left."""
-    shown = menu(situation_of(toy))
+    shown = menu(context_of(toy))
     assert max(map(len, shown.splitlines())) <= 80
     for part in (
         'Turn 3 of 20',
@@ -183,15 +183,15 @@ def test_the_menu_tells_what_there_is_to_choose(toy: Any) -> None:
         ': f',
     ):
         assert part in shown
-    poor = menu(situation_of(toy, spent=19.0))
+    poor = menu(context_of(toy, spent=19.0))
     assert 'Show me one' not in poor
     assert 'What is it?' in poor
-    assert 'What is it?' not in menu(situation_of(toy, spent=20.0))
+    assert 'What is it?' not in menu(context_of(toy, spent=20.0))
 
 
 def test_the_menu_of_a_scene_without_things(toy: Any) -> None:
     """The person would wait for a list, or look for what costs and tells nothing."""
-    shown = menu(situation_of(toy, scene=toy.scene(np.empty((0, 5)))))
+    shown = menu(context_of(toy, scene=toy.scene(np.empty((0, 5)))))
     assert 'Nothing is in view' in shown
     assert 'What is it' not in shown
     assert 'Show me' not in shown
@@ -199,18 +199,18 @@ def test_the_menu_of_a_scene_without_things(toy: Any) -> None:
 
 def test_a_choice_is_a_demonstration_to_learn_from(toy: Any) -> None:
     """Recorded choices of a person would lack the features that imitation needs."""
-    situation = situation_of(toy)
-    choice = Human(lambda _: 4).choose(situation, np.random.default_rng(0))
+    context = context_of(toy)
+    choice = Human(lambda _: 4).choose(context, np.random.default_rng(0))
     assert choice.index == 4
-    assert choice.utilities.tolist() == [float(i == 4) for i in range(len(situation.candidates))]
-    np.testing.assert_array_equal(choice.features, expected_features(situation))
+    assert choice.utilities.tolist() == [float(i == 4) for i in range(len(context.candidates))]
+    np.testing.assert_array_equal(choice.features, expected_features(context))
 
 
 def test_a_person_plays_an_episode(toy: Any) -> None:
     """The whole way: menu, choice, question, answer, next turn."""
     lines = io.StringIO('f\n100\nsnack\n\n105\n')
-    picks = Human(lambda situation: pick_from_menu(situation, lines, io.StringIO()))
-    episode = Episode(toy.settings('random_fsq', 20.0, 5), generator(0, 'learner'), strategy=picks)
+    picks = Human(lambda context: pick_from_menu(context, lines, io.StringIO()))
+    episode = Episode(toy.settings('random_fsq', 20.0, 5), random_stream(0, 'learner'), strategy=picks)
     world = toy.world(0)
     kinds = []
     for turn in range(1, 6):

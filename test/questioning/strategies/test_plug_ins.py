@@ -18,8 +18,8 @@ import numpy as np
 import pytest
 
 from al_questioner.cli import main
-from al_questioner.domain import QueryKind, SettingsError, generator
-from al_questioner.questioning import STRATEGIES, Choice, Episode, Situation, known_strategies, make_strategy
+from al_questioner.domain import QueryKind, SettingsError, random_stream
+from al_questioner.questioning import STRATEGIES, Choice, Episode, TurnContext, known_strategies, make_strategy
 from al_questioner.questioning.strategies import names as strategy_names
 from al_questioner.questioning.strategies.names import SHIPPED, check_strategy
 from al_questioner.simulation import episode_settings, load_task
@@ -30,7 +30,7 @@ MODULE = """
 class Weighted:
     selector = None
     def __init__(self, weights): self.weights = weights
-    def choose(self, situation, rng): raise NotImplementedError
+    def choose(self, context, rng): raise NotImplementedError
 class Another(Weighted): pass
 class Failing(Weighted):
     def __init__(self, weights): raise ValueError('it needs\\nmore memory')
@@ -205,20 +205,20 @@ def test_the_example_asks_about_the_smallest_margin(toy: SimpleNamespace) -> Non
     class Checked:
         selector = None
 
-        def choose(self, situation: Situation, rng: np.random.Generator) -> Choice:
-            choice = example.choose(situation, rng)
-            action = situation.candidates[choice.index]
+        def choose(self, context: TurnContext, rng: np.random.Generator) -> Choice:
+            choice = example.choose(context, rng)
+            action = context.candidates[choice.index]
             asked.append(action.kind)
             if action.kind is QueryKind.LABEL:
-                ranked = [sorted(row / row.sum()) for row in situation.probabilities]
-                margins = {i: row[-1] - row[-2] for i, row in zip(situation.scene.object_ids, ranked, strict=True)}
-                unknown = np.array(situation.scene.object_ids)[~situation.labelled]
+                ranked = [sorted(row / row.sum()) for row in context.probabilities]
+                margins = {i: row[-1] - row[-2] for i, row in zip(context.scene.object_ids, ranked, strict=True)}
+                unknown = np.array(context.scene.object_ids)[~context.labelled]
                 assert action.object_id in unknown
                 assert margins[action.object_id] == pytest.approx(min(margins[i] for i in unknown), abs=1e-9)
             return choice
 
     world = toy.world(0)
-    episode = Episode(toy.settings('random_fsq', budget=30), generator(0, 'strategy'), strategy=Checked())
+    episode = Episode(toy.settings('random_fsq', budget=30), random_stream(0, 'strategy'), strategy=Checked())
     while not episode.done:
         if query := episode.ask(world.scene(episode.turn + 1)).query:
             episode.tell(world.answer(query))

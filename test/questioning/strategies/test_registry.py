@@ -5,9 +5,9 @@ import dataclasses
 import numpy as np
 import pytest
 
-from al_questioner.concepts import Knowledge
+from al_questioner.concepts import ConceptLearner
 from al_questioner.domain import NO_SYMBOL, Action, Costs, Outcome, QueryKind, QueryRecord, SettingsError
-from al_questioner.questioning import STRATEGIES, Situation, UncertaintySampling, make_strategy
+from al_questioner.questioning import STRATEGIES, TurnContext, UncertaintySampling, make_strategy
 from al_questioner.questioning.strategies.choice import choose_best, settled_actions
 
 AUTOMATIC = [name for name in STRATEGIES if name != 'human']
@@ -15,51 +15,51 @@ CONTROLS = ('u_sampling_fsq', 'random_fsq', 'farthest_fsq', 'rarest_demo')
 SUBSET_ASKED = QueryRecord(1, QueryKind.FEATURE_SUBSET, None, None, 2.0, Outcome.ANSWERED, ('size',))
 
 
-def situation_of(toy, labels=(), features=None, **changes):
+def context_of(toy, labels=(), features=None, **changes):
     """Turn 3 of 20 in a scene of six objects, of which the first ones carry the labels given."""
     table = np.random.default_rng(0).normal(size=(6, 5)) if features is None else features
     scene = toy.scene(table)
-    knowledge = Knowledge(toy.symbols)
-    knowledge.observe(scene)
+    concepts = ConceptLearner(toy.symbols)
+    concepts.observe(scene)
     for row, label in enumerate(labels):
-        knowledge.label(row, scene.features[row], label, 1)
+        concepts.label(row, scene.features[row], label, 1)
     values = {
-        'turn': 3, 'turns': 20, 'scene': scene, 'knowledge': knowledge, 'budget': 20.0, 'spent': 2.0, 'costs': Costs(),
+        'turn': 3, 'turns': 20, 'scene': scene, 'concepts': concepts, 'budget': 20.0, 'spent': 2.0, 'costs': Costs(),
         'change_interval': 5, 'non_query_turns': 0, 'scene_turn': 1, 'history': (SUBSET_ASKED,),
     }  # fmt: skip
-    return Situation(**{**values, **changes})
+    return TurnContext(**{**values, **changes})
 
 
-def chosen(name, situation, seed=0, weights=None):
-    choice = make_strategy(name, weights or {}).choose(situation, np.random.default_rng(seed))
-    return situation.candidates[choice.index]
+def chosen(name, context, seed=0, weights=None):
+    choice = make_strategy(name, weights or {}).choose(context, np.random.default_rng(seed))
+    return context.candidates[choice.index]
 
 
 def test_uncertainty_sampling_asks_about_the_largest_entropy(toy):
-    situation = situation_of(toy, ['snack', 'fruit', 'snack', 'main_dish'])
-    q = situation.probabilities
+    context = context_of(toy, ['snack', 'fruit', 'snack', 'main_dish'])
+    q = context.probabilities
     p = q / q.sum(axis=1, keepdims=True)
     entropy = [-sum(value * np.log(value) for value in row) for row in p]
-    assert chosen('u_sampling', situation).object_id == int(np.argmax(entropy))
+    assert chosen('u_sampling', context).object_id == int(np.argmax(entropy))
 
 
 def test_uncertainty_sampling_considers_label_queries_only(toy):
-    situation = situation_of(toy)
-    choice = make_strategy('u_sampling', {}).choose(situation, np.random.default_rng(0))
-    considered = [a.kind for a, u in zip(situation.candidates, choice.utilities, strict=True) if not np.isnan(u)]
+    context = context_of(toy)
+    choice = make_strategy('u_sampling', {}).choose(context, np.random.default_rng(0))
+    considered = [a.kind for a, u in zip(context.candidates, choice.utilities, strict=True) if not np.isnan(u)]
     assert considered == [QueryKind.LABEL] * 6
-    assert chosen('u_sampling', situation_of(toy, spent=20.0)).kind is QueryKind.NO_QUERY
+    assert chosen('u_sampling', context_of(toy, spent=20.0)).kind is QueryKind.NO_QUERY
 
 
 @pytest.mark.parametrize('name', ['dt_iros', 'dt_task', 'dt_task_env'])
 def test_decision_theoretic_maximises_weights_times_features(toy, name):
-    situation = situation_of(toy, ['snack', 'fruit'])
+    context = context_of(toy, ['snack', 'fruit'])
     weights = toy.weights[name]
-    choice = make_strategy(name, weights).choose(situation, np.random.default_rng(0))
+    choice = make_strategy(name, weights).choose(context, np.random.default_rng(0))
     order = ('discriminability', 'class_uniformity', 'instance_variation', 'prediction_margin',
              'budget_consumption', 'remaining_time', 'non_query_time')  # fmt: skip
     utility = [sum(weights.get(f, 0) * v for f, v in zip(order, row, strict=True)) for row in choice.features]
-    considered = np.array([action.kind is not QueryKind.FEATURE_SUBSET for action in situation.candidates])
+    considered = np.array([action.kind is not QueryKind.FEATURE_SUBSET for action in context.candidates])
     np.testing.assert_allclose(choice.utilities[considered], np.array(utility)[considered], atol=1e-14)
     assert np.isnan(choice.utilities[~considered]).all(), 'it was asked before'
     assert utility[choice.index] == pytest.approx(np.array(utility)[considered].max())
@@ -69,64 +69,64 @@ def test_decision_theoretic_maximises_weights_times_features(toy, name):
 def test_controls_start_with_one_subset_query(toy, name):
     """Once, whatever came of it, and only if a first example can be paid as well."""
     fresh = {'history': (), 'spent': 0.0, 'turn': 1}
-    assert chosen(name, situation_of(toy, **fresh)).kind is QueryKind.FEATURE_SUBSET
-    assert chosen(name, situation_of(toy)).kind is not QueryKind.FEATURE_SUBSET
-    assert chosen(name, situation_of(toy, **fresh, budget=2.0)).kind is not QueryKind.FEATURE_SUBSET
+    assert chosen(name, context_of(toy, **fresh)).kind is QueryKind.FEATURE_SUBSET
+    assert chosen(name, context_of(toy)).kind is not QueryKind.FEATURE_SUBSET
+    assert chosen(name, context_of(toy, **fresh, budget=2.0)).kind is not QueryKind.FEATURE_SUBSET
 
 
 @pytest.mark.parametrize('name', ['u_sampling_fsq', 'random_fsq', 'farthest_fsq'])
 def test_controls_never_ask_about_a_labelled_view(toy, name):
     """Not even when the label was none; and they rest when all is known."""
-    situation = situation_of(toy, ['snack', NO_SYMBOL, 'fruit'])
-    assert {chosen(name, situation, seed).object_id for seed in range(30)} <= {3, 4, 5}
-    assert chosen(name, situation_of(toy, ['snack'] * 6)).kind is QueryKind.NO_QUERY
+    context = context_of(toy, ['snack', NO_SYMBOL, 'fruit'])
+    assert {chosen(name, context, seed).object_id for seed in range(30)} <= {3, 4, 5}
+    assert chosen(name, context_of(toy, ['snack'] * 6)).kind is QueryKind.NO_QUERY
 
 
 @pytest.mark.parametrize('name', ['u_sampling_fsq', 'random_fsq', 'farthest_fsq'])
 def test_controls_do_not_insist_when_the_teacher_does_not_know(toy, name):
     """Until the scene changes; a teacher who did not know would be asked the same for ever."""
     asked = tuple(QueryRecord(2, QueryKind.LABEL, i, None, 1.0, Outcome.UNKNOWN) for i in range(5))
-    situation = situation_of(toy, history=(SUBSET_ASKED, *asked))
-    assert chosen(name, situation).object_id == 5
-    changed = situation_of(toy, history=(SUBSET_ASKED, *asked), scene_turn=3)
+    context = context_of(toy, history=(SUBSET_ASKED, *asked))
+    assert chosen(name, context).object_id == 5
+    changed = context_of(toy, history=(SUBSET_ASKED, *asked), scene_turn=3)
     assert {chosen(name, changed, seed).kind for seed in range(5)} == {QueryKind.LABEL}
 
 
 def test_random_asks_about_every_unlabelled_view(toy):
-    situation = situation_of(toy, ['snack', 'snack'])
-    assert {chosen('random_fsq', situation, seed).object_id for seed in range(60)} == {2, 3, 4, 5}
+    context = context_of(toy, ['snack', 'snack'])
+    assert {chosen('random_fsq', context, seed).object_id for seed in range(60)} == {2, 3, 4, 5}
 
 
 def test_farthest_by_hand(toy):
     """On a line 0, 1, 2, 3, 4, 9 with 0 labelled, 9 is farthest; with 0 and 9 labelled, 4."""
     table = np.zeros((6, 5))
     table[:, 2] = [0, 1, 2, 3, 4, 9]
-    situation = situation_of(toy, ['snack'], table)
-    assert chosen('farthest_fsq', situation).object_id == 5
-    situation.knowledge.label(5, situation.scene.features[5], 'fruit', 2)
-    assert chosen('farthest_fsq', situation_of_same(situation)).object_id == 4
+    context = context_of(toy, ['snack'], table)
+    assert chosen('farthest_fsq', context).object_id == 5
+    context.concepts.label(5, context.scene.features[5], 'fruit', 2)
+    assert chosen('farthest_fsq', context_of_same(context)).object_id == 4
 
 
 def test_farthest_looks_at_the_chosen_features_only(toy):
     table = np.zeros((6, 5))
     table[:, 2] = [0, 1, 2, 3, 4, 9]
     table[2, 3:] = 1000
-    situation = situation_of(toy, ['snack'], table)
-    assert chosen('farthest_fsq', situation).object_id == 2
-    situation.knowledge.restrict_to_groups(['size'])
-    assert chosen('farthest_fsq', situation_of_same(situation)).object_id == 5
+    context = context_of(toy, ['snack'], table)
+    assert chosen('farthest_fsq', context).object_id == 2
+    context.concepts.restrict_to_groups(['size'])
+    assert chosen('farthest_fsq', context_of_same(context)).object_id == 5
 
 
-def situation_of_same(situation):
-    """A new situation on the same knowledge: the old one has computed its properties."""
-    names = ('turn', 'turns', 'scene', 'knowledge', 'budget', 'spent', 'costs', 'change_interval', 'non_query_turns',
+def context_of_same(context):
+    """A new context on the same concepts: the old one has computed its properties."""
+    names = ('turn', 'turns', 'scene', 'concepts', 'budget', 'spent', 'costs', 'change_interval', 'non_query_turns',
              'scene_turn', 'history')  # fmt: skip
-    return Situation(**{name: getattr(situation, name) for name in names})
+    return TurnContext(**{name: getattr(context, name) for name in names})
 
 
 def test_rarest_demonstration_asks_for_the_fewest_examples(toy):
-    assert chosen('rarest_demo', situation_of(toy, ['snack', 'fruit', 'fruit'])).symbol == 'main_dish'
-    tied = {chosen('rarest_demo', situation_of(toy, ['fruit']), seed).symbol for seed in range(20)}
+    assert chosen('rarest_demo', context_of(toy, ['snack', 'fruit', 'fruit'])).symbol == 'main_dish'
+    tied = {chosen('rarest_demo', context_of(toy, ['fruit']), seed).symbol for seed in range(20)}
     assert tied == {'main_dish', 'snack'}
 
 
@@ -135,14 +135,14 @@ def test_rarest_demonstration_moves_on_when_there_is_none(toy):
     in_vain = QueryRecord(2, QueryKind.DEMONSTRATION, None, 'main_dish', 2.0, Outcome.ANSWERED)
     history = (SUBSET_ASKED, in_vain)
     labels = ['fruit', 'fruit', 'snack']
-    assert chosen('rarest_demo', situation_of(toy, labels, history=history)).symbol == 'snack'
-    assert chosen('rarest_demo', situation_of(toy, labels, history=history, scene_turn=3)).symbol == 'main_dish'
+    assert chosen('rarest_demo', context_of(toy, labels, history=history)).symbol == 'snack'
+    assert chosen('rarest_demo', context_of(toy, labels, history=history, scene_turn=3)).symbol == 'main_dish'
 
-    again = situation_of(toy, ['fruit', 'fruit', 'main_dish'], history=(
+    again = context_of(toy, ['fruit', 'fruit', 'main_dish'], history=(
         *history, QueryRecord(2, QueryKind.DEMONSTRATION, 5, 'snack', 2.0, Outcome.ANSWERED),
     ))  # fmt: skip
     for _ in range(2):
-        again.knowledge.label(5, again.scene.features[5], 'snack', 2)
+        again.concepts.label(5, again.scene.features[5], 'snack', 2)
     assert chosen('rarest_demo', again).symbol == 'fruit'
 
 
@@ -156,15 +156,15 @@ def test_rarest_demonstration_is_paced_over_the_scenes(toy):
         (10, 9.0, QueryKind.NO_QUERY),
         (20, 18.0, QueryKind.DEMONSTRATION),
     ):
-        assert chosen('rarest_demo', situation_of(toy, turn=turn, spent=spent)).kind is kind, (turn, spent)
+        assert chosen('rarest_demo', context_of(toy, turn=turn, spent=spent)).kind is kind, (turn, spent)
 
 
 def test_ties_are_broken_at_random_among_the_best_only(toy):
-    situation = situation_of(toy)
+    context = context_of(toy)
     for best, tied, worse in ((1.0, 1.0 + 1e-12, 0.999), (-1.0, -1.0 - 1e-12, -2.0)):
-        utilities = np.full(len(situation.candidates), np.nan)
+        utilities = np.full(len(context.candidates), np.nan)
         utilities[[2, 5, 7]] = best, tied, worse
-        picked = {choose_best(situation, utilities, np.random.default_rng(seed)).index for seed in range(30)}
+        picked = {choose_best(context, utilities, np.random.default_rng(seed)).index for seed in range(30)}
         assert picked == {2, 5}
 
 
@@ -179,25 +179,25 @@ def test_what_is_settled_is_not_asked_again(toy):
         QueryRecord(2, QueryKind.DEMONSTRATION, None, 'main_dish', 2.0, Outcome.UNKNOWN),
     )
     subset = Action(QueryKind.FEATURE_SUBSET)
-    assert settled_actions(situation_of(toy, history=history)) == {
+    assert settled_actions(context_of(toy, history=history)) == {
         subset,
         Action(QueryKind.LABEL, object_id=4),
         Action(QueryKind.DEMONSTRATION, symbol='snack'),
         Action(QueryKind.DEMONSTRATION, symbol='main_dish'),
     }
-    assert settled_actions(situation_of(toy, history=history, scene_turn=2)) == settled_actions(
-        situation_of(toy, history=history)
+    assert settled_actions(context_of(toy, history=history, scene_turn=2)) == settled_actions(
+        context_of(toy, history=history)
     ), 'what went unanswered in the very turn of the change'
-    assert settled_actions(situation_of(toy, history=history, scene_turn=3)) == {subset}
+    assert settled_actions(context_of(toy, history=history, scene_turn=3)) == {subset}
 
 
 def test_what_is_known_not_to_be_here_is_not_to_be_shown(toy):
     """Where each view was named, as something else, the answer is sure to be that there is none."""
     demonstrations = [Action(QueryKind.DEMONSTRATION, symbol=symbol) for symbol in toy.symbols]
     labels = ['snack', NO_SYMBOL, 'snack', 'fruit', NO_SYMBOL, 'fruit']
-    known = situation_of(toy, labels, history=())
+    known = context_of(toy, labels, history=())
     assert settled_actions(known) == set(demonstrations[:1])
-    assert settled_actions(situation_of(toy, labels[:5], history=())) == set()
+    assert settled_actions(context_of(toy, labels[:5], history=())) == set()
     for name in AUTOMATIC:
         for seed in range(5):
             assert chosen(name, known, seed, toy.weights.get(name)) != demonstrations[0]
@@ -216,19 +216,19 @@ def test_the_relevant_features_are_asked_for_a_second_time_if_there_was_no_answe
         ((first, second), 11, True),
         ((unheard,), 6, True),
     ):
-        situation = situation_of(toy, turn=12, history=history, scene_turn=scene_turn)
-        assert (subset in settled_actions(situation)) is settled
+        context = context_of(toy, turn=12, history=history, scene_turn=scene_turn)
+        assert (subset in settled_actions(context)) is settled
         for name in ('u_sampling_fsq', 'random_fsq', 'farthest_fsq', 'rarest_demo', 'value_per_cost'):
-            assert (chosen(name, situation) == subset) is not settled
+            assert (chosen(name, context) == subset) is not settled
 
 
 @pytest.mark.parametrize('strategy', ['u_sampling', 'dt_iros', 'dt_task', 'dt_task_env'])
 def test_no_strategy_repeats_a_question_that_got_no_answer(toy, strategy):
     """It leaves the state as it was, so without a rule the same question would be the best for ever."""
     weights = toy.weights.get(strategy, {})
-    first = chosen(strategy, situation_of(toy, ['snack', 'fruit']), weights=weights)
+    first = chosen(strategy, context_of(toy, ['snack', 'fruit']), weights=weights)
     record = QueryRecord(2, first.kind, first.object_id, first.symbol, 1.0, Outcome.UNKNOWN)
-    again = situation_of(toy, ['snack', 'fruit'], history=(record,))
+    again = context_of(toy, ['snack', 'fruit'], history=(record,))
     assert chosen(strategy, again, weights=weights) != first
 
 
@@ -253,11 +253,11 @@ def test_weights_that_do_not_fit(name, weights, reason):
 
 def test_uncertainty_sampling_can_be_kept_from_asking_again(toy):
     """The study of whether it may ask again would vary nothing."""
-    situation = situation_of(toy, ['snack'] * 5)
-    again = UncertaintySampling().choose(situation, np.random.default_rng(0))
-    never = UncertaintySampling(repeats=False).choose(situation, np.random.default_rng(0))
+    context = context_of(toy, ['snack'] * 5)
+    again = UncertaintySampling().choose(context, np.random.default_rng(0))
+    never = UncertaintySampling(repeats=False).choose(context, np.random.default_rng(0))
     assert np.isfinite(again.utilities).sum() == 6
-    assert [situation.candidates[i].object_id for i in np.flatnonzero(np.isfinite(never.utilities))] == [5]
-    everything = situation_of(toy, ['snack'] * 6)
+    assert [context.candidates[i].object_id for i in np.flatnonzero(np.isfinite(never.utilities))] == [5]
+    everything = context_of(toy, ['snack'] * 6)
     nothing = UncertaintySampling(repeats=False).choose(everything, np.random.default_rng(0))
     assert everything.candidates[nothing.index].kind is QueryKind.NO_QUERY

@@ -5,7 +5,7 @@ import dataclasses
 import numpy as np
 import pytest
 
-from al_questioner.concepts import Knowledge
+from al_questioner.concepts import ConceptLearner
 from al_questioner.domain import (
     NO_SYMBOL,
     VALUE_FEATURES,
@@ -14,9 +14,17 @@ from al_questioner.domain import (
     QueryKind,
     QueryRecord,
     SettingsError,
-    generator,
+    random_stream,
 )
-from al_questioner.questioning import FEATURE_SETS, Choice, Episode, Observed, Situation, make_strategy, read_weights
+from al_questioner.questioning import (
+    FEATURE_SETS,
+    Choice,
+    Episode,
+    FeatureRecorder,
+    TurnContext,
+    make_strategy,
+    read_weights,
+)
 from al_questioner.questioning.beliefs import class_beliefs
 from al_questioner.questioning.strategies.value_per_cost import (
     BY_DERIVATION,
@@ -40,38 +48,38 @@ def label_record(symbol, turn=2, outcome=Outcome.ANSWERED):
     return QueryRecord(turn, QueryKind.LABEL, 90, symbol, 1.0, outcome)
 
 
-def situation_of(toy, labels=(), seed=3, table=None, **changes):
+def context_of(toy, labels=(), seed=3, table=None, **changes):
     """Six objects, of which the first ones were labelled so; the budget is short unless it is changed."""
     features = np.random.default_rng(seed).normal(size=(6, 5)) if table is None else table
     scene = changes.pop('scene', None) or toy.scene(features)
-    knowledge = Knowledge(toy.symbols)
-    knowledge.observe(scene)
+    concepts = ConceptLearner(toy.symbols)
+    concepts.observe(scene)
     for row, label in enumerate(labels):
-        knowledge.label(scene.object_ids[row], scene.features[row], label, 1)
+        concepts.label(scene.object_ids[row], scene.features[row], label, 1)
     values = {
-        'turn': 2, 'turns': 40, 'scene': scene, 'knowledge': knowledge, 'budget': 20.0, 'spent': 2.0, 'costs': Costs(),
+        'turn': 2, 'turns': 40, 'scene': scene, 'concepts': concepts, 'budget': 20.0, 'spent': 2.0, 'costs': Costs(),
         'change_interval': 5, 'non_query_turns': 0, 'scene_turn': 1, 'history': (SUBSET_ASKED,),
     }  # fmt: skip
-    return Situation(**{**values, **changes})
+    return TurnContext(**{**values, **changes})
 
 
-def decide(situation, seed=0, weights=SHIPPED):
-    choice = make_strategy('value_per_cost', weights).choose(situation, np.random.default_rng(seed))
-    return situation.candidates[choice.index], choice
+def decide(context, seed=0, weights=SHIPPED):
+    choice = make_strategy('value_per_cost', weights).choose(context, np.random.default_rng(seed))
+    return context.candidates[choice.index], choice
 
 
-def values_by_brute_force(situation, constants=DEFAULTS):
+def values_by_brute_force(context, constants=DEFAULTS):
     """The formula of docs/method.md for the label and demonstration queries: gain and chance, object by object."""
-    knowledge, scene, symbols = situation.knowledge, situation.scene, situation.symbols
-    q = knowledge.predict_proba(scene.features)
-    beliefs = class_beliefs(situation, constants.reach, constants.doubt)
-    seen = {(v.object_id, v.features.tobytes()): v.label for v in knowledge.labelled_views}
+    concepts, scene, symbols = context.concepts, context.scene, context.symbols
+    q = concepts.predict_proba(scene.features)
+    beliefs = class_beliefs(context, constants.reach, constants.doubt)
+    seen = {(v.object_id, v.features.tobytes()): v.label for v in concepts.labelled_views}
     labels = [seen.get((i, scene.features[row].tobytes())) for row, i in enumerate(scene.object_ids)]
 
     def gain(row, j):
         best = [k for k in range(len(symbols)) if q[row, k] > max(q[row]) - 1e-9]
         called = 1 / len(best) if j in best else 0.0
-        return 0.0 if labels[row] else (1 - called) / (1 + knowledge.positives[symbols[j]]) ** constants.decline
+        return 0.0 if labels[row] else (1 - called) / (1 + concepts.positives[symbols[j]]) ** constants.decline
 
     found = {}
     for row, object_id in enumerate(scene.object_ids):
@@ -89,10 +97,10 @@ def values_by_brute_force(situation, constants=DEFAULTS):
 @pytest.mark.parametrize('labels', [[], ['snack'], [NO_SYMBOL] * 5, ['snack', NO_SYMBOL, 'fruit', 'snack']])
 def test_features_are_the_formula_written_out(toy, labels, constants):
     history = (SUBSET_ASKED, *(label_record(label) for label in labels))
-    situation = situation_of(toy, labels, history=history)
-    expected = values_by_brute_force(situation, constants)
-    features = value_features(situation, constants)
-    for action, row in zip(situation.candidates, features, strict=True):
+    context = context_of(toy, labels, history=history)
+    expected = values_by_brute_force(context, constants)
+    features = value_features(context, constants)
+    for action, row in zip(context.candidates, features, strict=True):
         found = dict(zip(VALUE_FEATURES, row, strict=True))
         if action.kind in (QueryKind.LABEL, QueryKind.DEMONSTRATION):
             logs = [
@@ -100,20 +108,20 @@ def test_features_are_the_formula_written_out(toy, labels, constants):
                 for value in expected[action.symbol if action.object_id is None else action.object_id]
             ]
             assert [found['gain'], found['chance']] == pytest.approx(logs, abs=1e-6)
-            assert found['price'] == pytest.approx(np.log(situation.costs.of(action.kind) / 2))
+            assert found['price'] == pytest.approx(np.log(context.costs.price(action.kind) / 2))
         assert (found['silence'] == 1.0) == (action.kind is QueryKind.NO_QUERY)
     assert np.isfinite(features).all()
 
 
 def test_gains_by_hand(toy):
     """Before any label each symbol is called by a third; then fewer examples gain more, and the labelled nothing."""
-    assert example_gains(situation_of(toy), 0.6) == pytest.approx(np.full((6, 3), 2 / 3))
-    situation = situation_of(toy, ['snack', 'snack', 'fruit', NO_SYMBOL])
-    gains, snack = example_gains(situation, 2.0), toy.symbols.index('snack')
+    assert example_gains(context_of(toy), 0.6) == pytest.approx(np.full((6, 3), 2 / 3))
+    context = context_of(toy, ['snack', 'snack', 'fruit', NO_SYMBOL])
+    gains, snack = example_gains(context, 2.0), toy.symbols.index('snack')
     assert (gains[:4] == 0).all()
     for row in (4, 5):
-        called = int(np.argmax(situation.probabilities[row]))
-        worth = [1 / (1 + n) ** 2 for n in situation.knowledge.positives.values()]
+        called = int(np.argmax(context.probabilities[row]))
+        worth = [1 / (1 + n) ** 2 for n in context.concepts.positives.values()]
         worth[called] = 0.0
         assert gains[row] == pytest.approx(worth)
         assert gains[row, snack] in (0.0, pytest.approx(1 / 9))
@@ -131,15 +139,15 @@ def test_gains_by_hand(toy):
     ],
 )
 def test_what_the_relevant_features_still_help(toy, changes, answers):
-    assert later_answers(situation_of(toy, **changes)) == answers
+    assert later_answers(context_of(toy, **changes)) == answers
 
 
 def test_the_relevant_features_come_first_unless_they_leave_no_answer(toy):
     fresh = {'history': (), 'spent': 0.0, 'turn': 1}
-    assert decide(situation_of(toy, **fresh))[0].kind is QueryKind.FEATURE_SUBSET
-    assert decide(situation_of(toy, **fresh, budget=500.0))[0].kind is QueryKind.FEATURE_SUBSET
-    assert decide(situation_of(toy, **fresh, budget=2.0))[0].kind is QueryKind.LABEL
-    assert decide(situation_of(toy))[0].kind is not QueryKind.FEATURE_SUBSET
+    assert decide(context_of(toy, **fresh))[0].kind is QueryKind.FEATURE_SUBSET
+    assert decide(context_of(toy, **fresh, budget=500.0))[0].kind is QueryKind.FEATURE_SUBSET
+    assert decide(context_of(toy, **fresh, budget=2.0))[0].kind is QueryKind.LABEL
+    assert decide(context_of(toy))[0].kind is not QueryKind.FEATURE_SUBSET
 
 
 @pytest.mark.parametrize(
@@ -162,19 +170,19 @@ def test_the_relevant_features_come_first_unless_they_leave_no_answer(toy):
 )
 def test_how_short_the_budget_is_by_hand(toy, budget, costs, expected):
     """Labels for a penny would hide that demonstrations use up the budget, if theirs were the only price."""
-    situation = situation_of(toy, ['snack'], budget=budget, costs=costs)
-    assert scarcity(situation) == pytest.approx(expected)
-    assert (lead(situation, 0.5) == 0) == (expected == 0)
+    context = context_of(toy, ['snack'], budget=budget, costs=costs)
+    assert scarcity(context) == pytest.approx(expected)
+    assert (lead(context, 0.5) == 0) == (expected == 0)
     if expected:
-        assert lead(situation, 0.5) == pytest.approx(2 / budget - np.sqrt(2 / 40))
-    ratio = log_prices(situation)[0] - log_prices(situation)[3]
+        assert lead(context, 0.5) == pytest.approx(2 / budget - np.sqrt(2 / 40))
+    ratio = log_prices(context)[0] - log_prices(context)[3]
     assert ratio == pytest.approx(expected * np.log(costs.demonstration / costs.label) if costs.label else 0.0)
 
 
 def test_prices_are_shares_of_the_dearest_and_silence_has_none(toy):
-    situation = situation_of(toy, ['snack'], costs=Costs(0.001, 1, 4))
-    prices = value_features(situation)[:, VALUE_FEATURES.index('price')]
-    s = scarcity(situation)
+    context = context_of(toy, ['snack'], costs=Costs(0.001, 1, 4))
+    prices = value_features(context)[:, VALUE_FEATURES.index('price')]
+    s = scarcity(context)
     assert 0 < s < 1
     expected = {
         QueryKind.DEMONSTRATION: s * np.log(1 / 4),
@@ -182,39 +190,39 @@ def test_prices_are_shares_of_the_dearest_and_silence_has_none(toy):
         QueryKind.FEATURE_SUBSET: 0.0,
         QueryKind.NO_QUERY: 0.0,
     }
-    assert prices == pytest.approx([expected[action.kind] for action in situation.candidates])
+    assert prices == pytest.approx([expected[action.kind] for action in context.candidates])
 
 
 def test_the_relevant_features_first_at_the_default_costs_alone(toy):
     """One label that can follow is enough; where they cost more than they can bring they are not worth it."""
     fresh = {'history': (), 'spent': 0.0, 'turn': 1}
-    assert decide(situation_of(toy, **fresh, budget=3.0))[0].kind is QueryKind.FEATURE_SUBSET
-    assert decide(situation_of(toy, **fresh, budget=25.0, costs=Costs(1, 2, 20)))[0].kind is QueryKind.LABEL
+    assert decide(context_of(toy, **fresh, budget=3.0))[0].kind is QueryKind.FEATURE_SUBSET
+    assert decide(context_of(toy, **fresh, budget=25.0, costs=Costs(1, 2, 20)))[0].kind is QueryKind.LABEL
 
 
 def test_the_unit_of_the_budget_does_not_matter(toy):
     """Somebody who counts in thousandths would be asked other questions."""
     for unit in (1e-3, 1e3):
         costs = Costs(unit, 2 * unit, 2 * unit)
-        plain = decide(situation_of(toy, ['snack']))[1]
-        scaled = decide(situation_of(toy, ['snack'], costs=costs, budget=20 * unit, spent=2 * unit))[1]
+        plain = decide(context_of(toy, ['snack']))[1]
+        scaled = decide(context_of(toy, ['snack'], costs=costs, budget=20 * unit, spent=2 * unit))[1]
         np.testing.assert_allclose(scaled.utilities, plain.utilities, atol=1e-9)
 
 
 def test_a_short_budget_is_paced(toy):
     """By a quarter of the turns half of the budget is gone, and no more."""
     for spent, waits in ((9.0, False), (10.0, False), (10.01, True)):
-        action, _ = decide(situation_of(toy, ['snack'], turn=10, spent=spent))
+        action, _ = decide(context_of(toy, ['snack'], turn=10, spent=spent))
         assert (action.kind is QueryKind.NO_QUERY) is waits
-    assert decide(situation_of(toy, ['snack'], turn=40, spent=19.0))[0].kind is not QueryKind.NO_QUERY
+    assert decide(context_of(toy, ['snack'], turn=40, spent=19.0))[0].kind is not QueryKind.NO_QUERY
 
 
 def test_the_missing_symbol_is_asked_for_where_turns_are_short(toy):
     """And no more once there is none of it; others take its place."""
     labels = ['snack', 'snack', 'fruit', 'fruit']
-    assert decide(situation_of(toy, labels, budget=500.0))[0].symbol == 'main_dish'
+    assert decide(context_of(toy, labels, budget=500.0))[0].symbol == 'main_dish'
     in_vain = QueryRecord(2, QueryKind.DEMONSTRATION, None, 'main_dish', 2.0, Outcome.ANSWERED)
-    action, choice = decide(situation_of(toy, labels, budget=500.0, turn=3, history=(SUBSET_ASKED, in_vain)))
+    action, choice = decide(context_of(toy, labels, budget=500.0, turn=3, history=(SUBSET_ASKED, in_vain)))
     assert action.symbol != 'main_dish'
     assert np.isnan(choice.utilities[toy.symbols.index('main_dish')])
 
@@ -225,32 +233,32 @@ def test_a_teacher_who_does_not_know_lowers_the_chance_of_an_answer_to_such_ques
     chance = VALUE_FEATURES.index('chance')
     answered = dataclasses.replace(silent, outcome=Outcome.ANSWERED)
     before, after = (
-        value_features(situation_of(toy, scene_turn=3, turn=3, history=(SUBSET_ASKED, *more)))[:, chance]
+        value_features(context_of(toy, scene_turn=3, turn=3, history=(SUBSET_ASKED, *more)))[:, chance]
         for more in ((answered, answered), (answered, silent, answered, silent))
     )
     # With the two answers that are imagined, four of four and four of six.
-    expected = [np.log(4 / 6) if action.kind is kind else 0.0 for action in situation_of(toy, turn=3).candidates]
+    expected = [np.log(4 / 6) if action.kind is kind else 0.0 for action in context_of(toy, turn=3).candidates]
     assert after - before == pytest.approx(expected)
 
 
 def test_a_question_that_nobody_heard_does_not_lower_the_chance_of_an_answer(toy):
     """A teacher who went for coffee would be asked other questions on coming back."""
     unheard = label_record(None, outcome=Outcome.UNANSWERED)
-    before, after = (value_features(situation_of(toy, history=(SUBSET_ASKED, *more))) for more in ((), (unheard,)))
+    before, after = (value_features(context_of(toy, history=(SUBSET_ASKED, *more))) for more in ((), (unheard,)))
     np.testing.assert_array_equal(before, after)
 
 
 def test_labelled_views_are_never_asked_about(toy):
-    situation = situation_of(toy, ['snack', NO_SYMBOL, 'fruit'])
-    _, choice = decide(situation)
-    labels = [u for a, u in zip(situation.candidates, choice.utilities, strict=True) if a.kind is QueryKind.LABEL]
+    context = context_of(toy, ['snack', NO_SYMBOL, 'fruit'])
+    _, choice = decide(context)
+    labels = [u for a, u in zip(context.candidates, choice.utilities, strict=True) if a.kind is QueryKind.LABEL]
     assert np.isnan(labels).tolist() == [True] * 3 + [False] * 3
-    assert decide(situation_of(toy, ['snack'] * 6))[0].kind is QueryKind.NO_QUERY
+    assert decide(context_of(toy, ['snack'] * 6))[0].kind is QueryKind.NO_QUERY
 
 
 def test_it_does_not_know_when_scenes_change(toy):
     """The robot is not told on a real table."""
-    choices = [decide(situation_of(toy, ['snack'], change_interval=n))[1] for n in (1, 5, 1000)]
+    choices = [decide(context_of(toy, ['snack'], change_interval=n))[1] for n in (1, 5, 1000)]
     for other in choices[1:]:
         np.testing.assert_array_equal(other.utilities, choices[0].utilities)
 
@@ -259,13 +267,13 @@ def test_the_order_of_the_objects_does_not_matter(toy):
     table = np.random.default_rng(0).normal(size=(6, 5))
     order = np.array([4, 2, 0, 5, 1, 3])
     plain, shuffled = toy.scene(table), toy.scene(table[order], object_ids=tuple(map(int, order)))
-    knowledge = Knowledge(toy.symbols)
-    knowledge.observe(plain)
-    knowledge.label(2, plain.features[2], 'snack', 1)
+    concepts = ConceptLearner(toy.symbols)
+    concepts.observe(plain)
+    concepts.label(2, plain.features[2], 'snack', 1)
     rows = []
     for scene in (plain, shuffled):
-        situation = dataclasses.replace(situation_of(toy, scene=scene), knowledge=knowledge)
-        by_action = dict(zip(situation.candidates, value_features(situation), strict=True))
+        context = dataclasses.replace(context_of(toy, scene=scene), concepts=concepts)
+        by_action = dict(zip(context.candidates, value_features(context), strict=True))
         rows.append(np.array([by_action[action] for action in sorted(by_action, key=str)]))
     np.testing.assert_allclose(rows[0], rows[1], atol=1e-12)
 
@@ -276,14 +284,14 @@ def test_whole_episodes_keep_the_rules(toy, costs, budget):
     """Never over budget, never a labelled view, the relevant features twice at most, with every budget and price."""
     world = toy.world(seed=1, unknown_rate=0.2)
     settings = toy.settings('value_per_cost', budget=budget, costs=costs)
-    episode, asked = Episode(settings, generator(1, 'learner')), []
+    episode, asked = Episode(settings, random_stream(1, 'learner')), []
     for turn in range(1, settings.turns + 1):
         scene = world.scene(turn)
         decision = episode.ask(scene)
         if decision.query is not None:
             action = decision.query.action
             if action.kind is QueryKind.LABEL:
-                assert not episode.knowledge.is_labelled(scene)[scene.index_of(action.object_id)]
+                assert not episode.concepts.is_labelled(scene)[scene.index_of(action.object_id)]
             asked.append(action.kind)
             episode.tell(world.answer(decision.query))
     assert episode.spent <= budget + 1e-9
@@ -293,11 +301,11 @@ def test_whole_episodes_keep_the_rules(toy, costs, budget):
 
 def test_two_symbols_are_enough(toy):
     scene = toy.scene(np.random.default_rng(0).normal(size=(4, 5)))
-    knowledge = Knowledge(('cup', 'plate'))
-    knowledge.observe(scene)
-    situation = dataclasses.replace(situation_of(toy, scene=scene), knowledge=knowledge)
-    assert value_features(situation).shape == (2 + 4 + 2, len(VALUE_FEATURES))
-    assert decide(situation)[0].kind is QueryKind.LABEL, 'cheapest while nothing is known'
+    concepts = ConceptLearner(('cup', 'plate'))
+    concepts.observe(scene)
+    context = dataclasses.replace(context_of(toy, scene=scene), concepts=concepts)
+    assert value_features(context).shape == (2 + 4 + 2, len(VALUE_FEATURES))
+    assert decide(context)[0].kind is QueryKind.LABEL, 'cheapest while nothing is known'
 
 
 @pytest.mark.parametrize(
@@ -320,8 +328,8 @@ def test_its_constants_can_be_set_beside_its_weights(toy):
     strategy = make_strategy('value_per_cost', {'reach': 0.5, 'pace': 2.0, 'price': -0.5})
     assert strategy.constants == Constants(reach=0.5, pace=2.0)
     assert strategy.weights.tolist() == [1, 1, -0.5, 1e6, -10]
-    assert decide(situation_of(toy, ['snack'], turn=10, spent=9.0))[0].kind is not QueryKind.NO_QUERY
-    late = decide(situation_of(toy, ['snack'], turn=10, spent=9.0), weights={**SHIPPED, 'pace': 2.0})
+    assert decide(context_of(toy, ['snack'], turn=10, spent=9.0))[0].kind is not QueryKind.NO_QUERY
+    late = decide(context_of(toy, ['snack'], turn=10, spent=9.0), weights={**SHIPPED, 'pace': 2.0})
     assert late[0].kind is QueryKind.NO_QUERY
 
 
@@ -345,7 +353,7 @@ def test_features_stay_finite(toy, labels, constants):
     """A strategy whose values are no numbers would never ask again, and nobody would know why."""
     in_vain = [QueryRecord(2, QueryKind.DEMONSTRATION, None, symbol, 2.0, Outcome.ANSWERED) for symbol in toy.symbols]
     for history in ((), tuple(in_vain)):
-        features = value_features(situation_of(toy, labels, history=history), constants)
+        features = value_features(context_of(toy, labels, history=history), constants)
         assert np.isfinite(features).all()
 
 
@@ -361,12 +369,12 @@ def test_other_strategies_do_not_take_its_weights(name):
 
 def test_a_demonstration_shows_what_is_worthless_as_not_considered(toy):
     """Whoever learns from it would weigh candidates that the learner will never take."""
-    situation = situation_of(toy, ['snack', NO_SYMBOL, 'fruit'])
+    context = context_of(toy, ['snack', NO_SYMBOL, 'fruit'])
     feature_set = FEATURE_SETS['value_per_cost']
-    worthless = feature_set.is_worthless(feature_set.of(situation))
+    worthless = feature_set.is_worthless(feature_set.of(context))
     assert worthless.any()
     for seed in range(20):
-        choice = Observed(RandomChoice(), feature_set).choose(situation, np.random.default_rng(seed))
+        choice = FeatureRecorder(RandomChoice(), feature_set).choose(context, np.random.default_rng(seed))
         assert not np.isnan(choice.utilities[choice.index])
         left_out = np.isnan(choice.utilities)
         left_out[choice.index] = worthless[choice.index]
@@ -378,6 +386,6 @@ class RandomChoice:
 
     selector = None
 
-    def choose(self, situation, rng):
-        utilities = np.zeros(len(situation.candidates))
+    def choose(self, context, rng):
+        utilities = np.zeros(len(context.candidates))
         return Choice(int(rng.integers(len(utilities))), utilities)

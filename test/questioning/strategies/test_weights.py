@@ -4,7 +4,7 @@ from dataclasses import replace
 
 import pytest
 
-from al_questioner.domain import EpisodeSettings, InputError, generator
+from al_questioner.domain import EpisodeSettings, InputError, random_stream
 from al_questioner.questioning import Episode, load_weights, make_strategy, read_weights
 from checkout import ROOT
 
@@ -56,8 +56,8 @@ def test_a_strategy_without_weights_says_how_to_load_them(name: str) -> None:
     """Whoever writes the strategy's name in Python would have to look for the file that ships."""
     settings = EpisodeSettings(['cup', 'plate'], 10, 10, name)
     with pytest.raises(InputError, match=rf"weights=load_weights\('{name}'\)"):
-        Episode(settings, generator(0, 'learner'))
-    Episode(replace(settings, weights=load_weights(name)), generator(0, 'learner'))
+        Episode(settings, random_stream(0, 'learner'))
+    Episode(replace(settings, weights=load_weights(name)), random_stream(0, 'learner'))
     assert load_weights(name) == load_weights(str(SHIPPED / f'{name}.yaml'))
 
 

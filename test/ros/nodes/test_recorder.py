@@ -12,7 +12,7 @@ import pytest
 from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus
 from std_msgs.msg import String
 
-from al_questioner.bags import BagError, deserialize, read_bag, read_sessions, repair
+from al_questioner.bags import BagError, deserialize, read_bag, read_episodes, repair
 from al_questioner.bags.rerun import first_divergence
 from al_questioner.cli import main
 from al_questioner.domain import InputError
@@ -49,7 +49,7 @@ def test_a_recording_holds_the_whole_episode(graph: Any, tmp_path: Path, storage
     assert {document['query_id'] for document in documents(bag, 'answer')} == set(asked)
     assert {d['query_id'] for d in documents(bag, 'answer_ack') if d['accepted']} == set(asked)
     assert documents(bag, 'learner_state')[-1]['done']
-    (session,) = read_sessions(tmp_path / 'b')
+    (session,) = read_episodes(tmp_path / 'b')
     assert len(session.turns) == 10
     assert [turn.record.turn for turn in session.turns if turn.record] == [
         query['turn'] for query in documents(bag, 'learner_state')[-1]['queries']
@@ -79,7 +79,7 @@ def test_a_correction_is_replayed_in_the_turn_in_which_it_was_made(graph: Any, t
         says(number, answer_id='a1')
     graph.wait_for(lambda: recorder.done, 'the end of the recording')
     graph.stop(recorder)
-    (session,) = read_sessions(tmp_path / 'b')
+    (session,) = read_episodes(tmp_path / 'b')
     assert [[record.turn for record in turn.told] for turn in session.turns] == [[1], [2], [1, 3], [4]]
     assert first_divergence(session) is None
 
@@ -94,7 +94,7 @@ def test_what_was_missed_is_said(graph: Any, tmp_path: Path) -> None:
     graph.wait_for(lambda: recorder.done, 'the end of the recording')
     graph.stop(recorder)
     with pytest.raises(BagError, match='turn 1 of 10 was not recorded: did the recording begin too late'):
-        read_sessions(tmp_path / 'b')
+        read_episodes(tmp_path / 'b')
 
 
 def test_counts_are_told_and_a_late_end_keeps_everything(graph: Any, tmp_path: Path) -> None:

@@ -14,7 +14,7 @@ from rosgraph_msgs.msg import Clock
 from sensor_msgs.msg import PointCloud2
 from std_msgs.msg import String
 
-from al_questioner.bags import BagMessage, BagWriter, Topic, deserialize, read_bag, read_sessions
+from al_questioner.bags import BagMessage, BagWriter, Topic, deserialize, read_bag, read_episodes
 from al_questioner.bags.playback import Playback
 from al_questioner.domain import InputError
 from al_questioner.messages import documents
@@ -24,7 +24,7 @@ from al_questioner.ros.message_classes import installed_part, message_class
 from al_questioner.ros.nodes.learner import LearnerNode
 from al_questioner.ros.nodes.replayer import ReplayNode, common_namespace
 from al_questioner.ros.nodes.teacher import TeacherNode
-from al_questioner.simulation import ScriptedTeacher, WorldChoice, episode_settings, load_task, run_episode
+from al_questioner.simulation import ScriptedTeacher, WorldSpec, episode_settings, load_task, run_episode
 from checkout import ROOT
 
 BAG = ROOT / 'bags' / 'expert_0'
@@ -83,7 +83,7 @@ def test_the_scenes_of_a_replay_are_the_recorded_ones(graph: Any) -> None:
     node = replay(graph, rate=2.0)
     graph.wait_for(lambda: node.over, 'the end of the replay')
     graph.wait_for(lambda: clouds and _stamp(clouds[-1]) == _stamp(deserialize(_recorded('objects')[-1])), 'the last')
-    (session,) = read_sessions(BAG)
+    (session,) = read_episodes(BAG)
     shown = {turn.scene.features.tobytes(): turn.scene.object_ids for turn in session.turns}
     assert [_stamp(cloud) for cloud in clouds] == sorted({_stamp(cloud) for cloud in clouds})
     for cloud in clouds:
@@ -161,7 +161,7 @@ def test_a_replay_ends_when_a_learner_takes_its_names(graph: Any) -> None:
     task, seed = load_task('prepare_lunch'), graph.world['seed']
     settings = episode_settings(task, graph.episode['strategy'], graph.episode['budget'], graph.episode['turns'])
     teacher = ScriptedTeacher(task.symbols, task.relevant_groups, seed)
-    offline = run_episode(WorldChoice(task, seed, seed), settings, teacher)
+    offline = run_episode(WorldSpec(task, seed, seed), settings, teacher)
     assert states[-1]['queries'] == [documents.record_members(record) for record in offline.queries]
 
 

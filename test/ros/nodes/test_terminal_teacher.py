@@ -19,8 +19,8 @@ from al_questioner.messages.pictures import image
 from al_questioner.ros import qos
 from al_questioner.ros.nodes.teacher import TeacherNode
 from al_questioner.ros.types import CLOUD_TYPES, header, octets
-from al_questioner.terminal.board import Phase
-from al_questioner.terminal.session import Session
+from al_questioner.terminal.dialogue import TeacherDialogue
+from al_questioner.terminal.view_state import Phase
 
 
 class Robot:
@@ -39,18 +39,18 @@ class Robot:
                 ('answer_ack', String, qos.EVENTS),
             )
         }
-        self.session: Session | None = None
+        self.dialogue: TeacherDialogue | None = None
         self.node: Any = None
 
     def start(self, **parameters: Any) -> None:
         """The teacher."""
 
-        def attend(session: Session, stopped: threading.Event) -> None:
-            self.session = session
+        def run_terminal(dialogue: TeacherDialogue, stopped: threading.Event) -> None:
+            self.dialogue = dialogue
             stopped.wait()
 
-        self.node = self.graph.start(partial(TeacherNode, attend), mode='terminal', **parameters)
-        self.graph.wait_for(lambda: self.session is not None, 'the person')
+        self.node = self.graph.start(partial(TeacherNode, run_terminal), mode='terminal', **parameters)
+        self.graph.wait_for(lambda: self.dialogue is not None, 'the person')
 
     def says(self, topic: str, episode_id: str = 'e', **members: Any) -> None:
         """Publish a document."""
@@ -61,7 +61,10 @@ class Robot:
         action = Action(QueryKind.LABEL, 7)
         query = Query(f'q{number}', number, action, ('snack', 'fruit'), 1, 4, 5, 1, 'What is object 7?')
         self.says('query', episode_id=episode_id, **documents.query_members(query))
-        self.until(lambda board: board.moment is not None and board.moment.query.query_id == f'q{number}', 'a question')
+        self.until(
+            lambda view_state: view_state.prompt is not None and view_state.prompt.query.query_id == f'q{number}',
+            'a question',
+        )
 
     def takes(self, answer: dict[str, Any], accepted: bool = True, reason: str = '') -> None:
         """Acknowledge an answer."""
@@ -78,8 +81,8 @@ class Robot:
         """The board, once something holds of it."""
 
         def board_if_true() -> Any:
-            board = self.session.board()
-            return board if is_true(board) else None
+            view_state = self.dialogue.board()
+            return view_state if is_true(view_state) else None
 
         return self.graph.wait_for(board_if_true, what)
 
@@ -93,14 +96,14 @@ def test_an_answer_is_repeated_until_it_is_taken(robot: Robot) -> None:
     """One lost message would lose what a person said."""
     robot.start(teacher_id='anna')
     robot.asks(1)
-    robot.session.say('fruit')
+    robot.dialogue.say('fruit')
     first = robot.hears(3)
     assert len({answer['answer_id'] for answer in robot.answers}) == 1
     assert (first['teacher_id'], first['outcome'], first['content']) == ('anna', 'answered', 'fruit')
     assert first['episode_id'] == 'e'
     assert 'replaces' not in first
     robot.takes(first)
-    robot.until(lambda board: board.notice == 'Noted: object 7 is fruit.', 'the acknowledgement')
+    robot.until(lambda view_state: view_state.notice == 'Noted: object 7 is fruit.', 'the acknowledgement')
     assert robot.node.unacknowledged is None
 
 
@@ -108,30 +111,30 @@ def test_a_refusal_is_shown_and_the_question_asked_again(robot: Robot) -> None:
     """The robot would wait for ever."""
     robot.start()
     robot.asks(1)
-    robot.session.say('fruit')
+    robot.dialogue.say('fruit')
     robot.takes(robot.hears(1), accepted=False, reason='it has gone')
-    board = robot.until(lambda board: board.notice, 'the refusal')
-    assert (board.phase, board.notice) == (Phase.ASKED, 'The robot did not take that: it has gone')
+    view_state = robot.until(lambda view_state: view_state.notice, 'the refusal')
+    assert (view_state.phase, view_state.notice) == (Phase.ASKED, 'The robot did not take that: it has gone')
 
 
 def test_a_correction_names_the_answer_that_it_replaces(robot: Robot) -> None:
     """The learner could not find what to take back."""
     robot.start()
     robot.asks(1)
-    robot.session.say('fruit')
+    robot.dialogue.say('fruit')
     first = robot.hears(1)
     robot.takes(first)
-    robot.until(lambda board: board.can_undo, 'the acknowledgement')
+    robot.until(lambda view_state: view_state.can_undo, 'the acknowledgement')
     robot.asks(2)
-    robot.session.undo()
-    robot.session.say('snack')
+    robot.dialogue.undo()
+    robot.dialogue.say('snack')
     robot.graph.wait_for(lambda: robot.answers[-1].get('replaces'), 'the correction')
     correction = robot.answers[-1]
     assert (correction['query_id'], correction['content']) == ('q1', 'snack')
     assert correction['replaces'] == first['answer_id'] != correction['answer_id']
     robot.takes(correction)
-    board = robot.until(lambda board: board.phase is Phase.ASKED, 'the open question')
-    assert (board.moment.query.query_id, board.notice) == ('q2', 'Noted: object 7 is snack instead.')
+    view_state = robot.until(lambda view_state: view_state.phase is Phase.ASKED, 'the open question')
+    assert (view_state.prompt.query.query_id, view_state.notice) == ('q2', 'Noted: object 7 is snack instead.')
 
 
 def test_who_comes_late_or_back_sees_the_question_the_table_and_what_was_answered(robot: Robot) -> None:
@@ -147,14 +150,14 @@ def test_who_comes_late_or_back_sees_the_question_the_table_and_what_was_answere
     robot.says('query', **documents.query_members(query))
     robot.start()
 
-    def complete(board: Any) -> bool:
-        moment = board.moment
-        return bool(moment and moment.scene and moment.picture is not None and board.progress)
+    def complete(view_state: Any) -> bool:
+        prompt = view_state.prompt
+        return bool(prompt and prompt.scene and prompt.picture is not None and view_state.progress)
 
-    board = robot.until(complete, 'all that is latched')
-    assert board.moment.scene.object_ids == (7, 9)
-    assert board.moment.picture.shape == (4, 6, 3)
-    assert [one.symbol for one in board.progress.records] == ['snack']
+    view_state = robot.until(complete, 'all that is latched')
+    assert view_state.prompt.scene.object_ids == (7, 9)
+    assert view_state.prompt.picture.shape == (4, 6, 3)
+    assert [one.symbol for one in view_state.progress.records] == ['snack']
 
 
 @pytest.mark.parametrize('tells_fields', [True, False])
@@ -164,24 +167,24 @@ def test_a_table_that_was_cleared_is_shown_as_such(robot: Robot, tells_fields: b
     robot.asks(1)
     scene = Scene((7, 9), np.eye(2, 3, dtype=np.float32), np.ones((2, 1), np.float32), ('colour_hue',))
     robot.topics['objects'].publish(cloud_of_scene(scene, header(5, 'table'), CLOUD_TYPES))
-    robot.until(lambda board: board.moment.scene is not None, 'the table')
+    robot.until(lambda view_state: view_state.prompt.scene is not None, 'the table')
     nothing = Scene((), scene.positions[:0], scene.features[:0], scene.feature_names)
     empty = cloud_of_scene(nothing, header(6, 'table'), CLOUD_TYPES)
     if not tells_fields:
         empty.fields, empty.point_step = [], 0
     robot.topics['objects'].publish(empty)
-    robot.until(lambda board: len(board.moment.scene) == 0, 'the empty table')
+    robot.until(lambda view_state: len(view_state.prompt.scene) == 0, 'the empty table')
 
 
 def test_an_answer_is_not_carried_into_another_episode(robot: Robot) -> None:
     """What was said of one thing would be learnt of another."""
     robot.start()
     robot.asks(1)
-    robot.session.say('fruit')
+    robot.dialogue.say('fruit')
     robot.hears(1)
     robot.asks(1, episode_id='another')
     robot.graph.wait_for(lambda: robot.node.unacknowledged is None, 'the answer to be dropped')
-    assert robot.session.board().phase is Phase.ASKED
+    assert robot.dialogue.board().phase is Phase.ASKED
     assert {answer['episode_id'] for answer in robot.answers} == {'e'}
 
 
@@ -200,7 +203,7 @@ def test_messages_that_cannot_be_used_are_refused_and_counted(robot: Robot) -> N
         return {f'refused on {name}' for name in ('query', 'learner_state', 'objects', 'scene_image')} <= values
 
     robot.graph.wait_for(counted, 'four refusals on /diagnostics')
-    assert robot.session.board().phase is Phase.ASKED
+    assert robot.dialogue.board().phase is Phase.ASKED
 
 
 @pytest.mark.parametrize(
@@ -217,4 +220,4 @@ def test_a_person_needs_no_world(robot: Robot) -> None:
     """Whoever teaches a real robot would need its things drawn, or crops of them."""
     robot.start(task='uw_lunchbox', dataset='/no/such/place')
     robot.asks(1)
-    assert robot.session.board().teacher_id
+    assert robot.dialogue.board().teacher_id

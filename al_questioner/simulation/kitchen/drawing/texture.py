@@ -9,7 +9,7 @@ from functools import lru_cache
 import cv2
 import numpy as np
 
-from al_questioner.domain import FloatArray, generator
+from al_questioner.domain import FloatArray, random_stream
 from al_questioner.simulation.kitchen.drawing.images import resized
 
 Color = tuple[float, float, float]
@@ -70,7 +70,7 @@ def shifted(color: Color, hue_deg: float, tone: float) -> Color:
 @lru_cache(maxsize=1)
 def grain_tile() -> FloatArray:
     """(512, 512) smooth mottling of mean 0 and standard deviation 1, seamless: three octaves of noise."""
-    rng = generator(0, 'world/grain')
+    rng = random_stream(0, 'world/grain')
     total = np.zeros((512, 512), dtype=np.float32)
     for size, weight in ((32, 1.0), (96, 0.7), (256, 0.5)):
         noise = np.pad(rng.standard_normal((size, size)).astype(np.float32), 2, mode='wrap')
@@ -83,7 +83,7 @@ def grain_tile() -> FloatArray:
 @lru_cache(maxsize=1)
 def noise_tile() -> FloatArray:
     """(640, 640, 3) white Gaussian noise of standard deviation 1: a piece of it is the camera's noise in a view."""
-    return generator(0, 'world/noise').standard_normal((640, 640, 3), dtype=np.float32)
+    return random_stream(0, 'world/noise').standard_normal((640, 640, 3), dtype=np.float32)
 
 
 TABLE_TILE_M = 0.002
@@ -105,7 +105,7 @@ def table_top(index: int) -> FloatArray:
     Index 0 is the table of every scene unless the task asks for a variety of backgrounds.
     """
     color, contrast, wood = _TABLE_TOPS[index % len(_TABLE_TOPS)]
-    rng = generator(index, 'world/table_top')
+    rng = random_stream(index, 'world/table_top')
     if wood:
         streaks = resized(rng.standard_normal((150, 12), dtype=np.float32), (900, 600), cv2.INTER_CUBIC)
         fibres = resized(rng.standard_normal((600, 18), dtype=np.float32), (900, 600), cv2.INTER_CUBIC)

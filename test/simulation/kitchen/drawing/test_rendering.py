@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 
-from al_questioner.domain import View, generator
+from al_questioner.domain import View, random_stream
 from al_questioner.simulation.kitchen.drawing.geometry import Solid
 from al_questioner.simulation.kitchen.drawing.projection import Pose
 from al_questioner.simulation.kitchen.drawing.rendering import Lighting, draw_lighting, draw_pose, render
@@ -51,7 +51,7 @@ def test_size_in_metres_follows_from_mask_depth_and_intrinsics(
     Tolerances: a pixel at each end, and a millimetre for the rounding of the depth.
     """
     pose = Pose(1.0, 0.3, 1.0, np.deg2rad(elevation), offset)
-    view = render(cylinder(radius, height), pose, LIGHT, PERFECT, generator(0, 'test'))
+    view = render(cylinder(radius, height), pose, LIGHT, PERFECT, random_stream(0, 'test'))
     cloud, table = points(view), (view.depth > 0) & ~view.mask
     center = cloud[table].mean(axis=0)
     _, _, axes = np.linalg.svd(cloud[table] - center, full_matrices=False)
@@ -67,7 +67,9 @@ def test_size_in_metres_follows_from_mask_depth_and_intrinsics(
 
 def test_size_factor_scales_the_thing() -> None:
     single, double = (
-        render(cylinder(0.03, 0.06), Pose(size, 0, 1.0, 0.8, (0, 0)), LIGHT, PERFECT, generator(0, 'test')).mask.sum()
+        render(
+            cylinder(0.03, 0.06), Pose(size, 0, 1.0, 0.8, (0, 0)), LIGHT, PERFECT, random_stream(0, 'test')
+        ).mask.sum()
         for size in (1.0, 2.0)
     )
     assert double / single == pytest.approx(4, rel=0.08)
@@ -77,7 +79,7 @@ def test_size_factor_scales_the_thing() -> None:
 def test_every_kind_can_be_seen_in_each_state(kind: Kind) -> None:
     """An empty or cut-off mask, or a thing without depth, would stop perception in the middle of an episode."""
     camera = CameraParameters()
-    rng = generator(1, f'test/{kind.name}')
+    rng = random_stream(1, f'test/{kind.name}')
     for state in kind.states:
         look = Look(float(rng.uniform(0.85, 1.15)), float(rng.normal(0, 8)), 1.0, float(rng.random()))
         solid = state.draw(look, rng)
@@ -100,14 +102,14 @@ def test_the_depth_camera_misses_what_a_kinect_misses() -> None:
     solid = cylinder(0.05, 0.1)
     pose = Pose(1.0, 0, 1.0, 0.8, (0, 0))
     holes = {
-        name: render(solid, pose, LIGHT, camera, generator(0, 'test')).depth == 0
+        name: render(solid, pose, LIGHT, camera, random_stream(0, 'test')).depth == 0
         for name, camera in (
             ('none', PERFECT),
             ('edge', replace(PERFECT, edge_holes=0.5)),
             ('random', replace(PERFECT, random_holes=0.5)),
         )
     }
-    mask = render(solid, pose, LIGHT, PERFECT, generator(0, 'test')).mask
+    mask = render(solid, pose, LIGHT, PERFECT, random_stream(0, 'test')).mask
     shadow = holes['none']
     assert not (shadow & mask).any()
     columns = np.flatnonzero(shadow.any(axis=0))
@@ -118,7 +120,7 @@ def test_the_depth_camera_misses_what_a_kinect_misses() -> None:
 
     glass = Solid()
     glass.lathe([(0, 0.05), (0.1, 0.05)], glass.material(Material((1, 1, 1), clear=0.8)))
-    seen = render(glass, pose, LIGHT, replace(PERFECT, shiny_holes=0.5), generator(0, 'test'))
+    seen = render(glass, pose, LIGHT, replace(PERFECT, shiny_holes=0.5), random_stream(0, 'test'))
     assert 0.25 < (seen.depth[seen.mask] == 0).mean() < 0.75
 
 
@@ -127,14 +129,14 @@ def test_depth_noise_and_steps_grow_with_the_square_of_the_distance() -> None:
     solid = cylinder(0.08, 0.05)
     for distance in (1.0, 2.0):
         pose = Pose(1.0, 0, distance, 0.8, (0, 0))
-        exact = render(solid, pose, LIGHT, PERFECT, generator(0, 'test')).depth.astype(float)
-        noisy = render(solid, pose, LIGHT, replace(PERFECT, depth_noise_m=0.004), generator(0, 'test')).depth.astype(
-            float
-        )
+        exact = render(solid, pose, LIGHT, PERFECT, random_stream(0, 'test')).depth.astype(float)
+        noisy = render(
+            solid, pose, LIGHT, replace(PERFECT, depth_noise_m=0.004), random_stream(0, 'test')
+        ).depth.astype(float)
         both = (exact > 0) & (noisy > 0)
         expected = 4 * (exact[both] / 1000) ** 2
         assert np.std((noisy - exact)[both] / expected) == pytest.approx(1, abs=0.08)
-        stepped = render(solid, pose, LIGHT, replace(PERFECT, disparity_step=0.125), generator(0, 'test')).depth
+        stepped = render(solid, pose, LIGHT, replace(PERFECT, disparity_step=0.125), random_stream(0, 'test')).depth
         levels = np.unique(stepped[stepped > 0])
         step = 0.125 * distance**2 / (525 * 0.075) * 1000
         assert np.median(np.diff(levels)) == pytest.approx(step, abs=1)
@@ -145,7 +147,7 @@ def test_light_from_the_left_brightens_the_left() -> None:
     ball = Solid()
     ball.ball(0.05, 0.1, ball.material(Material((0.7, 0.7, 0.7), shine=0, grain=0)))
     left = replace(LIGHT, toward=np.array([-0.8, 0, 0.6], dtype=np.float32))
-    view = render(ball, Pose(1.0, 0, 1.0, 0.8, (0, 0)), left, PERFECT, generator(0, 'test'))
+    view = render(ball, Pose(1.0, 0, 1.0, 0.8, (0, 0)), left, PERFECT, random_stream(0, 'test'))
     columns = np.flatnonzero(view.mask.any(axis=0))
     half = int(columns.mean())
     grey = view.color.mean(axis=2)

@@ -7,7 +7,7 @@ from types import SimpleNamespace
 
 import pytest
 
-from al_questioner.ros.repeating import BackOff, Repeater
+from al_questioner.ros.retransmitter import BackOff, Retransmitter
 
 
 class Time:
@@ -35,7 +35,7 @@ class Time:
 @pytest.fixture
 def time(monkeypatch: pytest.MonkeyPatch) -> Time:
     result = Time()
-    monkeypatch.setattr('al_questioner.ros.alarm.time', SimpleNamespace(monotonic=result.monotonic))
+    monkeypatch.setattr('al_questioner.ros.one_shot_timer.time', SimpleNamespace(monotonic=result.monotonic))
     return result
 
 
@@ -45,11 +45,11 @@ def said() -> list[tuple[float, str]]:
 
 
 @pytest.fixture
-def repeater(time: Time, said: list[tuple[float, str]]) -> Repeater[str]:
-    return Repeater(time, lambda thing: said.append((time.now, thing)), BackOff(1.0, 4.0))
+def repeater(time: Time, said: list[tuple[float, str]]) -> Retransmitter[str]:
+    return Retransmitter(time, lambda thing: said.append((time.now, thing)), BackOff(1.0, 4.0))
 
 
-def test_it_is_said_ever_more_rarely_until_it_is_heard(time: Time, said: list, repeater: Repeater[str]) -> None:
+def test_it_is_said_ever_more_rarely_until_it_is_heard(time: Time, said: list, repeater: Retransmitter[str]) -> None:
     """A question would be asked once, or fill the topic, or be asked after it was answered."""
     repeater.say('why?')
     time.pass_until(12.0)
@@ -60,7 +60,7 @@ def test_it_is_said_ever_more_rarely_until_it_is_heard(time: Time, said: list, r
     assert repeater.said is None
 
 
-def test_the_next_thing_begins_anew(time: Time, said: list, repeater: Repeater[str]) -> None:
+def test_the_next_thing_begins_anew(time: Time, said: list, repeater: Retransmitter[str]) -> None:
     """After one long wait every further question would be repeated rarely, or the old one go on."""
     repeater.say('why?')
     time.pass_until(8.0)
@@ -71,14 +71,14 @@ def test_the_next_thing_begins_anew(time: Time, said: list, repeater: Repeater[s
     assert [at for at, _ in said[7:]] == [15.0 + 4 * i for i in range(22)]
 
 
-def test_a_delay_is_kept(time: Time, said: list, repeater: Repeater[str]) -> None:
+def test_a_delay_is_kept(time: Time, said: list, repeater: Retransmitter[str]) -> None:
     """A teacher who takes time to think would answer at once."""
     repeater.say('because', delay=2.5)
     time.pass_until(4.0)
     assert said == [(2.5, 'because'), (3.5, 'because')]
 
 
-def test_quick_talk_leaves_no_timers_behind(time: Time, said: list, repeater: Repeater[str]) -> None:
+def test_quick_talk_leaves_no_timers_behind(time: Time, said: list, repeater: Retransmitter[str]) -> None:
     """A thread waits for each timer: a fast episode would start thousands of them."""
     for turn in range(1000):
         repeater.say(str(turn))

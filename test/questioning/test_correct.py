@@ -13,9 +13,9 @@ from al_questioner.domain import (
     LateAnswerError,
     Outcome,
     QueryKind,
-    generator,
+    random_stream,
 )
-from al_questioner.questioning import Episode, make_strategy, new_knowledge
+from al_questioner.questioning import Episode, make_strategy, new_concept_learner
 
 
 def contents(query, choose):
@@ -32,16 +32,16 @@ def contents(query, choose):
 
 def from_scratch(episode_settings, scenes, records):
     """What a learner knows that had these records from the beginning."""
-    knowledge = new_knowledge(episode_settings)
+    concepts = new_concept_learner(episode_settings)
     by_turn = {record.turn: record for record in records}
     last = len(scenes)
     for turn, scene in enumerate(scenes, start=1):
-        knowledge.observe(scene)
+        concepts.observe(scene)
         if turn in by_turn:
-            knowledge.learn(by_turn[turn], scene)
+            concepts.learn(by_turn[turn], scene)
         if episode_settings.tunes_after(turn) and (turn < last or turn in by_turn):
-            knowledge.tune()
-    return knowledge
+            concepts.tune()
+    return concepts
 
 
 @settings(max_examples=15, deadline=None, suppress_health_check=[HealthCheck.function_scoped_fixture])
@@ -50,7 +50,7 @@ def test_a_corrected_episode_is_that_of_the_right_answer(toy, data, strategy):
     """A wrong answer that was taken back would leave its traces in what the robot believes."""
     own = toy.settings(strategy, turns=8, budget=20.0, tune_every=3)
     world, scenes = toy.world(data.draw(st.integers(0, 5))), []
-    episode = Episode(own, generator(1, 'strategy'))
+    episode = Episode(own, random_stream(1, 'strategy'))
     queries, last_ids, expected = [], {}, {}
 
     def choose(options):
@@ -62,7 +62,7 @@ def test_a_corrected_episode_is_that_of_the_right_answer(toy, data, strategy):
         answer_id = f'c{sum(map(len, last_ids.values()))}'
         answer = Answer(query.query_id, answer_id, 'anna', outcome, content, replaces=last_ids[query.query_id][-1])
         before = (episode.turn, episode.spent, episode.pending, [(r.turn, r.cost) for r in episode.records])
-        expected[query.turn] = episode.amend(answer)
+        expected[query.turn] = episode.correct(answer)
         last_ids[query.query_id].append(answer_id)
         assert before == (episode.turn, episode.spent, episode.pending, [(r.turn, r.cost) for r in episode.records])
         assert episode.answers.has_taken(answer)
@@ -72,10 +72,10 @@ def test_a_corrected_episode_is_that_of_the_right_answer(toy, data, strategy):
         assert list(episode.records) == [expected[turn] for turn in sorted(expected)]
         oracle = from_scratch(own, scenes, episode.records)
         np.testing.assert_array_equal(
-            episode.knowledge.predict_proba(scenes[-1].features), oracle.predict_proba(scenes[-1].features)
+            episode.concepts.predict_proba(scenes[-1].features), oracle.predict_proba(scenes[-1].features)
         )
-        assert episode.knowledge.model_version == oracle.model_version
-        assert episode.knowledge.kernel == oracle.kernel
+        assert episode.concepts.model_version == oracle.model_version
+        assert episode.concepts.kernel == oracle.kernel
         assert episode.positives == oracle.positives
 
     while not episode.done:
@@ -109,7 +109,7 @@ def ask_until_answered(toy, episode, world, n):
 def answered(toy):
     """An episode with two answered queries and one pending."""
     world = toy.world(1)
-    episode = Episode(toy.settings('u_sampling'), generator(0, 'strategy'))
+    episode = Episode(toy.settings('u_sampling'), random_stream(0, 'strategy'))
     queries = ask_until_answered(toy, episode, world, 2)
     queries.append(episode.ask(world.scene(episode.turn + 1)).query)
     return episode, queries
@@ -122,9 +122,9 @@ def correction(query, content, answer_id='c1', replaces='a1', outcome=Outcome.AN
 def test_an_undone_answer_teaches_nothing(answered, toy):
     """Undo would leave the label."""
     episode, queries = answered
-    episode.amend(correction(queries[0], None, outcome=Outcome.UNKNOWN))
+    episode.correct(correction(queries[0], None, outcome=Outcome.UNKNOWN))
     assert [record.outcome for record in episode.records] == [Outcome.UNKNOWN, Outcome.ANSWERED]
-    assert len(episode.knowledge.labelled_views) == 1
+    assert len(episode.concepts.labelled_views) == 1
     assert episode.pending is queries[2]
     assert episode.spent == 3.0
 
@@ -132,7 +132,7 @@ def test_an_undone_answer_teaches_nothing(answered, toy):
 def test_a_correction_is_judged_by_the_scene_of_its_question(toy):
     """An object that came later could be shown, and one that was there then could not."""
     world = toy.world(2, change_interval=1)
-    episode = Episode(toy.settings('rarest_demo'), generator(0, 'strategy'))
+    episode = Episode(toy.settings('rarest_demo'), random_stream(0, 'strategy'))
     while not (query := episode.ask(world.scene(episode.turn + 1)).query) or query.action.symbol is None:
         if query:
             episode.tell(world.answer(query))
@@ -140,8 +140,8 @@ def test_a_correction_is_judged_by_the_scene_of_its_question(toy):
     there = [int(choice) for choice in query.choices]
     ask_until_answered(toy, episode, world, 1)
     with pytest.raises(AnswerError, match='is not in the scene'):
-        episode.amend(correction(query, episode.knowledge.labelled_views[-1].object_id))
-    assert episode.amend(correction(query, there[-1])).object_id == there[-1]
+        episode.correct(correction(query, episode.concepts.labelled_views[-1].object_id))
+    assert episode.correct(correction(query, there[-1])).object_id == there[-1]
 
 
 @pytest.mark.parametrize(
@@ -158,17 +158,17 @@ def test_a_refused_correction_changes_nothing(answered, changes, reason):
     """A mistaken correction would damage what was right."""
     episode, queries = answered
     members = {'answer_id': 'c1', 'replaces': 'a1', 'content': 'snack', 'outcome': Outcome.ANSWERED, **changes}
-    before, version = episode.records, episode.knowledge.model_version
+    before, version = episode.records, episode.concepts.model_version
     with pytest.raises(AnswerError, match=reason):
-        episode.amend(Answer(queries[0].query_id, teacher_id='anna', **members))
-    assert (episode.records, episode.knowledge.model_version, episode.pending) == (before, version, queries[2])
+        episode.correct(Answer(queries[0].query_id, teacher_id='anna', **members))
+    assert (episode.records, episode.concepts.model_version, episode.pending) == (before, version, queries[2])
 
 
 def test_the_pending_question_cannot_be_corrected(answered):
     """An answer would be counted although it was never given."""
     episode, queries = answered
     with pytest.raises(AnswerError, match="no answer 'a1' to query 'q3' was taken"):
-        episode.amend(correction(queries[2], 'snack'))
+        episode.correct(correction(queries[2], 'snack'))
     with pytest.raises(AnswerError, match="replaces 'a1': it corrects"):
         episode.tell(correction(queries[2], 'snack'))
 
@@ -176,10 +176,10 @@ def test_the_pending_question_cannot_be_corrected(answered):
 def test_a_correction_is_corrected_but_no_answer_twice(answered):
     """Of two corrections of one answer that cross, the later would win unseen."""
     episode, queries = answered
-    episode.amend(correction(queries[0], 'snack'))
+    episode.correct(correction(queries[0], 'snack'))
     with pytest.raises(AnswerError, match="'a1' to query 'q1' was replaced, in the end by 'c1'"):
-        episode.amend(correction(queries[0], 'fruit', 'c2'))
-    episode.amend(correction(queries[0], 'fruit', 'c2', replaces='c1'))
+        episode.correct(correction(queries[0], 'fruit', 'c2'))
+    episode.correct(correction(queries[0], 'fruit', 'c2', replaces='c1'))
     assert episode.records[0].symbol == 'fruit'
 
 
@@ -203,16 +203,16 @@ def test_the_strategy_sees_the_corrected_past(toy):
     class Watching:
         selector = None
 
-        def choose(self, situation, rng):
-            seen.append((situation.history, situation.knowledge))
-            return make_strategy('u_sampling', {}).choose(situation, rng)
+        def choose(self, context, rng):
+            seen.append((context.history, context.concepts))
+            return make_strategy('u_sampling', {}).choose(context, rng)
 
     world = toy.world(1)
-    episode = Episode(toy.settings('u_sampling'), generator(0, 'strategy'), strategy=Watching())
+    episode = Episode(toy.settings('u_sampling'), random_stream(0, 'strategy'), strategy=Watching())
     first, _ = ask_until_answered(toy, episode, world, 2)
-    episode.amend(correction(first, None, outcome=Outcome.UNKNOWN))
+    episode.correct(correction(first, None, outcome=Outcome.UNKNOWN))
     episode.ask(world.scene(3))
-    history, knowledge = seen[-1]
+    history, concepts = seen[-1]
     assert [record.outcome for record in history] == [Outcome.UNKNOWN, Outcome.ANSWERED]
-    assert knowledge is episode.knowledge
-    assert len(knowledge.labelled_views) == 1
+    assert concepts is episode.concepts
+    assert len(concepts.labelled_views) == 1

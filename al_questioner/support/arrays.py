@@ -1,4 +1,4 @@
-"""Names of the array types in the signatures of this folder."""
+"""Names of the array types that signatures share."""
 
 from __future__ import annotations
 

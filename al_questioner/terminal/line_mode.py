@@ -11,12 +11,12 @@ from collections import deque
 from typing import TextIO
 
 from al_questioner.domain import AnswerError
-from al_questioner.terminal.board import Phase
 from al_questioner.terminal.commands import Command, Explain, Wish, read_line
+from al_questioner.terminal.dialogue import TeacherDialogue
 from al_questioner.terminal.keypad import about, choices_of
 from al_questioner.terminal.safe_text import printable
 from al_questioner.terminal.sentences import HELP, question_line
-from al_questioner.terminal.session import Session
+from al_questioner.terminal.view_state import Phase
 
 LOOK_PERIOD = 0.1
 """Seconds between two looks at input and board."""
@@ -67,7 +67,7 @@ class LineReader:
             self._rest = ''
 
 
-class ByLine:
+class LineMode:
     """A conversation in lines: a question a line on `out`, everything else on `err`.
 
     Args:
@@ -77,8 +77,10 @@ class ByLine:
         stopped: ends the conversation.
     """
 
-    def __init__(self, session: Session, lines: LineReader, out: TextIO, err: TextIO, stopped: threading.Event) -> None:
-        self._session = session
+    def __init__(
+        self, dialogue: TeacherDialogue, lines: LineReader, out: TextIO, err: TextIO, stopped: threading.Event
+    ) -> None:
+        self._session = dialogue
         self._lines = lines
         self._out = out
         self._err = err
@@ -90,26 +92,27 @@ class ByLine:
         """Talk until the episode is over, the person quits, the input ends, or it is stopped."""
         ended_at = None
         while not self._stopped.is_set():
-            board = self._session.board()
-            if board.notice != self._noticed:
-                self._noticed = board.notice
-                self._tell(board.notice)
-            if board.phase is Phase.OVER and not (board.can_undo and self._takes_back()):
+            view_state = self._session.board()
+            if view_state.notice != self._noticed:
+                self._noticed = view_state.notice
+                self._tell(view_state.notice)
+            if view_state.phase is Phase.OVER and not (view_state.can_undo and self._takes_back()):
                 return
-            here = about(board)
-            if here and board.moment is not None and here != self._asked:
+            here = about(view_state)
+            if here and view_state.prompt is not None and here != self._asked:
                 self._asked = here
                 self._write(
-                    self._out, question_line(board.moment.query, board.phase is Phase.CORRECTING, board.progress)
+                    self._out,
+                    question_line(view_state.prompt.query, view_state.phase is Phase.CORRECTING, view_state.progress),
                 )
             line = self._lines.peek(LOOK_PERIOD)
-            command = None if line is None else read_line(line, choices_of(board))
-            if command is not None and self._is_due(command, here, board.phase):
+            command = None if line is None else read_line(line, choices_of(view_state))
+            if command is not None and self._is_due(command, here, view_state.phase):
                 self._lines.take()
                 if not self._follow(command):
                     return
             elif self._lines.ended:
-                if here or board.phase is Phase.ALONE:
+                if here or view_state.phase is Phase.ALONE:
                     return
                 ended_at = ended_at or time.monotonic()
                 if time.monotonic() > ended_at + PATIENCE_AT_THE_END:

@@ -2,20 +2,20 @@
 
 from __future__ import annotations
 
-from al_questioner.concepts import VIEW_TOLERANCE, Knowledge
+from al_questioner.concepts import VIEW_TOLERANCE, ConceptLearner
 from al_questioner.domain import EpisodeSettings
 from al_questioner.questioning.strategies.choice import Strategy
 from al_questioner.questioning.strategies.registry import make_strategy
 
 
-def new_knowledge(
+def new_concept_learner(
     settings: EpisodeSettings, view_tolerance: float = VIEW_TOLERANCE, strategy: Strategy | None = None
-) -> Knowledge:
+) -> ConceptLearner:
     """What a learner with these settings knows before the first turn.
 
     Args:
         settings: of the episode.
-        view_tolerance: see `Knowledge`.
+        view_tolerance: see `ConceptLearner`.
         strategy: who decides, and selects features, in the place of the strategy that the settings name.
 
     Raises:
@@ -23,7 +23,7 @@ def new_knowledge(
     """
     if strategy is None:
         strategy = make_strategy(settings.strategy, settings.weights)
-    return Knowledge(
+    return ConceptLearner(
         settings.symbols,
         settings.amplitude,
         settings.length_scale,

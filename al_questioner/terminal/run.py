@@ -6,30 +6,32 @@ import os
 import sys
 import threading
 
-from al_questioner.terminal.board import Phase
-from al_questioner.terminal.by_line import ByLine, LineReader
+from al_questioner.terminal.dialogue import TeacherDialogue
+from al_questioner.terminal.line_mode import LineMode, LineReader
 from al_questioner.terminal.sentences import farewell
-from al_questioner.terminal.session import Session
+from al_questioner.terminal.view_state import Phase
 
 SECONDS_TO_SETTLE = 3.0
 """For which one who quits waits for an answer that is on its way."""
 
 
-def attend(session: Session, stopped: threading.Event) -> None:
+def run_terminal(dialogue: TeacherDialogue, stopped: threading.Event) -> None:
     """Have the person at stdin and stdout answer: by keys if both are a terminal, else line by line.
 
     Returns when the episode is over, the person quits, the input ends, or `stopped` is set.
     """
     keys = _is_terminal()
     if keys:
-        from al_questioner.terminal.by_key import ByKey
+        from al_questioner.terminal.fullscreen import FullScreen
 
-        ByKey(session, stopped).run()
+        FullScreen(dialogue, stopped).run()
     else:
-        ByLine(session, LineReader(_stdin()), sys.stdout, sys.stderr, stopped).run()
+        LineMode(dialogue, LineReader(_stdin()), sys.stdout, sys.stderr, stopped).run()
     if not stopped.is_set():
-        session.wait_for(lambda board: stopped.is_set() or board.phase is not Phase.SENDING, SECONDS_TO_SETTLE)
-    print(farewell(session.board()), file=sys.stdout if keys else sys.stderr, flush=True)
+        dialogue.wait_for(
+            lambda view_state: stopped.is_set() or view_state.phase is not Phase.SENDING, SECONDS_TO_SETTLE
+        )
+    print(farewell(dialogue.board()), file=sys.stdout if keys else sys.stderr, flush=True)
 
 
 def _is_terminal() -> bool:

@@ -26,7 +26,7 @@ class Phase(Enum):
 
 
 @dataclass(frozen=True)
-class Progress:
+class EpisodeProgress:
     """How far an episode is, as the learner tells it.
 
     Attributes:
@@ -49,7 +49,7 @@ class Progress:
 
 
 @dataclass(frozen=True, eq=False)
-class Moment:
+class Prompt:
     """A question, and what was on the table when it was asked."""
 
     query: Query
@@ -58,20 +58,20 @@ class Moment:
 
 
 @dataclass(frozen=True, eq=False)
-class Said:
+class PastAnswer:
     """An answer, and what it was the answer to."""
 
-    moment: Moment
+    prompt: Prompt
     answer: Answer
 
 
 @dataclass(frozen=True, eq=False)
-class Board:
+class ViewState:
     """All that there is to show at one moment.
 
     Attributes:
         phase: what is going on.
-        moment: the question that is shown, if any.
+        prompt: the question that is shown, if any.
         corrected: the earlier answer that is being taken back, if any.
         progress: as last told by the learner; None before that.
         can_undo: whether there is an answer to take back.
@@ -80,9 +80,9 @@ class Board:
     """
 
     phase: Phase
-    moment: Moment | None = None
-    corrected: Said | None = None
-    progress: Progress | None = None
+    prompt: Prompt | None = None
+    corrected: PastAnswer | None = None
+    progress: EpisodeProgress | None = None
     can_undo: bool = False
     notice: str = ''
     teacher_id: str = 'human'

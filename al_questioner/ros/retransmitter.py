@@ -6,10 +6,10 @@ from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Generic, TypeVar
 
-from al_questioner.ros.alarm import Alarm
 from al_questioner.ros.node import QuestionerNode
+from al_questioner.ros.one_shot_timer import OneShotTimer
 
-Said = TypeVar('Said')
+Message = TypeVar('Message')
 
 
 @dataclass(frozen=True)
@@ -31,7 +31,7 @@ PERSISTENT = BackOff(first=1.0, longest=1.0)
 """For what nobody hears who comes too late."""
 
 
-class Repeater(Generic[Said]):
+class Retransmitter(Generic[Message]):
     """Says one thing at a time, the same each time, until it is told to stop. All of it happens on the node's worker.
 
     Args:
@@ -43,14 +43,14 @@ class Repeater(Generic[Said]):
         said: what is being said; None if nothing is.
     """
 
-    def __init__(self, node: QuestionerNode, publish: Callable[[Said], None], back_off: BackOff) -> None:
-        self.said: Said | None = None
+    def __init__(self, node: QuestionerNode, publish: Callable[[Message], None], back_off: BackOff) -> None:
+        self.said: Message | None = None
         self._publish = publish
         self._back_off = back_off
         self._pause = 0.0
-        self._alarm = Alarm(node, self._go_on)
+        self._alarm = OneShotTimer(node, self._go_on)
 
-    def say(self, thing: Said, delay: float = 0.0) -> None:
+    def say(self, thing: Message, delay: float = 0.0) -> None:
         """Say this, in the place of what was said before: for the first time after so many seconds, if not at once."""
         self.said = thing
         self._pause = self._back_off.first

@@ -14,7 +14,7 @@ _PLAIN = str.maketrans({'…': '~', '·': '-', '▀': '#', '─': '-', '│': '|
 
 
 @dataclass(frozen=True)
-class Look:
+class Capabilities:
     """The size and the abilities of a terminal.
 
     Attributes:
@@ -59,9 +59,9 @@ class Look:
         return text if self.unicode else text.translate(_PLAIN).encode('ascii', 'replace').decode('ascii')
 
 
-def look_of(console: Console) -> Look:
+def detect_capabilities(console: Console) -> Capabilities:
     """What the terminal that a console writes to can show."""
-    return Look(
+    return Capabilities(
         width=console.width,
         height=console.height,
         colors=console.color_system,

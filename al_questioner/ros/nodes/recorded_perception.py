@@ -19,7 +19,7 @@ WORLD = ('task', 'seed', 'sample')
 """What makes up a simulated world."""
 
 
-class StandInNode(QuestionerNode):
+class RecordedPerceptionNode(QuestionerNode):
     """Answers every `turn` of a live learner with the `objects` of the recorded turn, under the live turn's stamp.
 
     Only the stamp is another one: recorded ones lie in the past, and a learner takes no scene from before its turn.
@@ -42,7 +42,7 @@ class StandInNode(QuestionerNode):
         self._strange_worlds: set[str] = set()
         self._objects = self.advertise(PointCloud2, 'objects', qos.LATCHED)
         self.on_document('turn', self._look)
-        self.does('waiting for a turn')
+        self.set_status('waiting for a turn')
 
     def press(self, key: str) -> None:
         """Quit, if the key stands for that."""
@@ -65,7 +65,7 @@ class StandInNode(QuestionerNode):
         cloud.header = header(stamp_of(document['stamp']), cloud.header.frame_id)
         self._objects.publish(cloud)
         self.turn = turn
-        self.does(f'turn {turn}: {cloud.width * cloud.height} objects')
+        self.set_status(f'turn {turn}: {cloud.width * cloud.height} objects')
 
     def _compare_worlds(self, document: Document) -> None:
         """Say if the learner speaks of another world: a person can teach it nevertheless, the script cannot."""

@@ -14,16 +14,16 @@ from al_questioner.messages import documents
 from al_questioner.ros import qos
 from al_questioner.ros.nodes.learner import LearnerNode
 from al_questioner.ros.nodes.perception import PerceptionNode
-from al_questioner.ros.nodes.stand_in import StandInNode
+from al_questioner.ros.nodes.recorded_perception import RecordedPerceptionNode
 from al_questioner.ros.nodes.teacher import TeacherNode
-from al_questioner.simulation import ScriptedTeacher, WorldChoice, episode_settings, load_task, run_episode
+from al_questioner.simulation import ScriptedTeacher, WorldSpec, episode_settings, load_task, run_episode
 from checkout import ROOT
 
 BAG = ROOT / 'bags' / 'expert_0'
 
 
-def stand_in(graph: Any) -> StandInNode:
-    return graph.start(lambda **node_arguments: StandInNode(scenes_of(read_bag(BAG)), **node_arguments))
+def stand_in(graph: Any) -> RecordedPerceptionNode:
+    return graph.start(lambda **node_arguments: RecordedPerceptionNode(scenes_of(read_bag(BAG)), **node_arguments))
 
 
 def test_a_second_learner_asks_what_it_would_have_asked_in_the_recorded_world(graph: Any) -> None:
@@ -37,7 +37,7 @@ def test_a_second_learner_asks_what_it_would_have_asked_in_the_recorded_world(gr
     task = load_task('prepare_lunch')
     settings = episode_settings(task, 'farthest_fsq', 12.0, 20)
     teacher = ScriptedTeacher(task.symbols, task.relevant_groups, 0)
-    offline = run_episode(WorldChoice(task, 0, 0), settings, teacher)
+    offline = run_episode(WorldSpec(task, 0, 0), settings, teacher)
     assert states[-1]['queries'] == [documents.record_members(record) for record in offline.queries]
     assert states[-1]['spent'] > 0
 

@@ -22,13 +22,13 @@ from prompt_toolkit.output import ColorDepth
 from rich.console import Console
 
 from al_questioner.domain import AnswerError
-from al_questioner.terminal.board import Phase
+from al_questioner.terminal.capabilities import Capabilities, detect_capabilities
 from al_questioner.terminal.commands import Command, Explain, Say, Wish
+from al_questioner.terminal.dialogue import TeacherDialogue
 from al_questioner.terminal.keypad import Pad, about, press
-from al_questioner.terminal.look import Look, look_of
 from al_questioner.terminal.safe_text import printable
 from al_questioner.terminal.screen import screen
-from al_questioner.terminal.session import Session
+from al_questioner.terminal.view_state import Phase
 
 NAMES = {
     Keys.Enter: 'enter',
@@ -56,7 +56,7 @@ MOST_HELD_BACK = 20_000
 """Bytes of the messages that are shown after the screen has gone."""
 
 
-class ByKey:
+class FullScreen:
     """A screen with keys; `run` it in a thread of its own.
 
     Args:
@@ -64,10 +64,10 @@ class ByKey:
         stopped: ends it.
     """
 
-    def __init__(self, session: Session, stopped: threading.Event) -> None:
-        self._session = session
+    def __init__(self, dialogue: TeacherDialogue, stopped: threading.Event) -> None:
+        self._session = dialogue
         self._stopped = stopped
-        self._look = look_of(Console())
+        self._look = detect_capabilities(Console())
         self._pad = Pad()
         self._in_help = False
         self._size = Size(rows=0, columns=0)
@@ -107,16 +107,18 @@ class ByKey:
             self._session.on_change = lambda: None
 
     def _nothing_left(self) -> bool:
-        board = self._session.board()
-        return board.phase is Phase.OVER and not board.can_undo
+        view_state = self._session.board()
+        return view_state.phase is Phase.OVER and not view_state.can_undo
 
     def _drawn(self) -> str:
         size = self._size = self._application.output.get_size()
-        look = Look(size.columns, size.rows, self._look.colors, self._look.monochrome, self._look.unicode)
-        board = self._session.board()
-        pad = self._pad if self._pad.about == about(board) else Pad()
+        capabilities = Capabilities(
+            size.columns, size.rows, self._look.colors, self._look.monochrome, self._look.unicode
+        )
+        view_state = self._session.board()
+        pad = self._pad if self._pad.about == about(view_state) else Pad()
         try:
-            return look.written(screen(board, pad, look, self._in_help))
+            return capabilities.written(screen(view_state, pad, capabilities, self._in_help))
         except Exception as error:  # noqa: BLE001 - whatever a message may hold, the person can go on
             return printable(f'This cannot be shown ({type(error).__name__}: {error}); q quits.')
 

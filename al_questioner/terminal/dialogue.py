@@ -13,9 +13,9 @@ import numpy as np
 
 from al_questioner.domain import Answer, AnswerError, Query, QueryKind, Scene
 from al_questioner.questioning.plain_words import read_plain_answer
-from al_questioner.terminal.board import Board, Moment, Phase, Picture, Progress, Said
 from al_questioner.terminal.commands import WISHES
 from al_questioner.terminal.sentences import said_in_words
+from al_questioner.terminal.view_state import EpisodeProgress, PastAnswer, Phase, Picture, Prompt, ViewState
 
 SECONDS_TO_NOTICE = 0.5
 """For so long after a question was replaced by another, an answer is not believed to be meant for that one."""
@@ -36,7 +36,7 @@ def _alike(one: Scene, other: Scene) -> bool:
     return one.object_ids == other.object_ids and np.allclose(one.positions, other.positions, rtol=0.0, atol=MOVED_M)
 
 
-class Session:
+class TeacherDialogue:
     """One person's part in an episode. Any thread may call any method.
 
     Args:
@@ -72,12 +72,12 @@ class Session:
 
     def _forget(self) -> None:
         self._query: Query | None = None
-        self._progress: Progress | None = None
+        self._progress: EpisodeProgress | None = None
         self._answered: set[str] = set()
-        self._on_its_way: Said | None = None
+        self._on_its_way: PastAnswer | None = None
         self._replaced_at = -math.inf
-        self._last: Said | None = None
-        self._corrected: Said | None = None
+        self._last: PastAnswer | None = None
+        self._corrected: PastAnswer | None = None
         self._notice = ''
 
     def enter(self, episode_id: str) -> None:
@@ -98,7 +98,7 @@ class Session:
             self._query = query
             self._tell()
 
-    def follow(self, progress: Progress) -> None:
+    def follow(self, progress: EpisodeProgress) -> None:
         """Hear how far the episode is; what tells of an earlier turn than the last comes too late."""
         with self._changed:
             if self._progress is not None and (progress.turn, progress.done) < (
@@ -110,14 +110,14 @@ class Session:
             if self._last is None and progress.last is not None and progress.last[1].teacher_id == self._teacher_id:
                 # What was said before this program began.
                 query, answer = progress.last
-                self._last = Said(Moment(query, None, None), answer)
+                self._last = PastAnswer(Prompt(query, None, None), answer)
             self._tell()
 
     def begin(self, turns: int, budget: float) -> None:
         """Hear what an episode is given, which tells how far it is as long as nothing else does."""
         with self._changed:
             if self._progress is None:
-                self.follow(Progress(0, turns, budget, 0.0, done=False))
+                self.follow(EpisodeProgress(0, turns, budget, 0.0, done=False))
 
     def look(self, scene: Scene, stamp: int) -> None:
         """See the objects, as they were at a time in nanoseconds."""
@@ -140,16 +140,16 @@ class Session:
             AnswerError: nothing is asked, or this is no answer to it.
         """
         with self._changed:
-            moment = self._shown()
-            if moment is None or self._on_its_way is not None:
+            prompt = self._shown()
+            if prompt is None or self._on_its_way is not None:
                 raise AnswerError('nothing is asked at the moment')
             if self._clock() < self._replaced_at + SECONDS_TO_NOTICE:
                 raise AnswerError('the robot has just asked something else: see what it is')
-            answer = read_plain_answer(text, moment.query, self._teacher_id, WISHES)
+            answer = read_plain_answer(text, prompt.query, self._teacher_id, WISHES)
             replaces = None if self._corrected is None else self._corrected.answer.answer_id
             answer_id = f'{answer.answer_id}/{self._new_id()}'
             answer = dataclasses.replace(answer, answer_id=answer_id, replaces=replaces)
-            self._on_its_way, self._sent_at = Said(moment, answer), self._clock()
+            self._on_its_way, self._sent_at = PastAnswer(prompt, answer), self._clock()
             self._notice = ''
             self._tell()
             self._send(self._episode_id, answer)
@@ -182,7 +182,7 @@ class Session:
                 self._last, self._corrected = said, None
                 self._answered.add(said.answer.query_id)
                 corrected = '' if said.answer.replaces is None else ' instead'
-                self._notice = f'Noted: {said_in_words(said.moment.query.action, said.answer)}{corrected}.'
+                self._notice = f'Noted: {said_in_words(said.prompt.query.action, said.answer)}{corrected}.'
             elif said.answer.replaces is not None:
                 self._corrected = None
                 self._notice = f'The robot does not take the correction, the earlier answer stands: {reason}'
@@ -190,10 +190,10 @@ class Session:
                 self._notice = f'The robot did not take that: {reason}'
             self._tell()
 
-    def board(self) -> Board:
+    def board(self) -> ViewState:
         """What there is to show now."""
         with self._changed:
-            return Board(
+            return ViewState(
                 self._phase(),
                 self._shown(),
                 self._corrected,
@@ -203,7 +203,7 @@ class Session:
                 self._teacher_id,
             )
 
-    def wait_for(self, is_true: Callable[[Board], bool], seconds: float | None = None) -> bool:
+    def wait_for(self, is_true: Callable[[ViewState], bool], seconds: float | None = None) -> bool:
         """Wait until something holds of the board; whether it came to hold in time."""
         with self._changed:
             return self._changed.wait_for(lambda: is_true(self.board()), seconds)
@@ -213,14 +213,14 @@ class Session:
         with self._changed:
             self._tell()
 
-    def _recalled(self, said: Said) -> Said:
+    def _recalled(self, said: PastAnswer) -> PastAnswer:
         """An answer of before this program began, with what is on the table now if that is what it was about."""
-        moment, scene = said.moment, self._scene
-        if moment.scene is not None or scene is None:
+        prompt, scene = said.prompt, self._scene
+        if prompt.scene is not None or scene is None:
             return said
-        action, there = moment.query.action, set(map(str, scene.object_ids))
-        about = moment.query.choices if action.kind is QueryKind.DEMONSTRATION else (str(action.object_id),)
-        return Said(Moment(moment.query, scene, None), said.answer) if there.issuperset(about) else said
+        action, there = prompt.query.action, set(map(str, scene.object_ids))
+        about = prompt.query.choices if action.kind is QueryKind.DEMONSTRATION else (str(action.object_id),)
+        return PastAnswer(Prompt(prompt.query, scene, None), said.answer) if there.issuperset(about) else said
 
     def _tell(self) -> None:
         self._changed.notify_all()
@@ -250,13 +250,13 @@ class Session:
         records = () if self._progress is None else self._progress.records
         return None if any(record.turn == query.turn for record in reversed(records)) else query
 
-    def _shown(self) -> Moment | None:
+    def _shown(self) -> Prompt | None:
         if self._on_its_way is not None:
-            return self._on_its_way.moment
+            return self._on_its_way.prompt
         if self._corrected is not None:
-            return self._corrected.moment
+            return self._corrected.prompt
         query = self._open()
         if query is None:
             return None
         # The picture is drawn when the scene has changed, and comes later: one of what lay there before would mislead.
-        return Moment(query, self._scene, self._picture if self._pictured >= self._since else None)
+        return Prompt(query, self._scene, self._picture if self._pictured >= self._since else None)

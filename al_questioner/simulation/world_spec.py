@@ -10,7 +10,7 @@ from al_questioner.simulation.world import World
 
 
 @dataclass(frozen=True)
-class WorldChoice:
+class WorldSpec:
     """Which world an episode plays in.
 
     Attributes:

@@ -9,10 +9,10 @@ from al_questioner.messages import documents
 from al_questioner.messages.documents import Document
 from al_questioner.ros import qos
 from al_questioner.ros.node import QuestionerNode
-from al_questioner.ros.repeating import PERSISTENT, Repeater
+from al_questioner.ros.retransmitter import PERSISTENT, Retransmitter
 
 
-class Delivery:
+class AnswerSender:
     """Brings one answer at a time to the learner. All of it happens on the node's worker.
 
     Args:
@@ -24,7 +24,7 @@ class Delivery:
         self._node = node
         self._tell = acknowledged
         publish = node.document_publisher('answer', qos.EVENTS)
-        self._mouth = Repeater[Answer](node, lambda answer: publish(documents.answer_members(answer)), PERSISTENT)
+        self._mouth = Retransmitter[Answer](node, lambda answer: publish(documents.answer_members(answer)), PERSISTENT)
         node.on_document('answer_ack', self._acknowledged, qos.EVENTS)
 
     @property

@@ -7,7 +7,7 @@ from types import SimpleNamespace
 
 import pytest
 
-from al_questioner.ros.alarm import Alarm
+from al_questioner.ros.one_shot_timer import OneShotTimer
 
 
 class Time:
@@ -24,7 +24,7 @@ class Time:
 @pytest.fixture
 def time(monkeypatch: pytest.MonkeyPatch) -> Time:
     result = Time()
-    monkeypatch.setattr('al_questioner.ros.alarm.time', SimpleNamespace(monotonic=lambda: result.now))
+    monkeypatch.setattr('al_questioner.ros.one_shot_timer.time', SimpleNamespace(monotonic=lambda: result.now))
     return result
 
 
@@ -34,11 +34,13 @@ def rung() -> list[float]:
 
 
 @pytest.fixture
-def alarm(time: Time, rung: list[float]) -> Alarm:
-    return Alarm(time, lambda: rung.append(time.now))
+def alarm(time: Time, rung: list[float]) -> OneShotTimer:
+    return OneShotTimer(time, lambda: rung.append(time.now))
 
 
-def test_an_earlier_time_overtakes_a_later_one_and_it_goes_off_once(time: Time, rung: list, alarm: Alarm) -> None:
+def test_an_earlier_time_overtakes_a_later_one_and_it_goes_off_once(
+    time: Time, rung: list, alarm: OneShotTimer
+) -> None:
     """A turn would be let pass twice, or as late as the first timer was set."""
     alarm.set(100.0)
     alarm.set(1.0)
@@ -51,7 +53,7 @@ def test_an_earlier_time_overtakes_a_later_one_and_it_goes_off_once(time: Time, 
     assert rung == [1.0]
 
 
-def test_a_later_time_is_waited_for(time: Time, rung: list, alarm: Alarm) -> None:
+def test_a_later_time_is_waited_for(time: Time, rung: list, alarm: OneShotTimer) -> None:
     """An answer's time would be over when that of the last question was."""
     alarm.set(1.0)
     alarm.set(5.0)
@@ -64,7 +66,7 @@ def test_a_later_time_is_waited_for(time: Time, rung: list, alarm: Alarm) -> Non
     assert rung == [5.0]
 
 
-def test_what_is_cleared_does_not_go_off(time: Time, rung: list, alarm: Alarm) -> None:
+def test_what_is_cleared_does_not_go_off(time: Time, rung: list, alarm: OneShotTimer) -> None:
     """A turn would be over although its answer has come."""
     alarm.set(1.0)
     alarm.clear()

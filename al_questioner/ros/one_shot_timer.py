@@ -10,7 +10,7 @@ from functools import partial
 from al_questioner.ros.node import QuestionerNode
 
 
-class Alarm:
+class OneShotTimer:
     """Has the node's worker do a job once its time has come. All methods are for that worker.
 
     Args:
