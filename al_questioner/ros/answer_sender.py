@@ -24,7 +24,9 @@ class AnswerSender:
         self._node = node
         self._tell = acknowledged
         publish = node.document_publisher('answer', qos.EVENTS)
-        self._mouth = Retransmitter[Answer](node, lambda answer: publish(documents.answer_members(answer)), PERSISTENT)
+        self._mouth = Retransmitter[Answer](
+            node.after, lambda answer: publish(documents.answer_members(answer)), PERSISTENT
+        )
         node.on_document('answer_ack', self._acknowledged, qos.EVENTS)
 
     @property

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import math
 import re
-import threading
 import time
 import traceback
 from collections import Counter
@@ -30,7 +29,7 @@ from al_questioner.ros import qos
 from al_questioner.ros.hearing import Hearing, full_name, unserved
 from al_questioner.ros.overrides import check_overrides, overriding_options
 from al_questioner.ros.types import text
-from al_questioner.ros.worker import Worker
+from al_questioner.ros.worker import Cancel, Worker
 from al_questioner.support.rate_limiter import RepeatLimiter
 from al_questioner.support.text import number_of
 
@@ -154,14 +153,13 @@ class QuestionerNode(Node):
         """Have every document of the topic of its kind read, checked and handled by the worker."""
         self.on_message(String, kind, lambda message: job(documents.read(kind, message.data)), profile)
 
-    def after(self, seconds: float, job: Callable[[], None]) -> None:
-        """Have the worker do a job once, some time from now by the steady clock; as its next if no time is left."""
-        if seconds <= 0:
-            self._worker.submit(job)
-            return
-        timer = threading.Timer(seconds, self._worker.submit, args=(job,))
-        timer.daemon = True
-        timer.start()
+    def after(self, seconds: float, job: Callable[[], None]) -> Cancel:
+        """Have the worker do a job once, so many seconds from now by the steady clock.
+
+        Returns:
+            A function that calls the job off.
+        """
+        return self._worker.submit(job, seconds)
 
     def reject(self, topic: str, reason: str) -> None:
         """Count and show input that cannot be used."""

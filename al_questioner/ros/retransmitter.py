@@ -6,8 +6,8 @@ from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Generic, TypeVar
 
-from al_questioner.ros.node import QuestionerNode
 from al_questioner.ros.one_shot_timer import OneShotTimer
+from al_questioner.ros.worker import Cancel, Job
 
 Message = TypeVar('Message')
 
@@ -35,7 +35,7 @@ class Retransmitter(Generic[Message]):
     """Says one thing at a time, the same each time, until it is told to stop. All of it happens on the node's worker.
 
     Args:
-        node: whose worker it is.
+        after: has the node's worker do a job after so many seconds, see `QuestionerNode.after`.
         publish: says it.
         back_off: how often.
 
@@ -43,30 +43,32 @@ class Retransmitter(Generic[Message]):
         said: what is being said; None if nothing is.
     """
 
-    def __init__(self, node: QuestionerNode, publish: Callable[[Message], None], back_off: BackOff) -> None:
+    def __init__(
+        self, after: Callable[[float, Job], Cancel], publish: Callable[[Message], None], back_off: BackOff
+    ) -> None:
         self.said: Message | None = None
         self._publish = publish
         self._back_off = back_off
         self._pause = 0.0
-        self._alarm = OneShotTimer(node, self._go_on)
+        self._timer = OneShotTimer(after, self._go_on)
 
     def say(self, thing: Message, delay: float = 0.0) -> None:
         """Say this, in the place of what was said before: for the first time after so many seconds, if not at once."""
         self.said = thing
         self._pause = self._back_off.first
         if delay > 0:
-            self._alarm.set(delay)
+            self._timer.set(delay)
         else:
             self._go_on()
 
     def stop(self) -> None:
         """Say nothing any more."""
         self.said = None
-        self._alarm.clear()
+        self._timer.clear()
 
     def _go_on(self) -> None:
         if self.said is None:
             return
         self._publish(self.said)
-        self._alarm.set(self._pause)
+        self._timer.set(self._pause)
         self._pause = min(2 * self._pause, self._back_off.longest)

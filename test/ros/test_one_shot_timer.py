@@ -1,31 +1,16 @@
-"""One job at a later time, on a clock that only the test moves."""
+"""A job at a later time is put off and called off, on a clock that only the test moves."""
 
 from __future__ import annotations
-
-from collections.abc import Callable
-from types import SimpleNamespace
 
 import pytest
 
 from al_questioner.ros.one_shot_timer import OneShotTimer
-
-
-class Time:
-    """A clock and its timers, which may go off too early; also the node that waits for them."""
-
-    def __init__(self) -> None:
-        self.now = 0.0
-        self.timers: list[Callable[[], None]] = []
-
-    def after(self, seconds: float, job: Callable[[], None]) -> None:
-        self.timers.append(job)
+from test.ros.virtual_time import VirtualTime
 
 
 @pytest.fixture
-def time(monkeypatch: pytest.MonkeyPatch) -> Time:
-    result = Time()
-    monkeypatch.setattr('al_questioner.ros.one_shot_timer.time', SimpleNamespace(monotonic=lambda: result.now))
-    return result
+def time() -> VirtualTime:
+    return VirtualTime()
 
 
 @pytest.fixture
@@ -34,43 +19,27 @@ def rung() -> list[float]:
 
 
 @pytest.fixture
-def alarm(time: Time, rung: list[float]) -> OneShotTimer:
-    return OneShotTimer(time, lambda: rung.append(time.now))
+def timer(time: VirtualTime, rung: list[float]) -> OneShotTimer:
+    return OneShotTimer(time.after, lambda: rung.append(time.now))
 
 
-def test_an_earlier_time_overtakes_a_later_one_and_it_goes_off_once(
-    time: Time, rung: list, alarm: OneShotTimer
+@pytest.mark.parametrize(('first', 'second'), [(100.0, 1.0), (1.0, 5.0)])
+def test_the_time_that_was_set_last_counts_and_it_goes_off_once(
+    time: VirtualTime, rung: list[float], timer: OneShotTimer, first: float, second: float
 ) -> None:
-    """A turn would be let pass twice, or as late as the first timer was set."""
-    alarm.set(100.0)
-    alarm.set(1.0)
-    assert len(time.timers) == 2
-    time.now = 1.0
-    time.timers[1]()
-    assert rung == [1.0]
-    time.now = 100.0
-    time.timers[0]()
-    assert rung == [1.0]
+    """A turn would time out twice, or when the time of the question before was over."""
+    timer.set(first)
+    timer.set(second)
+    time.pass_until(200.0)
+    assert rung == [second]
 
 
-def test_a_later_time_is_waited_for(time: Time, rung: list, alarm: OneShotTimer) -> None:
-    """An answer's time would be over when that of the last question was."""
-    alarm.set(1.0)
-    alarm.set(5.0)
-    assert len(time.timers) == 1
-    time.now = 1.0
-    time.timers[0]()
-    assert rung == []
-    time.now = 5.0
-    time.timers[1]()
-    assert rung == [5.0]
-
-
-def test_what_is_cleared_does_not_go_off(time: Time, rung: list, alarm: OneShotTimer) -> None:
+def test_what_is_cleared_does_not_go_off(time: VirtualTime, rung: list[float], timer: OneShotTimer) -> None:
     """A turn would be over although its answer has come."""
-    alarm.set(1.0)
-    alarm.clear()
-    time.now = 2.0
-    time.timers[0]()
+    timer.set(1.0)
+    timer.clear()
+    time.pass_until(2.0)
     assert rung == []
-    assert len(time.timers) == 1
+    timer.set(1.0)
+    time.pass_until(4.0)
+    assert rung == [3.0]

@@ -53,6 +53,37 @@ def test_of_what_waits_for_a_busy_worker_the_newest_is_kept(most: int, kept: lis
     assert handled == kept
 
 
+def test_jobs_are_done_in_the_order_in_which_they_are_due() -> None:
+    """A turn would begin before its time, or what waits for a late job would wait, too."""
+    done: list[str] = []
+    finished = threading.Event()
+    worker = Worker('test', lambda error: None)
+    worker.submit(finished.set, 0.2)
+    worker.submit(lambda: done.append('second'), 0.1)
+    cancel = worker.submit(lambda: done.append('called off'), 0.05)
+    worker.submit(lambda: done.append('first'))
+    cancel()
+    assert finished.wait(30)
+    cancel()
+    worker.stop()
+    assert done == ['first', 'second']
+
+
+def test_what_is_due_is_done_before_the_end() -> None:
+    """A bag would lack the last messages that were heard."""
+    done: list[int] = []
+    begun, may_go_on = threading.Event(), threading.Event()
+    worker = Worker('test', lambda error: None)
+    worker.submit(lambda: (begun.set(), may_go_on.wait(30)))
+    assert begun.wait(30)
+    worker.submit(lambda: done.append(1))
+    worker.submit(lambda: done.append(2), 3600.0)
+    may_go_on.set()
+    worker.finish()
+    assert done == [1]
+    assert worker.stopped
+
+
 def test_nothing_is_done_after_the_stop() -> None:
     """A node that is being destroyed would publish on topics that are gone."""
     done: list[int] = []

@@ -82,7 +82,7 @@ class LearnerNode(QuestionerNode):
         self._session = session_of(self._settings, world, self._given)
         self.episode_id = self._session.begun.episode_id
         self._stamps = TurnStamps()
-        self._patience = OneShotTimer(self, self._go_on_without)
+        self._patience = OneShotTimer(self.after, self._go_on_without)
         self._stale = StaleScenes()
         self._awaits_scene = False
         self._last_turn_start = 0.0
@@ -92,9 +92,9 @@ class LearnerNode(QuestionerNode):
         self._publish_episode = self.document_publisher('episode')
         self._publish_turn = self.document_publisher('turn')
         # What the course of the episode hangs on is said until it is served, the last state for as long as it is true.
-        self._request = Retransmitter(self, self._publish_turn, PATIENT)
-        self._question = Retransmitter(self, self.document_publisher('query'), PATIENT)
-        self._state = Retransmitter(self, self.document_publisher('learner_state'), PATIENT)
+        self._request = Retransmitter(self.after, self._publish_turn, PATIENT)
+        self._question = Retransmitter(self.after, self.document_publisher('query'), PATIENT)
+        self._state = Retransmitter(self.after, self.document_publisher('learner_state'), PATIENT)
         self._publish_ack = self.document_publisher('answer_ack', qos.EVENTS)
         self._decision = self.advertise(PointCloud2, 'decision', qos.EVENTS)
         self._markers = self.advertise(MarkerArray, 'scene_markers', qos.LATCHED)
