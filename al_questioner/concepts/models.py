@@ -6,7 +6,7 @@ import logging
 from collections.abc import Iterator, Sequence
 
 import numpy as np
-from numpy.typing import ArrayLike
+from numpy.typing import ArrayLike, NDArray
 
 from al_questioner.concepts.laplace.gaussian_process import expected_logistic, rbf_kernel
 from al_questioner.concepts.laplace.posterior import Marginals, Posterior, laplace_posterior
@@ -151,6 +151,41 @@ class ConceptModels:
             # What the logistic function's approximation makes of 0 is 1/2 but for its error.
             return np.full((len(marginals.mean[0]), len(self.symbols)), 0.5)
         return expected_logistic(marginals.mean, self.amplitude - marginals.explained).T
+
+    @property
+    def classes_(self) -> NDArray[np.str_]:
+        """(|Y|,) the symbols, as scikit-learn calls them."""
+        return np.array(self.symbols)
+
+    def predict(self, features: ArrayLike) -> NDArray[np.str_]:
+        """Return the most probable symbol of each thing, the first of equal ones.
+
+        Args:
+            features: (k, m) standardised features.
+
+        Returns:
+            (k,) symbols.
+
+        Raises:
+            InputError: not m columns, or a value that is not finite.
+        """
+        best = self.predict_proba(features).argmax(axis=1)
+        return np.array([self.symbols[column] for column in best])
+
+    def score(self, features: ArrayLike, labels: Sequence[str]) -> float:
+        """Return the share of things whose most probable symbol is the true one.
+
+        Args:
+            features: (k, m) standardised features, k > 0.
+            labels: k names.
+
+        Raises:
+            InputError: not k rows of m columns, none at all, or a value that is not finite.
+        """
+        found = self.predict(features)
+        if len(found) != len(labels) or not len(found):
+            raise InputError(f'{len(labels)} labels for {len(found)} feature vectors')
+        return float(np.mean(found == np.asarray(labels)))
 
     def look_ahead(self, scene_features: ArrayLike, exact: bool | None = None) -> Array:
         """What the models would say of a scene if one of its things had been labelled.

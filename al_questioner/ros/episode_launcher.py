@@ -23,7 +23,7 @@ from al_questioner.ros.nodes.learner import LearnerNode
 from al_questioner.ros.nodes.observer import ObserverNode, StateWatcher
 from al_questioner.ros.nodes.perception import PerceptionNode
 from al_questioner.ros.nodes.teacher import TeacherNode
-from al_questioner.ros.running import spin_nodes
+from al_questioner.ros.running import Spinner
 from al_questioner.ros.setting import Value
 from al_questioner.support.files import make_folder
 
@@ -75,19 +75,19 @@ class EpisodeLauncher:
             validate_namespace(f'/{self.namespace}')
         except NameValidationException as error:
             raise InputError(' '.join(str(error).split())) from error
-        observers: list[ObserverNode] = []
-        interrupted = threading.Event()
-
-        def make_observer() -> QuestionerNode:
-            observers.append(ObserverNode(self.episode_id, watch, self.patience, namespace=self.namespace))
-            return observers[0]
-
-        nodes = [self._maker(name) for name in NODES] if self.one_process else []
+        interrupted, is_done = threading.Event(), False
         # The recorder first: the others wait for it.
         names = (*(() if self.bag is None else ('record',)), *NODES)
-        with self._processes(() if self.one_process else names) as processes:
+        with self._processes(() if self.one_process else names) as processes, Spinner([], interrupted) as spinner:
+            observer = spinner.add(
+                lambda: ObserverNode(self.episode_id, watch, self.patience, namespace=self.namespace)
+            )
+            if self.one_process:
+                for name in NODES:
+                    spinner.add(self._maker(name))
 
             def is_over() -> bool:
+                nonlocal is_done
                 recorder = processes.get('record')
                 for name, process in processes.items():
                     if process.poll() == 2:
@@ -96,14 +96,15 @@ class EpisodeLauncher:
                     ended_well = process is recorder and process.poll() == 0
                     if process.poll() is not None and not ended_well:
                         raise EpisodeError(f'{name} ended with status {process.returncode}: {self._last_line(name)}')
-                if observers[0].failure is not None:
-                    raise observers[0].failure
-                return observers[0].done and (recorder is None or recorder.poll() == 0)
+                if observer.failure is not None:
+                    raise observer.failure
+                is_done = observer.done
+                return is_done and (recorder is None or recorder.poll() == 0)
 
-            spin_nodes([make_observer, *nodes], [], is_over, interrupted)
+            spinner.spin(is_over)
         if interrupted.is_set():
             raise KeyboardInterrupt
-        if not observers[0].done:
+        if not is_done:
             raise EpisodeError('interrupted before the end of the episode')
 
     def _maker(self, name: str) -> Callable[[], QuestionerNode]:

@@ -6,7 +6,8 @@ import os
 import signal
 import threading
 from collections.abc import Callable, Sequence
-from typing import Any
+from types import TracebackType
+from typing import Any, TypeVar
 
 import rclpy
 from rclpy.exceptions import NameValidationException
@@ -21,81 +22,109 @@ from al_questioner.ros.parameter_files import refuse_files_without_parameters, t
 TRANSPORTS = ('FASTDDS_BUILTIN_TRANSPORTS', 'UDPv4')
 """Environment variable and our value: a process that is killed may leave a lock of Fast DDS's shared memory behind, on
 which all others hang for ever. Whoever sets the variable decides."""
+SomeNode = TypeVar('SomeNode', bound=QuestionerNode)
 ONCE_A_SECOND = {'throttle_duration_sec': 1.0}
 
 
-def spin_nodes(
-    makers: Sequence[Callable[[], QuestionerNode]],
-    arguments: Sequence[str],
-    while_spinning: Callable[[], Any] | None = None,
-    interrupted: threading.Event | None = None,
-) -> int:
-    """Spin nodes in one process until SIGINT, SIGTERM or a shutdown of the context; return the exit status.
+class Spinner:
+    """Spins nodes in this process; SIGINT, SIGTERM and a shutdown of the context end what is within, without an error.
 
     Args:
-        makers: make the nodes, once ROS is initialised.
         arguments: of the process, ROS arguments included.
-        while_spinning: called after every wait; a true result ends the spinning.
         interrupted: set by SIGINT.
+        ends_process: whether the process ends afterwards.
 
     Raises:
-        InputError: a parameter that cannot be used.
+        InputError: on entry, arguments that cannot be used.
     """
-    check_ros_arguments(arguments)
-    # Only rclpy's own handler, which shuts the context down, is to act on a signal: a KeyboardInterrupt could hit
-    # anywhere, and the second SIGINT of `ros2 launch` would hit the clean-up.
-    interrupted = interrupted or threading.Event()
-    previous = signal.signal(signal.SIGINT, _setter(interrupted))
-    try:
-        os.environ.setdefault(*TRANSPORTS)
-        # For its error: rclpy.init would print lines of its own beside it.
-        remove_ros_args(['', *arguments])
-        rclpy.init(args=list(arguments))
-    except (RuntimeError, ValueError) as error:
-        signal.signal(signal.SIGINT, previous)
-        raise InputError(with_doubts(f'unusable ROS arguments: {_one_line(error)}', arguments)) from error
-    nodes: list[QuestionerNode] = []
-    executor = SingleThreadedExecutor()
-    try:
-        if interrupted.is_set():
-            # Before rclpy had a handler of its own.
-            raise ExternalShutdownException
-        refuse_files_without_parameters(arguments)
-        for make in makers:
-            try:
-                nodes.append(make())
-            except InputError as error:
-                raise InputError(with_doubts(str(error), arguments)) from error
-            executor.add_node(nodes[-1])
-            tell_what_has_no_effect(nodes[-1], arguments)
-            if while_spinning is None:
-                nodes[-1].get_logger().info('is up')
-        while executor.context.ok() and not (while_spinning and while_spinning()):
-            try:
-                executor.spin_once(timeout_sec=0.1 if while_spinning else None)
-            except ValueError as error:
-                # rclpy's own callbacks, such as that of /clock, do not catch what a message makes them raise.
-                nodes[0].get_logger().warning(f'passed over an unusable message: {_one_line(error)}', **ONCE_A_SECOND)
-    except ExternalShutdownException:
-        pass
-    except RuntimeError:
-        # The signal may come between the look at the context and its use.
-        if executor.context.ok():
-            raise
-    except NameValidationException as error:
-        raise InputError(_one_line(error)) from error
-    finally:
-        for node in nodes:
+
+    def __init__(
+        self, arguments: Sequence[str], interrupted: threading.Event | None = None, ends_process: bool = False
+    ) -> None:
+        self._arguments = arguments
+        self._interrupted = interrupted or threading.Event()
+        self._ends_process = ends_process
+        self._nodes: list[QuestionerNode] = []
+
+    def __enter__(self) -> Spinner:
+        check_ros_arguments(self._arguments)
+        # Only rclpy's own handler, which shuts the context down, is to act on a signal: a KeyboardInterrupt could hit
+        # anywhere, and the second SIGINT of `ros2 launch` would hit the clean-up.
+        self._previous = signal.signal(signal.SIGINT, lambda *_: self._interrupted.set())
+        try:
+            os.environ.setdefault(*TRANSPORTS)
+            # For its error: rclpy.init would print lines of its own beside it.
+            remove_ros_args(['', *self._arguments])
+            rclpy.init(args=list(self._arguments))
+        except (RuntimeError, ValueError) as error:
+            signal.signal(signal.SIGINT, self._previous)
+            text = f'unusable ROS arguments: {_one_line(error)}'
+            raise InputError(with_doubts(text, self._arguments)) from error
+        self._executor = SingleThreadedExecutor()
+        return self
+
+    def __exit__(
+        self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
+    ) -> bool:
+        # A signal may come between the look at the context and its use.
+        is_asked_to_stop = isinstance(error, ExternalShutdownException) or (
+            isinstance(error, RuntimeError) and not self._executor.context.ok()
+        )
+        for node in self._nodes:
             node.destroy_node()
-        executor.shutdown()
+        self._executor.shutdown()
         try_shutdown()
         # Python gives a handler of ours back to the system as it exits, where a late SIGINT would kill; not so SIG_IGN.
-        signal.signal(signal.SIGINT, signal.SIG_IGN if while_spinning is None else previous)
-    return 0
+        signal.signal(signal.SIGINT, signal.SIG_IGN if self._ends_process else self._previous)
+        return is_asked_to_stop
+
+    def add(self, make: Callable[[], SomeNode]) -> SomeNode:
+        """Make a node, to be spun with the others.
+
+        Raises:
+            InputError: a parameter that cannot be used.
+        """
+        if self._interrupted.is_set():
+            # Before rclpy had a handler of its own.
+            raise ExternalShutdownException
+        refuse_files_without_parameters(self._arguments)
+        try:
+            node = make()
+        except InputError as error:
+            raise InputError(with_doubts(str(error), self._arguments)) from error
+        except NameValidationException as error:
+            raise InputError(_one_line(error)) from error
+        self._nodes.append(node)
+        self._executor.add_node(node)
+        tell_what_has_no_effect(node, self._arguments)
+        return node
+
+    def spin(self, is_over: Callable[[], Any] | None = None) -> None:
+        """Spin until the context is shut down or something holds, which is looked at after every wait."""
+        while self._executor.context.ok() and not (is_over and is_over()):
+            try:
+                self._executor.spin_once(timeout_sec=0.1 if is_over else None)
+            except ValueError as error:
+                # rclpy's own callbacks, such as that of /clock, do not catch what a message makes them raise.
+                text = f'passed over an unusable message: {_one_line(error)}'
+                self._nodes[0].get_logger().warning(text, **ONCE_A_SECOND)
 
 
-def _setter(event: threading.Event) -> Callable[..., None]:
-    return lambda *_: event.set()
+def spin_node(make: Callable[[], SomeNode], arguments: Sequence[str]) -> SomeNode | None:
+    """Run a process that is one node, until it is asked to stop.
+
+    Returns:
+        The node, destroyed by then; None if the signal came before it was made.
+
+    Raises:
+        InputError: an argument or a parameter that cannot be used.
+    """
+    node = None
+    with Spinner(arguments, ends_process=True) as spinner:
+        node = spinner.add(make)
+        node.get_logger().info('is up')
+        spinner.spin()
+    return node
 
 
 def _one_line(error: Exception) -> str:

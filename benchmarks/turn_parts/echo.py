@@ -25,7 +25,7 @@ from al_questioner.domain import EpisodeError
 from al_questioner.ros import qos
 from al_questioner.ros.episode_launcher import stop
 from al_questioner.ros.node import QuestionerNode
-from al_questioner.ros.running import spin_nodes
+from al_questioner.ros.running import spin_node
 
 SECONDS_TO_APPEAR = 60.0
 SECONDS_TO_ANSWER = 60.0
@@ -124,4 +124,4 @@ def _await_first(publisher: Any, message: Any, returned: queue.SimpleQueue[Any])
 
 
 if __name__ == '__main__':
-    sys.exit(spin_nodes([EchoNode], sys.argv[1:]))
+    spin_node(EchoNode, sys.argv[1:])

@@ -384,3 +384,15 @@ def test_scenes_that_do_not_fit_the_examples():
 def test_impossible_models(arguments, reason):
     with pytest.raises(InputError, match=reason):
         ConceptModels(**arguments)
+
+
+def test_predictions_and_score_are_those_that_scikit_learn_users_expect() -> None:
+    """A notebook that compares classifiers would need code of its own for this one."""
+    models = ConceptModels(('snack', 'fruit')).fit([[0.0], [1.0], [2.0]], ['snack', 'fruit', NO_SYMBOL])
+    assert list(models.classes_) == ['snack', 'fruit']
+    assert list(models.predict([[0.1], [0.9]])) == ['snack', 'fruit']
+    assert models.score([[0.1], [0.9], [0.2], [0.3]], ['snack', 'fruit', 'fruit', 'snack']) == 0.75
+    assert list(ConceptModels(('a', 'b')).predict([[0.1], [0.9]])) == ['a', 'a']
+    for features, labels in (([[0.1]], ['snack', 'fruit']), ([], [])):
+        with pytest.raises(InputError):
+            models.score(features, labels)

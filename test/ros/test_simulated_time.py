@@ -26,7 +26,7 @@ from al_questioner.ros.nodes.learner import LearnerNode
 from al_questioner.ros.nodes.perception import PerceptionNode
 from al_questioner.ros.nodes.replayer import ReplayNode
 from al_questioner.ros.nodes.teacher import TeacherNode
-from al_questioner.ros.running import spin_nodes
+from al_questioner.ros.running import Spinner
 from al_questioner.ros.types import CLOUD_TYPES, header
 from al_questioner.simulation import (
     PerceivedWorld,
@@ -158,20 +158,17 @@ def test_a_bag_that_loops_is_seen_in_every_round(graph: Any) -> None:
 
 def test_a_time_before_the_beginning_of_time_ends_no_node(graph: Any) -> None:
     """One message on /clock would end every node that listens to it."""
-    made: list[Any] = []
     looks: list[bool] = []
     end = time.monotonic() + 60.0
 
-    def make() -> Any:
-        node = PerceptionNode(namespace=graph.namespace)
-        made.extend((node, node.create_publisher(Clock, '/clock', QoSProfile(depth=10))))
-        return node
-
     def has_seen_seven() -> bool:
-        node, out = made
         looks.append(out.get_subscription_count() > 0)
         out.publish(Clock(clock=Time(sec=-5 if sum(looks) < 20 else 7)))
         assert time.monotonic() < end
         return bool(node.get_clock().now().nanoseconds == 7 * SECOND)
 
-    assert spin_nodes([make], ['--ros-args', '-p', 'use_sim_time:=true'], has_seen_seven) == 0
+    with Spinner(['--ros-args', '-p', 'use_sim_time:=true']) as spinner:
+        node = spinner.add(lambda: PerceptionNode(namespace=graph.namespace))
+        out = node.create_publisher(Clock, '/clock', QoSProfile(depth=10))
+        spinner.spin(has_seen_seven)
+    assert looks

@@ -21,25 +21,19 @@ def main(given: argparse.Namespace) -> int:
     if given.repair is not None:
         return _repair(given.repair)
     from al_questioner.ros.nodes.recorder import RecorderNode
-    from al_questioner.ros.running import spin_nodes
+    from al_questioner.ros.running import Spinner
 
-    made: list[RecorderNode] = []
-
-    def make() -> RecorderNode:
-        made.append(RecorderNode())
-        return made[0]
-
-    spin_nodes(
-        [make],
-        given.ros,
-        lambda: made[0].done or made[0].failure is not None,
-    )
-    if made and made[0].failure is not None:
-        raise made[0].failure
-    if made:
-        total = number_of(made[0].written, 'message')
-        Console().print(f'{made[0].path}: {total}, the bag is whole', highlight=False, markup=False, soft_wrap=True)
-    if made and made[0].until_done and not made[0].done:
+    node: RecorderNode | None = None
+    with Spinner(given.ros) as spinner:
+        node = spinner.add(RecorderNode)
+        spinner.spin(lambda: node.done or node.failure is not None)
+    if node is None:
+        return 0
+    if node.failure is not None:
+        raise node.failure
+    total = number_of(node.written, 'message')
+    Console().print(f'{node.path}: {total}, the bag is whole', highlight=False, markup=False, soft_wrap=True)
+    if node.until_done and not node.done:
         raise EpisodeError('ended before the episode was over; the bag is whole as far as it goes')
     return 0
 

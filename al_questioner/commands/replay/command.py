@@ -93,27 +93,22 @@ def _run(
         InputError: the node must not go on.
     """
     from al_questioner.ros.keys import Keys
-    from al_questioner.ros.running import spin_nodes
+    from al_questioner.ros.running import Spinner
 
-    made: list[Shown] = []
+    node: Shown | None = None
+    with Live(console=console, auto_refresh=False, transient=True) as live, Spinner(ros) as spinner:
+        node = spinner.add(make)
+        with Keys(node.press) as keys:
 
-    def make_one() -> Shown:
-        made.append(make())
-        return made[0]
+            def show() -> bool:
+                if console.is_terminal:
+                    live.update(Text(status(node, keys.active)), refresh=True)
+                return node.over
 
-    keys = Keys(lambda key: made[0].press(key) if made else None)
-    with Live(console=console, auto_refresh=False, transient=True) as live:
-
-        def watch() -> bool:
-            if console.is_terminal:
-                live.update(Text(status(made[0], keys.active)), refresh=True)
-            return made[0].over
-
-        with keys:
-            spin_nodes([make_one], ros, watch)
-    if made and made[0].failure is not None:
-        raise made[0].failure
-    return made[0] if made else None
+            spinner.spin(show)
+    if node is not None and node.failure is not None:
+        raise node.failure
+    return node
 
 
 def _status_of_playback(node: ReplayNode, keys: bool) -> str:

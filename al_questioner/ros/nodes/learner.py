@@ -40,7 +40,7 @@ from al_questioner.ros.node import QuestionerNode
 from al_questioner.ros.one_shot_timer import OneShotTimer
 from al_questioner.ros.parameters import declare, refuse_unknown
 from al_questioner.ros.retransmitter import PATIENT, Retransmitter
-from al_questioner.ros.running import spin_nodes
+from al_questioner.ros.running import spin_node
 from al_questioner.ros.settings import all_names, learner_settings
 from al_questioner.ros.stale_scenes import StaleScenes
 from al_questioner.ros.turn_stamps import TurnStamps
@@ -350,4 +350,5 @@ def _spoken(content: Content) -> str:
 
 def main(arguments: Sequence[str]) -> int:
     """Run the node."""
-    return spin_nodes([partial(LearnerNode, yields=True)], arguments)
+    spin_node(partial(LearnerNode, yields=True), arguments)
+    return 0

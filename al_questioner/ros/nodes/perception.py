@@ -17,7 +17,7 @@ from al_questioner.messages.stamps import stamp_of
 from al_questioner.ros import qos
 from al_questioner.ros.node import QuestionerNode
 from al_questioner.ros.parameters import declare, refuse_unknown
-from al_questioner.ros.running import spin_nodes
+from al_questioner.ros.running import spin_node
 from al_questioner.ros.settings import PERCEPTION_SETTINGS, all_names
 from al_questioner.ros.types import CLOUD_TYPES, header, octets
 from al_questioner.ros.worker import Worker
@@ -75,4 +75,5 @@ class PerceptionNode(QuestionerNode):
 
 def main(arguments: Sequence[str]) -> int:
     """Run the node."""
-    return spin_nodes([PerceptionNode], arguments)
+    spin_node(PerceptionNode, arguments)
+    return 0

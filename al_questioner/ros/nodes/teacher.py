@@ -16,7 +16,7 @@ from al_questioner.ros.answer_sender import AnswerSender
 from al_questioner.ros.node import QuestionerNode
 from al_questioner.ros.nodes.terminal_teacher import RunTerminal, TerminalTeacher, login_name
 from al_questioner.ros.parameters import declare, refuse_unknown
-from al_questioner.ros.running import spin_nodes
+from al_questioner.ros.running import spin_node
 from al_questioner.ros.setting import Value
 from al_questioner.ros.settings import TEACHER_MODES, TEACHER_SETTINGS, all_names
 from al_questioner.ros.worlds import check_world, declare_world
@@ -116,13 +116,7 @@ def main(arguments: Sequence[str]) -> int:
         InputError: a parameter that cannot be used.
         EpisodeError: the terminal could not be used any more.
     """
-    made: list[TeacherNode] = []
-
-    def make() -> TeacherNode:
-        made.append(TeacherNode())
-        return made[0]
-
-    status = spin_nodes([make], arguments)
-    if made and made[0].failure is not None:
-        raise EpisodeError(f'the terminal failed: {type(made[0].failure).__name__}: {made[0].failure}')
-    return status
+    node = spin_node(TeacherNode, arguments)
+    if node is not None and node.failure is not None:
+        raise EpisodeError(f'the terminal failed: {type(node.failure).__name__}: {node.failure}')
+    return 0
