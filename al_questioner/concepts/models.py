@@ -331,7 +331,7 @@ class ConceptModels:
             self.amplitude - marginals.explained,
             marginals.mean,
             targets,
-            tolerance=WARM_FIT_TOLERANCE,
+            WARM_FIT_TOLERANCE,
         )
         modes = self._posterior.modes + shift.change[:, 0] / self._posterior.root
         start = np.concatenate([modes, shift.latent], axis=1)

@@ -31,6 +31,10 @@ LOGISTIC_COEFFICIENTS = np.array([-1854.8214151, 3516.89893646, 221.29346712, 12
 """The logistic function as a sum of five error functions: Williams and Barber, Bayesian Classification with Gaussian
 Processes (1998), appendix A, with the constants of scikit-learn."""
 
+MEAN_SLOPE = (0.4, 2.55)
+VARIANCE_SLOPE = (0.1225, 2.5)
+"""Coefficients of bounds on the derivatives of the expected logistic function, as the five-term sum has them."""
+
 PROBABILITY_MARGIN = 1e-9
 """The five-term sum leaves (0, 1) by rounding, up to 5e-13; probabilities are kept this far inside."""
 
@@ -183,3 +187,13 @@ def expected_logistic(mean: Array, variance: Array) -> Array:
     terms = erf(slope * mean / np.sqrt(1 + 2 * slope**2 * np.maximum(variance, 0)))
     expected: Array = 0.5 * (np.tensordot(LOGISTIC_COEFFICIENTS, terms, axes=1) + LOGISTIC_COEFFICIENTS.sum())
     return np.clip(expected, PROBABILITY_MARGIN, 1 - PROBABILITY_MARGIN)
+
+
+def slope_in_mean(variance: Array) -> Array:
+    """Return (...) bounds of the derivative of the expected logistic function by the mean, over all means."""
+    return MEAN_SLOPE[0] / np.sqrt(variance + MEAN_SLOPE[1])
+
+
+def slope_in_variance(variance: Array) -> Array:
+    """Return (...) bounds of the derivative of the expected logistic function by the variance, over all means."""
+    return VARIANCE_SLOPE[0] / (variance + VARIANCE_SLOPE[1])

@@ -10,19 +10,21 @@ from __future__ import annotations
 import numpy as np
 from scipy.special import expit
 
-from al_questioner.concepts.laplace.gaussian_process import expected_logistic, find_modes, predict_probabilities
+from al_questioner.concepts.laplace.gaussian_process import (
+    MEAN_SLOPE,
+    VARIANCE_SLOPE,
+    expected_logistic,
+    find_modes,
+    predict_probabilities,
+    slope_in_variance,
+)
 from al_questioner.concepts.laplace.mode_shift import MOST_MODE_STEPS, find_shift
 from al_questioner.concepts.laplace.posterior import Marginals, Posterior
-from al_questioner.concepts.laplace.variance_change import covariance_tangent, spectrum_bounds, variance_drops
+from al_questioner.concepts.laplace.variance_change import find_variances
 from al_questioner.support.arrays import Array, Index
 
 PROBABILITY_TOLERANCE = 8e-7
 """A probability whose error bound is larger is computed by refitting."""
-
-SLOPE_IN_MEAN = 0.25
-SLOPE_IN_VARIANCE = 0.0488
-"""Largest derivatives of the expected logistic function, as the five-term sum has them: the exact function has 1/4 in
-the mean, and max |logistic''| / 2 = 0.0481 in the variance."""
 
 MAX_REFIT_NUMBERS = 1_000_000
 """Largest stack of kernel matrices that is refitted at once, in numbers: bounds its memory to some 50 MB."""
@@ -62,39 +64,32 @@ def _predict(
     posterior: Posterior, marginals: Marginals, things: Index, prior: Array, amplitude: float, exact: bool
 ) -> tuple[Array, Array]:
     """Probabilities as `predict_each`, and (|Y|, 2e) a bound on the error of each hypothesis, if `exact`."""
-    both = np.concatenate([things, things])
-    twice = np.tile(np.arange(len(things)), 2)
-    new = np.ascontiguousarray(marginals.solved.transpose(0, 2, 1)[:, both])
+    both, twice = np.tile(things, 2), np.tile(np.arange(len(things)), 2)
+    points = marginals.solved.transpose(0, 2, 1)
     variance = amplitude - marginals.explained
     cross = marginals.covariance(things, prior)[:, twice]
     targets = np.repeat([0.0, 1.0], len(things))
+    # Half of the tolerance is for the modes, half for the variances.
+    mode_weight = MEAN_SLOPE[0] + VARIANCE_SLOPE[0] * np.sqrt(amplitude)
+    tolerance = PROBABILITY_TOLERANCE / 2 / mode_weight
     steps = MOST_MODE_STEPS if exact else 1
-    shift = find_shift(posterior, new, variance[:, both], marginals.mean[:, both], targets, steps)
+    shift = find_shift(
+        posterior, points[:, both], variance[:, both], marginals.mean[:, both], targets, tolerance, steps
+    )
     mean = marginals.mean[:, None] + cross * shift.pull[:, :, None] - np.matmul(shift.bend, marginals.solved)
-
-    # First without the new example's own curvature: the old ones change theirs ...
-    if exact and posterior.modes.size:
-        bounds = spectrum_bounds(posterior.single, shift.relative)
-        drops, own_error = variance_drops(posterior.single, marginals.solved, shift.relative, bounds)
-        start = shift.change / shift.pull[:, :, None]
-        tangent, joint_error = covariance_tangent(posterior.covariance, new, shift.relative, start, bounds)
-    else:
-        drops, tangent = np.matmul(shift.relative, marginals.solved**2), new
-        own_error, joint_error = np.zeros_like(drops), np.zeros_like(shift.pull)
-    own = variance[:, None] - drops
-    joint = cross - np.matmul(shift.relative * tangent, marginals.solved)
-    # ... then as one more observation (R&W equation 3.24 for a single example).
-    p = expit(shift.latent)[:, :, None]
-    weight = p * (1 - p) / (1 + p * (1 - p) * _at_new(own, both))
-    pulled = weight * np.abs(joint)
-    probabilities = expected_logistic(mean, own - weight * joint**2)
-
-    joint_errors = joint_error[:, :, None] * np.sqrt(variance)[:, None]
-    variance_error = own_error + 2 * pulled * joint_errors + pulled**2 * _at_new(own_error, both)
-    largest = np.maximum(variance.max(axis=1)[:, None], own.max(axis=2))
+    p = expit(shift.latent)
+    curvature = p * (1 - p)
+    if not exact:
+        own = variance[:, None] - np.matmul(shift.relative, marginals.solved**2)
+        joint = cross - np.matmul(shift.relative * points[:, both], marginals.solved)
+        weight = curvature[:, :, None] / (1 + curvature[:, :, None] * _at_new(own, both))
+        return expected_logistic(mean, own - weight * joint**2), np.zeros_like(p)
+    found, error = find_variances(
+        posterior.covariance, points, shift.relative, both, curvature, variance, cross, PROBABILITY_TOLERANCE / 2
+    )
+    probability_error = slope_in_variance(np.maximum(found, 0)) * error
     # Modes that are off by d deviations change the curvatures, and so the variances, by a share of d sqrt(amplitude).
-    mode_error = shift.error * (SLOPE_IN_MEAN * np.sqrt(largest) + SLOPE_IN_VARIANCE * largest * np.sqrt(amplitude))
-    return probabilities, mode_error + SLOPE_IN_VARIANCE * variance_error.max(axis=2)
+    return expected_logistic(mean, found), shift.error * mode_weight + probability_error.max(axis=2)
 
 
 def _refit(

@@ -1,4 +1,4 @@
-"""Where the modes go when one more example is added, starting from the present posterior.
+"""Shift of the modes when one more example is added, found from the present posterior.
 
 In scaled coordinates: for a function g on the n examples, the arrays hold W^1/2 g. In these the posterior covariance of
 the examples is T = I - B^-1, see `Posterior`. Derived in docs/method.md, "Look-ahead".
@@ -10,21 +10,18 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from al_questioner.concepts.laplace.active_set import factorise, select_active, substitute
 from al_questioner.concepts.laplace.compiled import compiled
-from al_questioner.concepts.laplace.fixed_point import extrapolate
 from al_questioner.concepts.laplace.posterior import Posterior
 from al_questioner.support.arrays import Array
 
-MODE_TOLERANCE = 2e-7
-"""The search for a mode ends when it is no farther from the true one, in posterior standard deviations."""
-
-MOST_MODE_STEPS = 12
+MOST_MODE_STEPS = 40
 MOST_SITE_STEPS = 50
 
 
 @dataclass(frozen=True, eq=False)
 class Shift:
-    """How the modes move when one example is added.
+    """Changes of |Y| classifiers by h hypothetical examples, each added alone.
 
     Attributes:
         change: (|Y|, h, n) W^1/2 g, the change of the modes at the old examples, scaled.
@@ -32,7 +29,7 @@ class Shift:
         pull: (|Y|, h) rho, the gradient of the new example there.
         bend: (|Y|, h, n) W^-1/2 h, by how much the old examples' gradients change beyond the linear.
         relative: (|Y|, h, n) E = W' / W - 1, the relative change of the old examples' curvatures.
-        error: (|Y|, h) bound on the distance from the true mode, in posterior standard deviations.
+        error: (|Y|, h) bound on the distance from the true mode, in standard deviations of the new posterior.
     """
 
     change: Array
@@ -49,14 +46,14 @@ def find_shift(
     variance: Array,
     mean: Array,
     targets: Array,
+    tolerance: float,
     steps: int = MOST_MODE_STEPS,
-    tolerance: float = MODE_TOLERANCE,
 ) -> Shift:
-    """Modes of the posteriors with one more example, as a change of the present ones.
+    """Find the modes of the posteriors with one more example, as a change of the present ones.
 
     Solves g = c rho - T h(g) for the change g of the modes at the old examples, where c is their covariance with the
-    new one: a fixed point iteration that contracts by the relative change of W, accelerated by Anderson's method with
-    a memory of one step (Anderson 1965).
+    new one, by Newton's method, whose linear systems are solved on their active set and iterated on the rest along with
+    Newton's own steps.
 
     Args:
         posterior: without the example.
@@ -64,8 +61,8 @@ def find_shift(
         variance: (|Y|, h) posterior variance of each new example.
         mean: (|Y|, h) posterior mean of each new example.
         targets: (h,) or (|Y|, h) 1 for a positive, 0 for a negative example.
-        steps: most evaluations of h.
         tolerance: error at which the search for a mode ends.
+        steps: most evaluations of h.
     """
     # One memory layout, so that there is one compiled version.
     targets = np.broadcast_to(targets, mean.shape)
@@ -101,15 +98,15 @@ def _find_shifts(
     tolerance: float,
     results: tuple[Array, ...],
 ) -> None:
-    """`find_shift` for one classifier; a hypothesis that has converged takes no part in further steps."""
+    """Find the shifts of one classifier; a hypothesis that has converged takes no part in further steps."""
     change, latent, pull, bend, relative, error = results
     n_hypotheses, n = solved.shape
     p = np.empty(n)
     for i in range(n):
         p[i] = 1 / (1 + np.exp(-modes[i]))
     guess, spread = np.zeros((n_hypotheses, n)), np.zeros((n_hypotheses, n))
-    image, residual = np.zeros((n_hypotheses, n)), np.zeros((n_hypotheses, n))
-    squared = np.zeros(n_hypotheses)
+    residual, rows, matrix, pivots = np.empty(n), np.empty(n, np.intp), np.empty((n, n)), np.empty(n, np.intp)
+    step_there = np.empty(n)
     active = np.arange(n_hypotheses)
     for step in range(1, steps + 1):
         if step > 1:
@@ -121,26 +118,46 @@ def _find_shifts(
             for i in range(n):
                 linear_mean -= solved[h, i] * guess[a, i]
             latent[h] = _new_site(latent[h], linear_mean, variance[h], targets[h])
-            pull[h] = targets[h] - 1 / (1 + np.exp(-latent[h]))
-            length, common = 0.0, 0.0
+            there = 1 / (1 + np.exp(-latent[h]))
+            pull[h] = targets[h] - there
+            squared = 0.0
             for i in range(n):
                 change[h, i] = solved[h, i] * pull[h] - spread[a, i]
-                relative[h, i] = 1 / (1 + np.exp(-modes[i] - change[h, i] / root[i]))
-                bend[h, i] = (relative[h, i] - p[i]) / root[i] - change[h, i]
-                difference = bend[h, i] - guess[a, i]
-                length += difference * difference
-                common += difference * residual[a, i]
-            if step == steps or length <= tolerance * tolerance:
-                lowest = 0.0
-                for i in range(n):
-                    relative[h, i] = relative[h, i] * (1 - relative[h, i]) / (root[i] * root[i]) - 1
-                    lowest = min(lowest, relative[h, i])
-                # A step in the old posterior's metric is one in the new one's up to the change of the curvatures. What
-                # the new example's own equation leaves open counts as well, by the logistic function's largest slope.
-                open_site = np.sqrt(variance[h]) / 4 * abs(latent[h] - linear_mean - variance[h] * pull[h])
-                error[h] = (np.sqrt(length) + open_site) / (1 + lowest)
+                after = 1 / (1 + np.exp(-modes[i] - change[h, i] / root[i]))
+                bend[h, i] = (after - p[i]) / root[i] - change[h, i]
+                relative[h, i] = after * (1 - after) / (root[i] * root[i]) - 1
+                residual[i] = bend[h, i] - guess[a, i]
+                squared += residual[i] * residual[i] / (1 + relative[h, i])
+            # What the new example's own equation leaves open counts as well, by the logistic function's largest slope.
+            open_site = np.sqrt(variance[h]) / 4 * abs(latent[h] - linear_mean - variance[h] * pull[h])
+            error[h] = np.sqrt(squared) + open_site
+            if step == steps or error[h] <= tolerance:
                 continue
-            extrapolate((guess, image, residual, squared), a, n_left, bend[h], length, common)
+            # Newton's matrix is I + E (T - coupling c c'): the new example follows the others.
+            coupling = there * (1 - there) / (1 + variance[h] * there * (1 - there))
+            size = select_active(covariance, relative[h], rows)
+            along = 0.0
+            for i in range(n):
+                along += solved[h, i] * residual[i]
+            for x in range(size):
+                along -= solved[h, rows[x]] * residual[rows[x]]
+            for x in range(size):
+                i = rows[x]
+                passive = 0.0
+                for j in range(n):
+                    passive += covariance[i, j] * residual[j]
+                for z in range(size):
+                    j = rows[z]
+                    passive -= covariance[i, j] * residual[j]
+                    matrix[x, z] = relative[h, i] * (covariance[i, j] - coupling * solved[h, i] * solved[h, j])
+                matrix[x, x] += 1
+                step_there[x] = residual[i] - relative[h, i] * (passive - coupling * solved[h, i] * along)
+            factorise(matrix, pivots, size)
+            substitute(matrix, pivots, size, step_there)
+            for x in range(size):
+                residual[rows[x]] = step_there[x]
+            for i in range(n):
+                guess[n_left, i] = guess[a, i] + residual[i]
             active[n_left] = h
             n_left += 1
         active = active[:n_left]
@@ -150,7 +167,7 @@ def _find_shifts(
 
 @compiled
 def _new_site(latent: float, mean: float, variance: float, target: float) -> float:
-    """The solution x of x = mean + variance (target - logistic(x)), by Newton's method from `latent`.
+    """Solve x = mean + variance (target - logistic(x)) for x, by Newton's method from `latent`.
 
     A step across 0, the logistic function's point of inflection, ends there: from 0 the method approaches the solution
     from one side.

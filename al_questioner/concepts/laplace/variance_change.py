@@ -1,125 +1,162 @@
-"""What the posterior covariances become when the curvatures of the old examples change, W' = W (1 + E).
+"""Change of the posterior covariances when the curvatures of the old examples change, W' = W (1 + E).
 
-In the scaled coordinates of `mode_shift`, with c = T^1/2 z the covariance of the examples with a point and S = T^1/2 E
-T^1/2, the variance of a point falls by z' S (I + S)^-1 z, and its covariance with another point likewise. Derived in
-docs/method.md, "Look-ahead".
+In the scaled coordinates of `mode_shift`, with c and d the covariances of the examples with two points, the covariance
+of the points falls by c' (E^-1 + T)^-1 d. For any guess u of (E^-1 + T)^-1 d, with q = d - T u and the residual
+r = E q - u, that is c' u + q_c' r_d up to r_c' T' r_d, where T' = (T^-1 + E)^-1 lies below (I + E)^-1: the error is of
+second order in the residuals, and known to be small without any bound of eigenvalues. Derived in docs/method.md,
+"Look-ahead".
 """
 
 from __future__ import annotations
 
 import numpy as np
 
-from al_questioner.concepts.laplace.compiled import compiled, touch_packing_buffers
-from al_questioner.concepts.laplace.fixed_point import extrapolate
-from al_questioner.concepts.laplace.quadrature import ROUNDING, resolvent_forms
-from al_questioner.support.arrays import Array, Single
+from al_questioner.concepts.laplace.active_set import factorise, select_active, substitute
+from al_questioner.concepts.laplace.compiled import compiled
+from al_questioner.concepts.laplace.gaussian_process import slope_in_variance
+from al_questioner.support.arrays import Array, Index
 
-VARIANCE_TOLERANCE = 8e-6
-"""Error of a variance at which it counts as known; a probability then errs by no more than 4e-7."""
+MOST_STEPS = 30
+ROWS_AT_ONCE = 512
+"""Right hand sides that are iterated together: enough for matrix products at full speed."""
 
-TANGENT_TOLERANCE = 1e-6
-MOST_TANGENT_STEPS = 12
-
-
-def spectrum_bounds(covariance: Array | Single, relative: Array) -> tuple[Array, Array]:
-    """(|Y|, h) bounds of the eigenvalues of S, from below in (-1, 0] and from above in [0, inf).
-
-    Args:
-        covariance: (|Y|, n, n) T; single precision does.
-        relative: (|Y|, h, n) E.
-    """
-    # T lies between 0 and I, so that S reaches no farther than E. Its Frobenius norm is |S|^2 = E' (T o T) E.
-    change = relative.astype(np.float32)
-    squares = np.asarray(covariance, np.float32) ** 2
-    squared = np.einsum('yhn,yhn->yh', change, np.matmul(change, squares))
-    # The sum may cancel, its rounding does not.
-    rounding = ROUNDING * squares.sum(axis=(1, 2))[:, None] * np.abs(change).max(axis=2) ** 2
-    frobenius = np.sqrt(np.maximum(squared, 0) + rounding).astype(np.float64)
-    lower = np.maximum(np.minimum(relative.min(axis=2), 0), -frobenius)
-    return lower, np.minimum(np.maximum(relative.max(axis=2), 0), frobenius)
+_slope_in_variance = compiled(slope_in_variance)
 
 
-def variance_drops(
-    covariance: Array | Single, solved: Array, relative: Array, bounds: tuple[Array, Array]
+def find_variances(
+    covariance: Array,
+    points: Array,
+    relative: Array,
+    own: Index,
+    curvature: Array,
+    variance: Array,
+    cross: Array,
+    tolerance: float,
+    steps: int = MOST_STEPS,
 ) -> tuple[Array, Array]:
-    """By how much the variances of points fall, z' S (I + S)^-1 z.
-
-    The first order is exact; the higher ones, z' S^2 (I + S)^-1 z, are small beside it: single precision does.
-
-    Args:
-        covariance: (|Y|, n, n) T; single precision does.
-        solved: (|Y|, n, k) c.
-        relative: (|Y|, h, n) E.
-        bounds: of the eigenvalues of S.
-
-    Returns:
-        (|Y|, h, k) the drops, and bounds on their errors.
-    """
-    touch_packing_buffers()
-    matrix, change = np.asarray(covariance, np.float32), relative.astype(np.float32)
-    points = np.ascontiguousarray(solved.transpose(0, 2, 1), dtype=np.float32)
-    forms = [
-        resolvent_forms(matrix[y], change[y], points[y], bounds[0][y], bounds[1][y], VARIANCE_TOLERANCE)
-        for y in range(len(solved))
-    ]
-    rest, error = (np.stack(part) for part in zip(*forms, strict=True))
-    return np.matmul(relative, solved**2) - rest, error
-
-
-def covariance_tangent(
-    covariance: Array, new: Array, relative: Array, start: Array, bounds: tuple[Array, Array]
-) -> tuple[Array, Array]:
-    """Covariance of the old examples with the new one once their curvatures have changed: q = c - T E q.
+    """Find the variances of points once one of them is an example, which changes the curvatures of the others.
 
     Args:
         covariance: (|Y|, n, n) T.
-        new: (|Y|, h, n) c, of each hypothesis' new example.
+        points: (|Y|, k, n) covariances of the points with the examples, scaled.
         relative: (|Y|, h, n) E.
-        start: (|Y|, h, n) a first guess.
-        bounds: of the eigenvalues of S.
+        own: (h,) the point that each hypothesis makes an example.
+        curvature: (|Y|, h) of the new example.
+        variance: (|Y|, k) variances of the points before.
+        cross: (|Y|, h, k) covariances of the new example with the points before.
+        tolerance: error of a probability at which its variance is known well enough.
+        steps: most products with T.
 
     Returns:
-        (|Y|, h, n) q, and (|Y|, h) a bound on the error of z' S (I + S)^-1 z* for a unit z.
+        (|Y|, h, k) variances, and bounds on their errors.
     """
-    lower, upper = bounds
-    new, relative, start = map(np.ascontiguousarray, (new, relative, start))
-    scale = np.maximum(upper, -lower) / (1 + lower)
-    tangent, error = np.empty_like(new), np.empty_like(scale)
-    for y in range(len(new)):
-        _find_tangents(covariance[y], new[y], relative[y], start[y], scale[y], tangent[y], error[y])
-    return tangent, error
+    points, relative, cross = map(np.ascontiguousarray, (points, relative, cross))
+    found, error = np.empty_like(cross), np.empty_like(cross)
+    for y in range(len(points)):
+        _find_variances(
+            covariance[y],
+            points[y],
+            relative[y],
+            own,
+            curvature[y],
+            variance[y],
+            cross[y],
+            tolerance,
+            steps,
+            found[y],
+            error[y],
+        )
+    return found, error
 
 
 @compiled
-def _find_tangents(
-    covariance: Array, new: Array, relative: Array, start: Array, scale: Array, tangent: Array, error: Array
+def _find_variances(
+    covariance: Array,
+    points: Array,
+    relative: Array,
+    own: Index,
+    curvature: Array,
+    variance: Array,
+    cross: Array,
+    tolerance: float,
+    steps: int,
+    found: Array,
+    error: Array,
 ) -> None:
-    """`covariance_tangent` for one classifier, iterated as in `mode_shift`."""
-    n_hypotheses, n = new.shape
-    guess = np.empty((n_hypotheses, n))
-    for h in range(n_hypotheses):
-        for i in range(n):
-            guess[h, i] = relative[h, i] * start[h, i]
-    image, residual = np.zeros((n_hypotheses, n)), np.zeros((n_hypotheses, n))
-    squared = np.zeros(n_hypotheses)
-    active = np.arange(n_hypotheses)
-    for _ in range(MOST_TANGENT_STEPS):
-        spread = np.dot(guess[: len(active)], covariance)
-        n_left = 0
+    """Find the variances of one classifier; a hypothesis whose variances are known takes no part in further steps."""
+    n_hypotheses, n = relative.shape
+    n_points = len(points)
+    at_once = max(1, min(n_hypotheses, ROWS_AT_ONCE // n_points))
+    guess, value = np.empty((at_once, n_points, n)), np.empty((at_once, n_points, n))
+    matrices, pivots = np.empty((at_once, n, n)), np.empty((at_once, n), np.intp)
+    rows, sizes = np.empty((at_once, n), np.intp), np.empty(at_once, np.intp)
+    exact, scale = np.empty((n_points, n)), np.empty((at_once, n))
+    drops, joint, squared = np.empty(n_points), np.empty(n_points), np.empty(n_points)
+    for first in range(0, n_hypotheses, at_once):
+        active = np.arange(min(at_once, n_hypotheses - first))
         for a in range(len(active)):
-            h = active[a]
-            length, common = 0.0, 0.0
+            h = first + a
+            sizes[a] = select_active(covariance, relative[h], rows[a])
             for i in range(n):
-                tangent[h, i] = new[h, i] - spread[a, i]
-                difference = relative[h, i] * tangent[h, i] - guess[a, i]
-                length += difference * difference
-                common += difference * residual[a, i]
-            error[h] = scale[h] * np.sqrt(length)
-            if error[h] <= TANGENT_TOLERANCE:
-                continue
-            extrapolate((guess, image, residual, squared), a, n_left, relative[h] * tangent[h], length, common)
-            active[n_left] = h
-            n_left += 1
-        active = active[:n_left]
-        if n_left == 0:
-            break
+                scale[a, i] = 1 / (1 + relative[h, i])
+            for x in range(sizes[a]):
+                i = rows[a, x]
+                for z in range(sizes[a]):
+                    matrices[a, x, z] = relative[h, i] * covariance[i, rows[a, z]]
+                matrices[a, x, x] += 1
+            factorise(matrices[a], pivots[a], sizes[a])
+            for k in range(n_points):
+                for i in range(n):
+                    guess[a, k, i] = relative[h, i] * points[k, i]
+                for x in range(sizes[a]):
+                    guess[a, k, rows[a, x]] = 0.0
+        for step in range(1, steps + 1):
+            passive = guess[: len(active)].reshape(len(active) * n_points, n)
+            spread = np.dot(passive, covariance).reshape(len(active), n_points, n)
+            n_left = 0
+            for a in range(len(active)):
+                slot = active[a]
+                h, size = first + slot, sizes[slot]
+                for k in range(n_points):
+                    for x in range(size):
+                        i = rows[slot, x]
+                        exact[k, x] = relative[h, i] * (points[k, i] - spread[a, k, i])
+                    substitute(matrices[slot], pivots[slot], size, exact[k])
+                    for i in range(n):
+                        value[a, k, i] = points[k, i] - spread[a, k, i]
+                    for x in range(size):
+                        i = rows[slot, x]
+                        guess[a, k, i] = exact[k, x]
+                        for j in range(n):
+                            value[a, k, j] -= covariance[i, j] * exact[k, x]
+                new = own[h]
+                change, bound, new_point, new_value = relative[h], scale[slot], points[new], value[a, new]
+                for k in range(n_points):
+                    # One pass over the examples, as it is this that takes the time beside the products.
+                    drop, common, length = 0.0, 0.0, 0.0
+                    u, q = guess[a, k], value[a, k]
+                    for i in range(n):
+                        residual = change[i] * q[i] - u[i]
+                        drop += points[k, i] * u[i] + q[i] * residual
+                        common += new_point[i] * u[i] + new_value[i] * residual
+                        length += residual * residual * bound[i]
+                    drops[k], joint[k], squared[k] = drop, cross[h, k] - common, length
+                weight = curvature[h] / (1 + curvature[h] * (variance[new] - drops[new]))
+                is_known = True
+                for k in range(n_points):
+                    found[h, k] = variance[k] - drops[k] - weight * joint[k] * joint[k]
+                    error[h, k] = (np.sqrt(squared[k]) + weight * abs(joint[k]) * np.sqrt(squared[new])) ** 2
+                    if not _slope_in_variance(np.maximum(found[h, k], 0)) * error[h, k] <= tolerance:
+                        is_known = False
+                if is_known or step == steps:
+                    continue
+                for k in range(n_points):
+                    for i in range(n):
+                        guess[n_left, k, i] = relative[h, i] * value[a, k, i]
+                    for x in range(size):
+                        guess[n_left, k, rows[slot, x]] = 0.0
+                active[n_left] = slot
+                n_left += 1
+            active = active[:n_left]
+            if n_left == 0:
+                break

@@ -4,7 +4,10 @@ import numpy as np
 import pytest
 from scipy.special import expit
 
-from al_questioner.concepts.laplace.mode_shift import MODE_TOLERANCE, find_shift
+from al_questioner.concepts.laplace.mode_shift import find_shift
+
+TOLERANCE = 1e-7
+"""Standard deviations to which modes are searched for here."""
 
 
 def shifted(case, steps=None, targets=(0.0, 1.0)):
@@ -18,7 +21,7 @@ def shifted(case, steps=None, targets=(0.0, 1.0)):
         case.marginals.mean[:, both],
         np.broadcast_to(np.repeat(targets, k), (len(case.targets), len(both))),
     )
-    return find_shift(*arguments) if steps is None else find_shift(*arguments, steps)
+    return find_shift(*arguments, TOLERANCE) if steps is None else find_shift(*arguments, TOLERANCE, steps)
 
 
 def found_modes(case, shift):
@@ -35,50 +38,55 @@ def hypotheses(case):
             yield y, h, *case.with_one_more(h % k, float(h >= k), y)
 
 
-def distance(case, difference, curvature):
-    """In posterior standard deviations: the largest |v' difference| over all v whose v' f has variance 1.
+def distance(case, difference, curvature, kernel):
+    """Return the length of a difference of latent values in standard deviations of the posterior with a curvature.
 
-    The posterior is the present one, of which the look-ahead knows the variances, over the examples and the new one.
     The kernel matrix may be singular, so the root of the covariance is inverted where it has one.
     """
-    values, vectors = np.linalg.eigh(curvature)
+    covariance = case.covariance(curvature, kernel)
+    values, vectors = np.linalg.eigh((covariance + covariance.T) / 2)
     keep = values > 1e-9 * values.max()
     return np.sqrt(np.sum((vectors[:, keep].T @ difference) ** 2 / values[keep]))
 
 
 @pytest.mark.parametrize('duplicates', [False, True])
-@pytest.mark.parametrize('amplitude', [1.0, 4.0, 25.0, 100.0])
+@pytest.mark.parametrize('amplitude', [1.0, 4.0, 25.0, 100.0, 300.0])
 @pytest.mark.parametrize('n', [1, 8, 40])
-def test_what_is_said_to_be_found_satisfies_its_own_equation(problem, n, amplitude, duplicates):
-    """F' = K' (y' - p(f')) for the enlarged problem, wherever the error bound is within tolerance."""
+def test_every_mode_is_found_and_satisfies_its_own_equation(problem, n, amplitude, duplicates):
+    """F' = K' (y' - p(f')) for the enlarged problem; a hypothesis that is not found would cost a fit."""
     case = problem(n + 7, n, amplitude, duplicates=duplicates)
     shift = shifted(case)
     modes = found_modes(case, shift)
-    checked = 0
     for y, h, kernel, targets in hypotheses(case):
-        if shift.error[y, h] <= MODE_TOLERANCE:
-            checked += 1
-            expected = kernel @ (targets - expit(modes[y, h]))
-            np.testing.assert_allclose(modes[y, h], expected, rtol=0, atol=1e-6 * max(1, amplitude))
-            np.testing.assert_allclose(modes[y, h], case.mode(kernel, targets), rtol=0, atol=1e-6)
-    if amplitude <= 4:
-        assert checked >= 0.9 * shift.error.size, 'at the amplitude in use hardly anything is not found'
+        expected = kernel @ (targets - expit(modes[y, h]))
+        np.testing.assert_allclose(modes[y, h], expected, rtol=0, atol=1e-6 * max(1, amplitude))
+        np.testing.assert_allclose(modes[y, h], case.mode(kernel, targets), rtol=0, atol=1e-6)
+    assert (shift.error <= TOLERANCE).all()
 
 
 @pytest.mark.parametrize('steps', [1, 2, 4, None])
-@pytest.mark.parametrize('amplitude', [1.0, 4.0, 25.0, 100.0])
+@pytest.mark.parametrize('amplitude', [1.0, 4.0, 25.0, 100.0, 300.0])
 def test_error_bound_covers_the_distance_from_the_true_mode(problem, curvature, amplitude, steps):
-    """Also, and above all, where the search has been cut short: a bound that is too small lets wrong answers pass."""
+    """A bound that is too small lets wrong answers pass.
+
+    It holds where the curvatures hardly differ between the mode that was found and the true one, as they do for errors
+    that are small beside 1 / sqrt(amplitude). Where the search has been cut short, nothing that is wrong is called right.
+    """
+    checked = 0
     for seed in range(3):
         case = problem(seed, 3 + 6 * seed, amplitude, duplicates=seed == 1)
         shift = shifted(case, steps)
         modes = found_modes(case, shift)
         for y, h, kernel, targets in hypotheses(case):
-            difference = modes[y, h] - case.mode(kernel, targets)
-            weights = np.append(curvature(case.posterior.modes[y]), 0.0)
-            present = case.covariance(weights, kernel)
+            mode = case.mode(kernel, targets)
             # The equation's own rounding, and that of the true mode.
-            assert distance(case, difference, (present + present.T) / 2) <= shift.error[y, h] * (1 + 1e-6) + 1e-6
+            found = distance(case, modes[y, h] - mode, curvature(mode), kernel) - 1e-6
+            if shift.error[y, h] * np.sqrt(amplitude) < 0.1:
+                checked += 1
+                assert found <= 1.1 * shift.error[y, h]
+            elif found > 1e-3:
+                assert shift.error[y, h] > 1e-3
+    assert checked > (0 if steps is None or steps > 1 else -1)
 
 
 def test_what_has_not_converged_says_so(problem):
@@ -116,7 +124,7 @@ def test_targets_may_differ_between_the_classifiers(problem):
     each = np.array([[1.0], [0.0], [1.0]])
     new = case.marginals.solved.transpose(0, 2, 1)
     variance = case.amplitude - case.marginals.explained
-    shift = find_shift(case.posterior, new, variance, case.marginals.mean, each)
+    shift = find_shift(case.posterior, new, variance, case.marginals.mean, each, TOLERANCE)
     modes = found_modes(case, shift)
     for y, target in enumerate(each[:, 0]):
         np.testing.assert_allclose(modes[y, 0], case.mode(*case.with_one_more(0, target, y)), rtol=0, atol=1e-6)
@@ -128,6 +136,4 @@ def test_the_first_example_of_all(problem):
         shift = shifted(problem(0, 0, amplitude))
         assert shift.change.shape == (3, 8, 0)
         expected = amplitude * (np.repeat([0.0, 1.0], 4) - expit(shift.latent))
-        assert (np.abs(shift.latent - expected) <= shift.error * (1 + amplitude) + 1e-8).all()
-        if amplitude <= 4:
-            np.testing.assert_allclose(shift.latent, expected, rtol=0, atol=1e-7)
+        np.testing.assert_allclose(shift.latent, expected, rtol=0, atol=1e-7)
