@@ -90,11 +90,16 @@ def test_a_correction_is_replayed_in_the_turn_in_which_it_was_made(graph: Any, t
 
 def test_what_was_missed_is_said(graph: Any, tmp_path: Path) -> None:
     """A user would find out after the person has gone that the beginning is missing."""
-    states = graph.listen('learner_state')
-    graph.start_robot(**{**EPISODE, 'turn_period': 0.2})
-    graph.start(TeacherNode, **graph.world)
-    graph.wait_for(lambda: len(states) >= 3, 'three turns')
+    person = graph.ears.create_publisher(String, 'answer', qos.EVENTS)
+    queries = graph.listen('query')
+    graph.start_robot(**{**EPISODE, 'strategy': 'u_sampling'})
+    graph.wait_for(lambda: queries, 'a question')
+    person.publish(String(data='snack'))
+    # The second turn lasts until somebody answers, however late the recorder comes.
+    graph.wait_for(lambda: queries[-1]['query_id'] == 'q2', 'another question')
     recorder = graph.start(RecorderNode, bag=str(tmp_path / 'b'), until_done=True)
+    graph.wait_for(lambda: recorder.counts()['turns missed'], 'the missed turn')
+    graph.start(TeacherNode, **graph.world)
     graph.wait_for(lambda: recorder.done, 'the end of the recording')
     graph.stop(recorder)
     with pytest.raises(BagError, match='turn 1 of 10 was not recorded: did the recording begin too late'):
