@@ -3,14 +3,20 @@
 from __future__ import annotations
 
 import re
+import runpy
 from collections.abc import Iterator
+from functools import cache
 from pathlib import Path
 
 import pytest
 
 from checkout import ROOT
 
-DOCUMENTS = (ROOT / 'README.md', ROOT / 'CONTRIBUTING.md', *sorted((ROOT / 'docs').rglob('*.md')))
+DOCS = ROOT / 'docs'
+DOCUMENTS = (
+    *(ROOT / name for name in ('README.md', 'CONTRIBUTING.md', 'QUALITY_DECLARATION.md', 'bags/README.md')),
+    *sorted(DOCS.rglob('*.md')),
+)
 SOURCES = {
     path.relative_to(ROOT).as_posix()
     for folder in ('al_questioner', 'benchmarks', 'docs', 'launch', 'test')
@@ -18,19 +24,62 @@ SOURCES = {
 }
 
 
+def prose(document: Path) -> str:
+    """The text of a page without its blocks of code."""
+    return re.sub(r'^```.*?^```', '', document.read_text(encoding='utf-8'), flags=re.DOTALL | re.MULTILINE)
+
+
 def named_sources(text: str) -> Iterator[str]:
     """The Python files in a text, by whatever end of their paths it gives."""
     return (found.lstrip('./') for found in re.findall(r'[\w./-]*\w\.py\b', text))
 
 
-@pytest.mark.parametrize('document', DOCUMENTS, ids=lambda path: path.name)
-def test_every_file_that_a_document_names_is_there(document: Path) -> None:
-    """Whoever follows it would look for a file that has moved."""
+def links(document: Path) -> Iterator[tuple[Path, str]]:
+    """Target and anchor of every relative link of a page."""
+    for link in re.findall(r'\]\(([^)\s]+)\)', prose(document)):
+        if '://' not in link:
+            target, _, anchor = link.partition('#')
+            yield (document.parent / target).resolve() if target else document, anchor
+
+
+@cache
+def anchors(document: Path) -> set[str]:
+    """The anchors of a page's headings, as GitHub and MkDocs make them."""
+    headings = re.findall(r'^#+ (.*)', prose(document), flags=re.MULTILINE)
+    return {re.sub(r'[^\w\- ]', '', heading.lower()).replace(' ', '-') for heading in headings}
+
+
+def name_of(document: Path) -> str:
+    return document.relative_to(ROOT).as_posix()
+
+
+@pytest.mark.parametrize('document', DOCUMENTS, ids=name_of)
+def test_every_link_leads_to_a_file_and_a_heading(document: Path) -> None:
+    """Whoever follows it would find nothing."""
+    assert [target for target, _ in links(document) if not target.exists()] == []
+    assert [
+        f'{target.name}#{anchor}' for target, anchor in links(document) if anchor and anchor not in anchors(target)
+    ] == []
+
+
+@pytest.mark.parametrize('document', DOCUMENTS, ids=name_of)
+def test_every_source_that_a_document_names_is_there(document: Path) -> None:
+    """Whoever looks for it would look for a file that has moved."""
     text = document.read_text(encoding='utf-8')
-    linked = [link.split('#')[0] for link in re.findall(r'\]\(([^)\s]+)\)', text) if '://' not in link]
-    assert [link for link in linked if not (document.parent / link).exists()] == []
     lost = [name for name in named_sources(text) if not any(f'/{path}'.endswith(f'/{name}') for path in SOURCES)]
     assert lost == []
+
+
+def test_every_page_is_in_the_table_of_contents() -> None:
+    """A page that nothing leads to is not read; the site's menu has them all because `make docs` is strict."""
+    listed = {target for target, _ in links(DOCS / 'README.md')}
+    assert [name_of(page) for page in sorted(DOCS.rglob('*.md')) if page not in listed] == ['docs/README.md']
+
+
+def test_the_python_api_is_that_of_the_docstrings() -> None:
+    """A name that was changed would live on in the reference: `make generated` writes it anew."""
+    tool = runpy.run_path(str(DOCS / 'tools' / 'python_api.py'))
+    assert tool['PAGE'].read_text(encoding='utf-8') == tool['page']()
 
 
 def test_folders_that_contributors_are_told_of_are_there() -> None:
