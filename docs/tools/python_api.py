@@ -90,6 +90,11 @@ def members(kind: type) -> Iterator[str]:
         yield f'- `{name}{signature(function) if inspect.isfunction(function) else ""}`: {first_line(function)}'
 
 
+def has_entry(thing: object) -> bool:
+    """Return whether a public name is a class or a function; Python 3.10 takes `list[int]` for a class."""
+    return inspect.isfunction(thing) or (inspect.isclass(thing) and not hasattr(thing, '__origin__'))
+
+
 def entry(name: str, thing: object) -> Iterator[str]:
     """Yield the lines of one public name."""
     yield f'### {name}\n'
@@ -123,9 +128,7 @@ def page() -> str:
         module = import_module(f'al_questioner.{path}')
         lines += [f'## al_questioner.{path}\n', f'{first_line(module)}\n']
         named = {name: getattr(module, name) for name in public_names(module)}
-        described = {
-            name: thing for name, thing in named.items() if inspect.isclass(thing) or inspect.isfunction(thing)
-        }
+        described = {name: thing for name, thing in named.items() if has_entry(thing)}
         lines += [line for name, thing in described.items() for line in entry(name, thing)]
         if others := [other(name, thing) for name, thing in named.items() if name not in described]:
             lines += [f'### Constants and types of {path}\n', *others, '']
