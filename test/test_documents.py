@@ -4,8 +4,10 @@ from __future__ import annotations
 
 import re
 import runpy
+import shlex
 from collections.abc import Iterator
 from functools import cache
+from importlib import import_module
 from pathlib import Path
 
 import pytest
@@ -49,6 +51,14 @@ def anchors(document: Path) -> set[str]:
     return {re.sub(r'[^\w\- ]', '', heading.lower()).replace(' ', '-') for heading in headings}
 
 
+def commands(document: Path) -> Iterator[list[str]]:
+    """Executable and arguments of every line `python -m al_questioner ...` that a page gives to be copied."""
+    text = document.read_text(encoding='utf-8').replace('\\\n', ' ')
+    for block in re.findall(r'^```bash\n(.*?)^```', text, flags=re.DOTALL | re.MULTILINE):
+        for line in re.findall(r'python -m al_questioner (\w+ [^#;&|\n]+)', block):
+            yield shlex.split(re.sub(r'\$\w+', '0', line))
+
+
 def name_of(document: Path) -> str:
     return document.relative_to(ROOT).as_posix()
 
@@ -68,6 +78,14 @@ def test_every_source_that_a_document_names_is_there(document: Path) -> None:
     text = document.read_text(encoding='utf-8')
     lost = [name for name in named_sources(text) if not any(f'/{path}'.endswith(f'/{name}') for path in SOURCES)]
     assert lost == []
+
+
+@pytest.mark.parametrize('document', DOCUMENTS, ids=name_of)
+def test_every_command_that_needs_no_ros_is_taken_as_it_stands(document: Path) -> None:
+    """An option that was renamed would live on in the documentation; `test_documented_lines.py` tries the nodes."""
+    for name, *arguments in commands(document):
+        if name in ('demo', 'experiment', 'replay', 'session', 'train_weights'):
+            import_module(f'al_questioner.commands.{name}.arguments').parser().parse_args(arguments)
 
 
 def test_every_page_is_in_the_table_of_contents() -> None:
