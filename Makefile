@@ -76,7 +76,7 @@ reproduction: setup
 
 # The pages of docs/reference that are written from the code; a test compares.
 generated: setup
-	$(VENV)/bin/python docs/tools/python_api.py
+	$(VENV)/bin/python tools/python_api.py
 
 # The site, in out/site; a link that leads nowhere is an error.
 docs: $(DOCUMENTED)

@@ -1,6 +1,6 @@
-"""Writes docs/reference/python_api.md: the public names, their signatures, and the first line of their docstrings.
+"""Writes docs/reference/python_api.md: `make generated`.
 
-python docs/tools/python_api.py
+That is the public names, their signatures, and the first line of their docstrings.
 """
 
 from __future__ import annotations
@@ -12,7 +12,7 @@ from importlib import import_module
 from pathlib import Path
 from types import ModuleType
 
-PAGE = Path(__file__).parents[1] / 'reference' / 'python_api.md'
+PAGE = Path(__file__).resolve().parents[1] / 'docs' / 'reference' / 'python_api.md'
 MODULES = (
     'domain',
     'concepts',
@@ -28,11 +28,15 @@ MODULES = (
 HEAD = """\
 # Python API
 
-Written by `make generated` from the docstrings. `help(NAME)` shows them whole, and so does the site that `make docs`
-builds. [Examples](../how_to/use_it_in_python.md).
+<!-- Written by `make generated` from the docstrings: change those. -->
 
-`import al_questioner` offers these names, each of which is imported when it is asked for: {face}. Import the others
-from the module under which they stand.
+`help(NAME)` shows the whole docstrings, and so does the site that `make docs` builds. There are
+[examples](../how_to/use_it_in_python.md).
+
+Import the names from the module under which they stand. `import al_questioner` itself offers these, each of which is
+imported when it is asked for:
+
+{face}.
 """
 
 
