@@ -2,7 +2,7 @@
 
 In the scaled coordinates of `mode_shift`, with c = T^1/2 z the covariance of the examples with a point and S = T^1/2 E
 T^1/2, the variance of a point falls by z' S (I + S)^-1 z, and its covariance with another point likewise. Derived in
-docs/method.md, "Look-ahead".
+docs/explanation/look_ahead.md.
 """
 
 from __future__ import annotations
