@@ -4,6 +4,7 @@ PYTHON ?= python3
 VENV := .venv
 RUN := $(VENV)/bin/python -m
 INSTALLED := $(VENV)/installed
+DOCUMENTED := $(VENV)/documented
 
 # As the executables do for themselves, see al_questioner/__main__.py.
 export OMP_NUM_THREADS ?= 1
@@ -21,7 +22,7 @@ OPTIONS := -m pytest -n 2 --dist loadfile
 PYTEST := $(VENV)/bin/python $(OPTIONS)
 NOBLE_PYTEST := $(NOBLE)/bin/python $(OPTIONS)
 
-.PHONY: setup demo test test-all test-noble test-noble-quick reproduction lint clean
+.PHONY: setup demo test test-all test-noble test-noble-quick reproduction generated docs lint clean
 
 setup: $(INSTALLED)
 
@@ -66,12 +67,24 @@ $(NOBLE)/pyvenv.cfg:
 	'3.12, which $(NOBLE_PYTHON) is not: tell where it is with NOBLE_PYTHON=...' >&2; exit 1; }
 	$(NOBLE_PYTHON) -m venv $(NOBLE) || { rm -rf $(NOBLE); exit 1; }
 
-# All of docs/reproduction.md: the weights from the demonstrations, then the comparison and what stands beside it. The paper
+# All of docs/results/reproduction.md: the weights from the demonstrations, then the comparison and what stands beside it. The paper
 # does not say that its teacher shows other things than before, hence --repeat-shown.
 reproduction: setup
 	$(RUN) al_questioner train_weights bags/expert_0 bags/expert_1 bags/expert_2 --out out/reproduction/weights.yaml
 	$(RUN) al_questioner experiment --out out/reproduction --weights-file out/reproduction/weights.yaml --samples 20 \
-		--task prepare_lunch pack_lunchbox kitchen_table --amplitude 4 --repeat-shown --ceilings --studies --page docs/reproduction.md
+		--task prepare_lunch pack_lunchbox kitchen_table --amplitude 4 --repeat-shown --ceilings --studies --page docs/results/reproduction.md
+
+# The pages of docs/reference that are written from the code; a test compares.
+generated: setup
+	$(VENV)/bin/python tools/python_api.py
+
+# The site, in out/site; a link that leads nowhere is an error.
+docs: $(DOCUMENTED)
+	$(RUN) mkdocs build
+
+$(DOCUMENTED): setup.cfg | $(INSTALLED)
+	$(RUN) pip install --quiet --editable '.[docs]'
+	@touch $@
 
 lint: setup
 	$(RUN) ruff format --check .

@@ -4,7 +4,7 @@
     ros2 launch al_questioner demo.launch.py perception:=none teacher:=none    # on a robot, taught by a person
 
 A person who wants to teach answers on the topic `answer`, or runs the teacher in a terminal, which launch does not
-give: see docs/interfaces.md.
+give: see docs/how_to/answer_questions.md.
 """
 
 from __future__ import annotations

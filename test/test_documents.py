@@ -3,19 +3,32 @@
 from __future__ import annotations
 
 import re
+import runpy
+import shlex
 from collections.abc import Iterator
+from functools import cache
+from importlib import import_module
 from pathlib import Path
 
 import pytest
 
 from checkout import ROOT
 
-DOCUMENTS = (ROOT / 'README.md', ROOT / 'CONTRIBUTING.md', *sorted((ROOT / 'docs').rglob('*.md')))
+DOCS = ROOT / 'docs'
+DOCUMENTS = (
+    *(ROOT / name for name in ('README.md', 'CONTRIBUTING.md', 'QUALITY_DECLARATION.md', 'bags/README.md')),
+    *sorted(DOCS.rglob('*.md')),
+)
 SOURCES = {
     path.relative_to(ROOT).as_posix()
-    for folder in ('al_questioner', 'benchmarks', 'docs', 'launch', 'test')
+    for folder in ('al_questioner', 'benchmarks', 'docs', 'launch', 'test', 'tools')
     for path in (ROOT / folder).rglob('*.py')
 }
+
+
+def prose(document: Path) -> str:
+    """The text of a page without its blocks of code."""
+    return re.sub(r'^```.*?^```', '', document.read_text(encoding='utf-8'), flags=re.DOTALL | re.MULTILINE)
 
 
 def named_sources(text: str) -> Iterator[str]:
@@ -23,14 +36,68 @@ def named_sources(text: str) -> Iterator[str]:
     return (found.lstrip('./') for found in re.findall(r'[\w./-]*\w\.py\b', text))
 
 
-@pytest.mark.parametrize('document', DOCUMENTS, ids=lambda path: path.name)
-def test_every_file_that_a_document_names_is_there(document: Path) -> None:
-    """Whoever follows it would look for a file that has moved."""
+def links(document: Path) -> Iterator[tuple[Path, str]]:
+    """Target and anchor of every relative link of a page."""
+    for link in re.findall(r'\]\(([^)\s]+)\)', prose(document)):
+        if '://' not in link:
+            target, _, anchor = link.partition('#')
+            yield (document.parent / target).resolve() if target else document, anchor
+
+
+@cache
+def anchors(document: Path) -> set[str]:
+    """The anchors of a page's headings, as GitHub and MkDocs make them."""
+    headings = re.findall(r'^#+ (.*)', prose(document), flags=re.MULTILINE)
+    return {re.sub(r'[^\w\- ]', '', heading.lower()).replace(' ', '-') for heading in headings}
+
+
+def commands(document: Path) -> Iterator[list[str]]:
+    """Executable and arguments of every line `python -m al_questioner ...` that a page gives to be copied."""
+    text = document.read_text(encoding='utf-8').replace('\\\n', ' ')
+    for block in re.findall(r'^```bash\n(.*?)^```', text, flags=re.DOTALL | re.MULTILINE):
+        for line in re.findall(r'python -m al_questioner (\w+ [^#;&|\n]+)', block):
+            yield shlex.split(re.sub(r'\$\w+', '0', line))
+
+
+def name_of(document: Path) -> str:
+    return document.relative_to(ROOT).as_posix()
+
+
+@pytest.mark.parametrize('document', DOCUMENTS, ids=name_of)
+def test_every_link_leads_to_a_file_and_a_heading(document: Path) -> None:
+    """Whoever follows it would find nothing."""
+    assert [target for target, _ in links(document) if not target.exists()] == []
+    assert [
+        f'{target.name}#{anchor}' for target, anchor in links(document) if anchor and anchor not in anchors(target)
+    ] == []
+
+
+@pytest.mark.parametrize('document', DOCUMENTS, ids=name_of)
+def test_every_source_that_a_document_names_is_there(document: Path) -> None:
+    """Whoever looks for it would look for a file that has moved."""
     text = document.read_text(encoding='utf-8')
-    linked = [link.split('#')[0] for link in re.findall(r'\]\(([^)\s]+)\)', text) if '://' not in link]
-    assert [link for link in linked if not (document.parent / link).exists()] == []
     lost = [name for name in named_sources(text) if not any(f'/{path}'.endswith(f'/{name}') for path in SOURCES)]
     assert lost == []
+
+
+@pytest.mark.parametrize('document', DOCUMENTS, ids=name_of)
+def test_every_command_that_needs_no_ros_is_taken_as_it_stands(document: Path) -> None:
+    """An option that was renamed would live on in the documentation; `test_documented_lines.py` tries the nodes."""
+    for name, *arguments in commands(document):
+        if name in ('demo', 'experiment', 'replay', 'session', 'train_weights'):
+            import_module(f'al_questioner.commands.{name}.arguments').parser().parse_args(arguments)
+
+
+def test_every_page_is_in_the_table_of_contents() -> None:
+    """A page that nothing leads to is not read; the site's menu has them all because `make docs` is strict."""
+    listed = {target for target, _ in links(DOCS / 'README.md')}
+    assert [name_of(page) for page in sorted(DOCS.rglob('*.md')) if page not in listed] == ['docs/README.md']
+
+
+def test_the_python_api_is_that_of_the_docstrings() -> None:
+    """A name that was changed would live on in the reference: `make generated` writes it anew."""
+    tool = runpy.run_path(str(ROOT / 'tools' / 'python_api.py'))
+    assert tool['PAGE'].read_text(encoding='utf-8') == tool['page']()
 
 
 def test_folders_that_contributors_are_told_of_are_there() -> None:

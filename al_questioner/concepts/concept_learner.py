@@ -265,7 +265,7 @@ class ConceptLearner:
     def predict_after_selection(self, scene: Scene) -> Array:
         """(|X|, |Y|) prediction for the scene had the teacher named the features a computational selector would pick.
 
-        Stands in for the answer to a feature subset query, which the learner cannot know (docs/method.md).
+        Stands in for the answer to a feature subset query, which the learner cannot know (docs/explanation/method.md).
         """
         table = self._standardiser.transform(self._labelled_features())
         chosen = select_features(table, self._labels())

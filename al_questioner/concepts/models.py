@@ -26,7 +26,7 @@ _LOGGER = logging.getLogger(__name__)
 
 
 class ConceptModels:
-    """q_y(x), the degree to which a thing x is a y, for every symbol y (docs/method.md).
+    """q_y(x), the degree to which a thing x is a y, for every symbol y (docs/explanation/method.md).
 
     All classifiers learn from the same examples: a label y is a positive example for y and a negative one for every
     other symbol, the label `NO_SYMBOL` is negative for all. Without examples q is 1/2; examples of one class are valid.
@@ -191,13 +191,13 @@ class ConceptModels:
         """What the models would say of a scene if one of its things had been labelled.
 
         A classifier only sees whether the new example is positive or negative, so 2 |X| |Y| hypotheses tell all
-        |X| |Y| labels' effects on |Y| classifiers. None is fitted: all are found in the present posterior, see
-        docs/method.md, and what is not certain to lie within 8e-7 there is refitted.
+        |X| |Y| labels' effects on |Y| classifiers. None is fitted: all are found in the present posterior
+        (docs/explanation/look_ahead.md), and what is not certain to lie within 8e-7 there is refitted.
 
         Args:
             scene_features: (|X|, m) standardised features.
             exact: False for an approximation that takes |X|^2 |Y| n operations beyond `predict_proba`, whose error
-                docs/method.md tells; None to use it, with a warning, above `EXACT_OPERATIONS`.
+                docs/results/look_ahead.md tells; None to use it, with a warning, above `EXACT_OPERATIONS`.
 
         Returns:
             (|X|, |Y|, |X|, |Y|): [i, j] is `predict_proba(scene_features)` had thing i been labelled symbol j.

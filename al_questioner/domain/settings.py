@@ -39,7 +39,7 @@ WEIGHED = (*DECISION_FEATURES, *VALUE_FEATURES, *VALUE_CONSTANTS)
 
 
 AMPLITUDE = 100.0
-"""Variance of the Gaussian processes' kernel of a learner, unless it is told otherwise: see docs/method.md, Beliefs."""
+"""Variance of the Gaussian processes' kernel of a learner by default (docs/explanation/method.md, Beliefs)."""
 
 AMPLITUDE_RANGE = (1e-3, 1e3)
 LENGTH_SCALE_RANGE = (1e-3, 1e3)

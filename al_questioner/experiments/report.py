@@ -58,9 +58,9 @@ ABOUT_BANDS = """\
 The bands in the learning curves are the mean and one standard error, of the paper's strategies."""
 
 ABOUT_STUDIES = """\
-One thing at a time, as it was and otherwise. What was tried to make the simulated tables neither too easy nor hopeless
-is told in [world.md](world.md#how-hard-they-are), the paces of the scripted expert, the settings of the training and
-where it fails in [method.md](method.md#imitation)."""
+One thing at a time is changed. [difficulty.md](difficulty.md) tells what was tried to make the simulated tables neither
+too easy nor hopeless, [imitation.md](../explanation/imitation.md) the paces of the scripted expert and the settings of
+the training."""
 
 
 @dataclass(frozen=True, eq=False)

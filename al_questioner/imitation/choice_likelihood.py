@@ -1,6 +1,7 @@
 """The expert's choices as those of a softmax over the candidates: stepwise maximum likelihood, needing no simulator.
 
-p(a|s, w) = exp(w . E[phi|a]) / sum_b exp(w . E[phi|b]). Its negative logarithm is convex in w, see docs/method.md.
+p(a|s, w) = exp(w . E[phi|a]) / sum_b exp(w . E[phi|b]). Its negative logarithm is convex in w
+(docs/explanation/imitation.md).
 """
 
 from __future__ import annotations

@@ -3,7 +3,7 @@
 The gradient of the maximum entropy loss is the gap between the expert's counts and those of the rollouts (equation 7);
 its zero is sought. The policy is a softmax over one-step expected utility, which does not foresee that a query now may
 be missed later, so that steps along the gap itself do not lead there. They are preconditioned with the Jacobian of the
-counts, estimated from the same rollouts, see docs/method.md.
+counts, estimated from the same rollouts, see docs/explanation/imitation.md.
 """
 
 from __future__ import annotations

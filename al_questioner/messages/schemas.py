@@ -1,4 +1,4 @@
-"""JSON Schemas of the documents on the wire: the contract that `docs/interfaces.md` explains."""
+"""JSON Schemas of the documents on the wire: the contract that `docs/reference/documents.md` explains."""
 
 from __future__ import annotations
 

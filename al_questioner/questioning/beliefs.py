@@ -1,7 +1,8 @@
 """What the things on the table are, or whether they are of no symbol at all, as far as the labels so far can tell.
 
 The classifiers tell symbols apart, but not what is of none: far from their labels they fall back to 1/2. What a
-question is worth depends on that, so here the labels vote directly. The derivation is in docs/method.md.
+question is worth depends on that, so here the labels vote directly. The derivation is in
+docs/explanation/value_per_cost.md.
 """
 
 from __future__ import annotations
@@ -17,8 +18,8 @@ def class_beliefs(context: TurnContext, reach: float, doubt: float) -> Array:
     """(|X|, |Y| + 1) probability that an object is of each symbol, or, last, of none.
 
     The nearest labelled view of each of them votes with exp(-d^2 / (2 reach^2)), and `doubt` votes are shared among all
-    as they were among the answers so far (docs/method.md). A symbol that was asked for in this scene, and of
-    which nothing was shown, is of no object of it.
+    as they were among the answers so far (docs/explanation/value_per_cost.md). A symbol that was asked for in this
+    scene, and of which nothing was shown, is of no object of it.
 
     Args:
         context: what is seen and known.

@@ -1,4 +1,4 @@
-"""Every quality of service of the graph (docs/interfaces.md), so that both ends of a topic agree."""
+"""Every quality of service of the graph (docs/reference/topics.md), so that both ends of a topic agree."""
 
 from rclpy.qos import DurabilityPolicy, QoSProfile, ReliabilityPolicy
 

@@ -110,7 +110,7 @@ def test_what_ubuntu_has_is_new_enough_and_tested() -> None:
 def test_what_bags_need_is_told_as_it_is_required(module: str) -> None:
     """People would install a version that cannot write bags."""
     assert Requirement(FOR_BAGS[module]) in requirements('options', 'install_requires')
-    assert f"'{FOR_BAGS[module]}'" in (ROOT / 'README.md').read_text(encoding='utf-8')
+    assert f"'{FOR_BAGS[module]}'" in (ROOT / 'docs' / 'how_to' / 'install.md').read_text(encoding='utf-8')
 
 
 def without_bags(code: str, *arguments: str) -> subprocess.CompletedProcess[str]:

@@ -40,7 +40,7 @@ def test_an_episode_without_a_teacher_comes_to_its_end(graph: Any, start: Any) -
     state = heard['learner_state'][-1]
     assert (state['turn'], state['spent'], sum(state['labels'].values())) == (5, 0.0, 0)
     assert [query['outcome'] for query in state['queries']] == ['unanswered'] * len(state['queries'])
-    assert heard['query'], 'nothing was asked'
+    graph.wait_for(lambda: heard['query'], 'a question')
 
 
 def test_the_question_is_asked_again_word_for_word_and_answered_late(graph: Any, start: Any) -> None:
@@ -51,7 +51,7 @@ def test_the_question_is_asked_again_word_for_word_and_answered_late(graph: Any,
     assert all(query == first for query in heard['query'])
     graph.start(TeacherNode, **graph.world)
     graph.wait_for(lambda: any(ack['accepted'] for ack in heard['ack']), 'an answer that is taken')
-    graph.wait_for(lambda: heard['learner_state'][-1]['queries'], 'the answer in the state')
+    graph.wait_for(lambda: heard['learner_state'] and heard['learner_state'][-1]['queries'], 'the answer in the state')
     told = heard['learner_state'][-1]['queries'][0]
     assert (told['turn'], told['object_id'], told['outcome']) == (1, first['object_id'], 'answered')
     assert told['answered_in'] > 1
@@ -88,6 +88,7 @@ def test_a_session_remembers_that_nobody_answered(graph: Any, start: Any, tmp_pa
     log = str(tmp_path / 'log')
     heard = start(turns=1000, session=log, change_interval=1000)
     graph.wait_for(lambda: heard['learner_state'] and heard['learner_state'][-1]['turn'] > 1, 'two turns that passed')
+    graph.wait_for(lambda: heard['query'], 'the question')
     graph.stop(graph.nodes[-1])
     passed, asked = heard['learner_state'][-1]['turn'], heard['query'][-1]
     again = {'strategy': 'u_sampling', 'budget': 4.0, 'turns': 1000, 'change_interval': 1000}
@@ -106,11 +107,12 @@ def test_an_answer_between_the_turns_begins_no_turn_of_its_own(graph: Any, start
     """Two turns would begin at once, and the robot look at one scene for two."""
     turns = graph.listen('turn')
     heard = start(turns=3, turn_period=3000.0, change_interval=1000)
-    graph.wait_for(lambda: heard['learner_state'], 'the end of the first turn')
+    graph.wait_for(lambda: heard['learner_state'] and turns, 'the first turn and its end')
     mouth = graph.ears.create_publisher(String, 'answer', qos.EVENTS)
     graph.wait_for(mouth.get_subscription_count, 'a learner that listens')
     mouth.publish(String(data='snack'))
     graph.wait_for(lambda: heard['learner_state'][-1]['queries'], 'the answer in the state')
+    graph.wait_for(lambda: heard['ack'], 'the acknowledgement')
     assert heard['ack'][-1]['accepted']
     assert {turn['turn'] for turn in turns} == {1}
     assert heard['learner_state'][-1]['turn'] == 1

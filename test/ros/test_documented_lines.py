@@ -48,7 +48,6 @@ LINES = {
     'ros2 run al_questioner X': PATTERN,
     'ros2 run al_questioner learner --ros-args -p session:=my_session': NODE,
     'ros2 run al_questioner learner --ros-args -p strategy:=dt_task_env -p weights_file:=my_weights.yaml': NODE,
-    'ros2 run al_questioner learner --ros-args -p strategy:=dt_task_env -p weights_file:=weights.yaml': NODE,
     'ros2 run al_questioner learner --ros-args -p strategy:=human -p wait_for_recorder:=true': NODE,
     'ros2 run al_questioner learner --ros-args -p strategy:=smallest_margin': ELSEWHERE,
     'ros2 run al_questioner learner --ros-args -p task:=/path/to/table.yaml -p budget:=20.0 -p turns:=60': NODE,
@@ -127,7 +126,6 @@ def workplace(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
     shutil.copytree(ROOT / 'bags' / 'expert_0', tmp_path / 'demonstration_1')
     shutil.copytree(ROOT / 'bags' / 'expert_0', tmp_path / 'my_demonstration')
     (tmp_path / 'bags').symlink_to(ROOT / 'bags')
-    shutil.copy(ROOT / 'config' / 'weights' / 'dt_task_env.yaml', tmp_path / 'weights.yaml')
     shutil.copy(ROOT / 'config' / 'weights' / 'dt_task_env.yaml', tmp_path / 'my_weights.yaml')
     monkeypatch.chdir(tmp_path)
     return tmp_path

@@ -85,7 +85,7 @@ def test_the_teacher_shows_what_is_known_if_told_to(graph: Any) -> None:
 
 def test_tuning_learner_asks_what_an_offline_run_asks_and_tells_its_kernel(graph: Any) -> None:
     """The graph would tune at other turns, or nobody could see what it tuned to."""
-    states, episodes = graph.listen('learner_state'), graph.listen('episode')
+    states, episodes = graph.listen('learner_state', profile=qos.RECORDED_LATCHED), graph.listen('episode')
     kernel = {'amplitude': 4.0}
     graph.start_robot(strategy='u_sampling', budget=8.0, turns=12, tune_every=2, **kernel)
     graph.start(TeacherNode, **graph.world)
@@ -93,6 +93,7 @@ def test_tuning_learner_asks_what_an_offline_run_asks_and_tells_its_kernel(graph
     asked = asked_in(states[-1])
     assert asked == offline_queries('u_sampling', 8.0, 12, tune_every=2, **kernel)
     assert asked != offline_queries('u_sampling', 8.0, 12, **kernel)
+    graph.wait_for(lambda: episodes, 'what the episode is about')
     assert episodes[-1]['tune_every'] == 2
     by_turn = {state['turn']: state['kernel'] for state in states}
     assert by_turn[1]['amplitude'] == 4.0
@@ -115,7 +116,8 @@ def test_every_topic_tells_the_same_story(graph: Any) -> None:
         newest = [messages[-1].header.stamp for messages in (clouds, decisions) if messages]
         newest += [marker.header.stamp for array in arrays[-1:] for marker in array.markers[-1:]]
         stamps = [{'sec': stamp.sec, 'nanosec': stamp.nanosec} for stamp in newest]
-        return bool(turns) and stamps == 3 * turns and bool(pictures and heard['episode'])
+        # A turn that is not served soon is said again.
+        return bool(turns) and stamps == 3 * turns[:1] and bool(pictures and heard['episode'])
 
     # Messages of different topics arrive in any order.
     graph.wait_for(all_tell_of_its_turn, 'all topics of the turn of the query')
@@ -138,18 +140,18 @@ def test_every_topic_tells_the_same_story(graph: Any) -> None:
 
 def test_the_turn_does_not_wait_for_the_picture(graph: Any, monkeypatch: pytest.MonkeyPatch) -> None:
     """Each new scene would hold the learner up, and pictures of scenes long gone would pile up."""
-    may_draw = threading.Event()
+    may_draw = threading.Semaphore(0)
     drawn: list[Any] = []
 
     def draw_slowly(observations: Any) -> Any:
         drawn.append([observation.object_id for observation in observations])
-        may_draw.wait(DEADLINE)
+        may_draw.acquire(timeout=DEADLINE)
         return draw_scene(observations)
 
     monkeypatch.setattr('al_questioner.ros.nodes.perception.draw_scene', draw_slowly)
     clouds = graph.listen('objects', PointCloud2)
     pictures = graph.listen('scene_image', Image)
-    graph.start(PerceptionNode, **graph.world)
+    perception = graph.start(PerceptionNode, **graph.world)
     mouth = graph.ears.create_publisher(String, 'turn', qos.LATCHED)
     world = PerceivedWorld(WorldSpec(load_task(TASK), 4, 4).open())
     turns = world.change_turns(1000)[:3]
@@ -159,8 +161,13 @@ def test_the_turn_does_not_wait_for_the_picture(graph: Any, monkeypatch: pytest.
         graph.wait_for(lambda seen=seen: len(clouds) == seen, f'the objects of turn {turn}')
         graph.wait_for(lambda: drawn, 'the first picture')
     assert not pictures
-    may_draw.set()
-    graph.wait_for(lambda: len(pictures) == 2, 'the pictures')
+    looked = threading.Event()
+    perception.submit(looked.set)
+    graph.wait_for(looked.is_set, 'the order for the last picture')
+    for count in (1, 2):
+        # One by one, as a latched topic holds no more than its last message for a listener that is behind.
+        may_draw.release()
+        graph.wait_for(lambda count=count: len(pictures) == count, f'picture {count}')
     assert [picture.header.stamp.sec for picture in pictures] == [turns[0], turns[2]]
     assert drawn == [[observation.object_id for observation in world.observations(turn)] for turn in turns[::2]]
 
@@ -213,15 +220,18 @@ def test_a_second_learner_takes_no_scene_of_the_first(graph: Any) -> None:
     """The latched scene of the last episode's last turn would be taken for the first of the next."""
     states = graph.listen('learner_state')
     episode = {**graph.episode, 'strategy': 'farthest_fsq', 'turns': 12}
+
+    def is_over_for(learner: LearnerNode) -> bool:
+        return is_over(states) and states[-1]['episode_id'] == learner.episode_id
+
     graph.start(PerceptionNode, **graph.world)
     graph.start(TeacherNode, **graph.world)
     ends = []
     for _ in range(2):
         learner = graph.start(LearnerNode, **episode)
-        graph.wait_for(lambda: is_over(states), 'the end of the episode')
+        graph.wait_for(lambda learner=learner: is_over_for(learner), 'the end of the episode')
         ends.append({key: states[-1][key] for key in ('queries', 'beliefs', 'model_version')})
         graph.stop(learner)
-        states.clear()
     assert ends[0] == ends[1]
 
 
@@ -256,7 +266,7 @@ def test_turns_are_paced(graph: Any) -> None:
     turns = graph.listen('turn')
     states = graph.listen('learner_state')
     graph.start_robot(budget=0.0, turns=4, turn_period=0.2)
-    graph.wait_for(lambda: is_over(states), 'the end of the episode')
+    graph.wait_for(lambda: is_over(states) and turns and turns[-1]['turn'] == 4, 'the last turn and its end')
     stamps = {turn['turn']: turn['stamp']['sec'] + turn['stamp']['nanosec'] / 1e9 for turn in turns}
     assert stamps[4] - stamps[min(stamps)] >= 0.2 * (4 - min(stamps)) - 0.01
 
@@ -283,8 +293,6 @@ def test_largest_object_id_passes_through(graph: Any) -> None:
     graph.wait_for(lambda: decisions, 'a decision')
     graph.stop(perception)
     graph.stop(learner)
-    decisions.clear()
-    arrays.clear()
     data = bytearray(cloud.data)
     data[12:16] = np.uint32(2**32 - 2).tobytes()
     cloud.data = bytes(data)
@@ -293,10 +301,14 @@ def test_largest_object_id_passes_through(graph: Any) -> None:
     eyes = graph.ears.create_publisher(PointCloud2, 'objects', qos.LATCHED)
     eyes.publish(cloud)
     graph.start(LearnerNode, **graph.episode)
-    graph.wait_for(lambda: decisions and arrays, 'a decision about it')
+
+    def is_shown() -> bool:
+        return bool(arrays) and {marker.header.frame_id for marker in arrays[-1].markers} == {'camera'}
+
+    # Of the first learner there may still be something under way.
+    graph.wait_for(lambda: decisions[-1].header.frame_id == 'camera' and is_shown(), 'a decision about it, and markers')
     decision = decision_of_cloud(decisions[-1], SYMBOLS, 1)
     assert 2**32 - 2 in {action.object_id for action in decision.candidates}
-    assert {marker.header.frame_id for marker in arrays[-1].markers} == {'camera'}
 
 
 def test_scenes_older_than_the_turn_are_reported(graph: Any) -> None:
@@ -399,8 +411,11 @@ def test_nothing_is_amiss_in_an_episode_among_ourselves(graph: Any) -> None:
     graph.start_robot(turns=12, turn_period=0.2)
     graph.start(TeacherNode, **graph.world)
     graph.wait_for(lambda: is_over(states), 'the end of the episode')
-    names = {status.name for array in heard for status in array.status}
-    assert {name.rsplit('/', 1)[-1] for name in names} == {'perception', 'learner', 'teacher'}
+
+    def names() -> set[str]:
+        return {status.name.rsplit('/', 1)[-1] for array in heard for status in array.status}
+
+    graph.wait_for(lambda: names() == {'perception', 'learner', 'teacher'}, 'the diagnostics of all')
     assert [s.message for array in heard for s in array.status if s.level != DiagnosticStatus.OK] == []
 
 

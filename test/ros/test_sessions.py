@@ -85,8 +85,9 @@ def test_a_new_learner_goes_on_where_the_last_one_ended(graph: Any, tmp_path: Pa
     graph.wait_for(lambda: person.turns and person.turns[-1]['turn'] == 2, 'both turns')
     graph.stop(learner)
     asked, begun = len(person.queries), len(person.turns)
-    graph.start(LearnerNode, **parameters)
+    learner = graph.start(LearnerNode, **parameters)
     graph.wait_for(lambda: len(person.queries) > asked and len(person.turns) > begun, 'the question once more')
+    graph.wait_for(lambda: learner._session.is_ready, 'a learner that takes answers')
     assert person.queries[-1] == pending
     assert person.turns[begun] == person.turns[begun - 1]
     assert person.says(person.queries[0], 'snack')['reason'] == 'already taken'
@@ -115,6 +116,7 @@ def test_a_learner_that_ended_between_turns_goes_on(graph: Any, tmp_path: Path) 
     graph.start(LearnerNode, **parameters)
     graph.wait_for(lambda: len(person.states) > before, 'the state of an episode that is over')
     assert person.states[-1] == person.states[before - 1]
+    graph.wait_for(lambda: person.turns and person.turns[-1]['turn'] == 2, 'the second turn')
     assert {turn['turn'] for turn in person.turns} == {1, 2}
 
 
@@ -130,7 +132,9 @@ def test_a_late_answer_is_refused_and_kept(graph: Any, tmp_path: Path) -> None:
         ack = person.says(query, 'fruit', answer_id='b1', teacher_id='bert')
         assert (ack['accepted'], ack['answer_id']) == (False, 'b1')
         assert "query 'q1' was answered already, by 'a1'" in ack['reason']
-    graph.wait_for(lambda: 'bert' in person.states[-1]['teachers'], 'a state that tells of the late teacher')
+    graph.wait_for(
+        lambda: person.states and 'bert' in person.states[-1]['teachers'], 'a state that tells of the late teacher'
+    )
     state = person.states[-1]
     assert (state['turn'], state['teachers']['bert']['late'], state['labels']['fruit']) == (1, 1, 0)
     assert [event.answer.teacher_id for event in told(tmp_path / 'log', LateAnswerKept)] == ['bert']
@@ -186,8 +190,9 @@ def test_a_disk_that_takes_no_more_stops_the_questions(graph: Any, tmp_path: Pat
     assert learner._question.said is None
     graph.stop(learner)
     asked = len(person.queries)
-    graph.start(LearnerNode, **parameters)
+    learner = graph.start(LearnerNode, **parameters)
     graph.wait_for(lambda: len(person.queries) > asked, 'the question once more')
+    graph.wait_for(lambda: learner._session.is_ready, 'a learner that takes answers')
     assert person.says(query, 'snack')['accepted']
     assert len(told(tmp_path / 'log')) == 2
 
@@ -214,7 +219,6 @@ def test_the_scripted_teacher_and_a_session_play_the_episode(graph: Any, tmp_pat
     graph.wait_for(lambda: states and states[-1]['done'], 'the end')
     queries = states[-1]['queries']
     graph.stop(first)
-    states.clear()
-    graph.start(LearnerNode, **graph.episode, session=str(tmp_path / 'log'))
-    graph.wait_for(lambda: states and states[-1]['done'] and len(states) > 1, 'the end')
+    second = graph.start(LearnerNode, **graph.episode, session=str(tmp_path / 'log'))
+    graph.wait_for(lambda: states[-1]['episode_id'] == second.episode_id and states[-1]['done'], 'the end')
     assert states[-1]['queries'] == queries

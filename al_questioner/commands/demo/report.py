@@ -17,7 +17,7 @@ from al_questioner.support.text import number_of
 
 
 def episode_document(result: EpisodeResult, teacher: ScriptedTeacher, world: PerceivedWorld) -> dict[str, Any]:
-    """The JSON of a learning episode: what docs/interfaces.md names, and all that it takes to play it again."""
+    """Return the JSON of a learning episode (docs/reference/documents.md), from which it can be played again."""
     choice, settings = result.choice, result.settings
     return {
         'task': choice.task.name,

@@ -37,7 +37,7 @@ TURN_COLUMNS = (
 
 
 def session_document(account: SessionSummary) -> dict[str, Any]:
-    """The JSON of an episode, see docs/interfaces.md; accuracy only if the simulated world can be looked at."""
+    """Return the JSON of an episode (docs/reference/documents.md), with accuracy only if its world is simulated."""
     begun, records = account.begun, account.episode.records
     accuracy, reason = measured_accuracy(account)
     settings = settings_members(begun.settings)

@@ -1,7 +1,7 @@
 """Amplitude and length scale of the kernel by marginal likelihood, one kernel for all classifiers.
 
 Equations and algorithms are those of Rasmussen and Williams, Gaussian Processes for Machine Learning (2006) (below:
-R&W). `docs/method.md`, section Hyperparameters, says why the bounds and the prior are what they are.
+R&W). `docs/explanation/kernel_tuning.md` says why the bounds and the prior are what they are.
 """
 
 from __future__ import annotations

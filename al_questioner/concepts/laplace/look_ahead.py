@@ -2,7 +2,7 @@
 
 A hypothesis is a thing and whether it is a positive or a negative example of a classifier. Along the axis of hypotheses
 (2e of them for e things) come first all things as negative examples, then all as positive ones. Arrays over the n
-examples are scaled as in `mode_shift`. Derived in docs/method.md, "Look-ahead".
+examples are scaled as in `mode_shift`. Derived in docs/explanation/look_ahead.md.
 """
 
 from __future__ import annotations

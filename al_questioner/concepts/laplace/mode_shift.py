@@ -1,7 +1,7 @@
 """Shift of the modes when one more example is added, found from the present posterior.
 
 In scaled coordinates: for a function g on the n examples, the arrays hold W^1/2 g. In these the posterior covariance of
-the examples is T = I - B^-1, see `Posterior`. Derived in docs/method.md, "Look-ahead".
+the examples is T = I - B^-1, see `Posterior`. Derived in docs/explanation/look_ahead.md.
 """
 
 from __future__ import annotations

@@ -1,7 +1,8 @@
 """The Laplace posteriors of classifiers that share their examples, ready to be asked about points.
 
-In the symbols of docs/method.md: K is the kernel matrix of the n examples, f the mode, p = logistic(f), t the targets,
-r = t - p the gradient of the log likelihood, W = diag(p (1 - p)), B = I + W^1/2 K W^1/2. At the mode f = K r.
+In the symbols of docs/explanation/look_ahead.md: K is the kernel matrix of the n examples, f the mode, p = logistic(f),
+t the targets, r = t - p the gradient of the log likelihood, W = diag(p (1 - p)), B = I + W^1/2 K W^1/2. At the mode
+f = K r.
 """
 
 from __future__ import annotations

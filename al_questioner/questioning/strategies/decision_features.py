@@ -1,7 +1,7 @@
 """The seven decision features of the paper, as pure functions with values in [0, 1].
 
 `q` is always (..., |X|, |Y|), the classifiers' q_y(x); leading axes are independent states, so that all outcomes of a
-look-ahead are evaluated at once. Conditional distributions are normalised as in docs/method.md.
+look-ahead are evaluated at once. Conditional distributions are normalised as in docs/explanation/method.md.
 """
 
 from __future__ import annotations

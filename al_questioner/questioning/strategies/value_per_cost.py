@@ -2,7 +2,8 @@
 
 A question is worth what its answer would gain if it is an example of a symbol, times the chance that it is one; where
 the budget is short of the turns it is judged by that value per cost. The features are the logarithms of these factors,
-so that a value is a weighted sum of them, and imitation can learn the weights. The derivation is in docs/method.md.
+so that a value is a weighted sum of them, and imitation can learn the weights. The derivation is in
+docs/explanation/value_per_cost.md.
 """
 
 from __future__ import annotations

@@ -109,15 +109,16 @@ def test_what_is_played_otherwise_than_recorded_is_said(tmp_path: Path, capsys: 
 
 
 @contextmanager
-def terminal_replay(*arguments: str) -> Iterator[tuple[subprocess.Popen[bytes], int, int]]:
-    """A replay at a terminal: its process, our end of the terminal, and its own."""
+def terminal_replay(*arguments: str) -> Iterator[tuple[subprocess.Popen[bytes], int, int, list[Any]]]:
+    """A replay at a terminal: its process, our end of the terminal, its own, and what the terminal was like before."""
     ours, theirs = pty.openpty()
     environment = {**os.environ, 'COLUMNS': '120', 'TERM': 'xterm'}
     command = [sys.executable, '-m', 'al_questioner', 'replay', str(BAG), *arguments]
     command += ['--ros-args', '-r', f'__ns:=/keys_{os.getpid()}']
+    before = termios.tcgetattr(theirs)
     process = subprocess.Popen(command, stdin=theirs, stdout=theirs, stderr=theirs, env=environment)
     try:
-        yield process, ours, theirs
+        yield process, ours, theirs, before
     finally:
         if process.poll() is None:
             process.kill()
@@ -128,8 +129,7 @@ def terminal_replay(*arguments: str) -> Iterator[tuple[subprocess.Popen[bytes], 
 
 def test_keys_pause_step_and_quit() -> None:
     """At a terminal: a paused replay would not play turn by turn, or leave the terminal another than it was."""
-    with terminal_replay('--start-paused', '--wait-for-subscribers', '0') as (process, ours, theirs):
-        before = termios.tcgetattr(theirs)
+    with terminal_replay('--start-paused', '--wait-for-subscribers', '0') as (process, ours, theirs, before):
         _read_until(ours, b'paused')
         os.write(ours, b'n')
         _read_until(ours, b'turn 1 ')
@@ -147,8 +147,7 @@ def test_keys_pause_step_and_quit() -> None:
 @pytest.mark.parametrize('number', [signal.SIGINT, pytest.param(signal.SIGTERM, marks=pytest.mark.slow)])
 def test_a_signal_leaves_the_terminal_as_it_was(number: signal.Signals) -> None:
     """A shell would stay without echo after Ctrl-C."""
-    with terminal_replay('--start-paused') as (process, ours, theirs):
-        before = termios.tcgetattr(theirs)
+    with terminal_replay('--start-paused') as (process, ours, theirs, before):
         _read_until(ours, b'paused')
         process.send_signal(number)
         _read_until(ours, b'nothing was played')

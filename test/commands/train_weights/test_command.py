@@ -148,7 +148,8 @@ def test_rollouts_train_the_same_twice(tmp_path: Path) -> None:
 
 @pytest.mark.slow
 @pytest.mark.skipif(
-    cv2.__version__ < '5', reason='the weights were learnt on tables that OpenCV 5 drew, see docs/world.md'
+    cv2.__version__ < '5',
+    reason='the weights were learnt on tables that OpenCV 5 drew, see docs/explanation/simulation.md',
 )
 def test_the_shipped_weights_are_learnt_from_the_shipped_bags(tmp_path: Path) -> None:
     """Nobody could tell where the default questioner comes from."""

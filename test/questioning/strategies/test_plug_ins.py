@@ -234,8 +234,7 @@ def test_the_example_refuses_weights() -> None:
 
 def test_the_page_shows_the_example_as_it_is() -> None:
     """What people copy from the page would be older than what is tested."""
-    page = (ROOT / 'docs' / 'interfaces.md').read_text(encoding='utf-8')
-    section = page.partition('\n## A strategy of your own\n')[2].partition('\n## ')[0]
+    page = (ROOT / 'docs' / 'how_to' / 'add_a_strategy.md').read_text(encoding='utf-8')
     for language, name in (('python', 'smallest_margin.py'), ('ini', 'setup.cfg')):
-        (shown,) = re.findall(f'```{language}\n(.*?)```', section, flags=re.DOTALL)
+        (shown,) = re.findall(f'```{language}\n(.*?)```', page, flags=re.DOTALL)
         assert shown in (EXAMPLE / name).read_text(encoding='utf-8')

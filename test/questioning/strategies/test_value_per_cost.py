@@ -69,7 +69,7 @@ def decide(context, seed=0, weights=SHIPPED):
 
 
 def values_by_brute_force(context, constants=DEFAULTS):
-    """The formula of docs/method.md for the label and demonstration queries: gain and chance, object by object."""
+    """Gain and chance of label and demonstration queries, object by object (docs/explanation/value_per_cost.md)."""
     concepts, scene, symbols = context.concepts, context.scene, context.symbols
     q = concepts.predict_proba(scene.features)
     beliefs = class_beliefs(context, constants.reach, constants.doubt)
@@ -335,7 +335,7 @@ def test_its_constants_can_be_set_beside_its_weights(toy):
 
 def test_defaults_and_shipped_weights_are_those_of_the_documentation():
     """The page would derive another questioner than the one that ships."""
-    page = (ROOT / 'docs' / 'method.md').read_text()
+    page = (ROOT / 'docs' / 'explanation' / 'value_per_cost.md').read_text()
     for name in ('reach', 'doubt', 'decline', 'pace'):
         assert f'| `{name}` | {getattr(DEFAULTS, name):g} |' in page
     assert make_strategy('value_per_cost', SHIPPED).constants == DEFAULTS

@@ -113,8 +113,9 @@ def test_a_refusal_is_shown_and_the_question_asked_again(robot: Robot) -> None:
     robot.asks(1)
     robot.dialogue.say('fruit')
     robot.takes(robot.hears(1), accepted=False, reason='it has gone')
-    view_state = robot.until(lambda view_state: view_state.notice, 'the refusal')
-    assert (view_state.phase, view_state.notice) == (Phase.ASKED, 'The robot did not take that: it has gone')
+    # On a busy machine there may be a notice before: that the robot does not reply.
+    view_state = robot.until(lambda view_state: view_state.phase is Phase.ASKED, 'the question')
+    assert view_state.notice == 'The robot did not take that: it has gone'
 
 
 def test_a_correction_names_the_answer_that_it_replaces(robot: Robot) -> None:
@@ -183,8 +184,8 @@ def test_an_answer_is_not_carried_into_another_episode(robot: Robot) -> None:
     robot.dialogue.say('fruit')
     robot.hears(1)
     robot.asks(1, episode_id='another')
-    robot.graph.wait_for(lambda: robot.node.unacknowledged is None, 'the answer to be dropped')
-    assert robot.dialogue.board().phase is Phase.ASKED
+    robot.until(lambda view_state: view_state.phase is Phase.ASKED, 'the question of the other episode')
+    assert robot.node.unacknowledged is None
     assert {answer['episode_id'] for answer in robot.answers} == {'e'}
 
 

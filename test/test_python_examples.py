@@ -1,4 +1,4 @@
-"""The README's snippets must run as they stand: they are the first thing that people copy."""
+"""The examples of the page on Python must run as they stand: they are the first thing that people copy."""
 
 from __future__ import annotations
 
@@ -8,8 +8,8 @@ import numpy as np
 
 from checkout import ROOT
 
-README = (ROOT / 'README.md').read_text(encoding='utf-8')
-SNIPPETS = re.findall(r'```python\n(.*?)```', README, flags=re.DOTALL)
+PAGE = (ROOT / 'docs' / 'how_to' / 'use_it_in_python.md').read_text(encoding='utf-8')
+SNIPPETS = re.findall(r'```python\n(.*?)```', PAGE, flags=re.DOTALL)
 
 
 def test_concept_models_snippet_runs() -> None:
