@@ -176,7 +176,7 @@ def _salvage_sqlite3(file: Path) -> tuple[list[Topic], list[BagMessage]]:
                 if number in topics and isinstance(stamp, int) and isinstance(data, bytes):
                     messages.append(BagMessage(topics[number].name, topics[number].type, stamp, data))
     except sqlite3.Error:
-        # What was read before the broken page is kept.
+        # The rows before the broken page are kept.
         pass
     return list(topics.values()), messages
 

@@ -132,7 +132,7 @@ class ConceptLearner:
         if (found.amplitude, None, relative) == (models.amplitude, models.length_scale, models.relative_length_scale):
             return False
         self._models = models.with_kernel(found.amplitude, relative)
-        self._learn_anew()
+        self._fit_models()
         return True
 
     @property
@@ -184,7 +184,7 @@ class ConceptLearner:
         if any(new):
             self._standardiser.update(scene.features[new])
             self._last_views.update(zip(scene.object_ids, views, strict=True))
-            self._learn_anew()
+            self._fit_models()
 
     def label(self, object_id: int, features: FloatArray, symbol: str, turn: int) -> None:
         """Learn that an object is an example of a symbol, or of none.
@@ -199,7 +199,7 @@ class ConceptLearner:
             InputError: an unknown symbol, or features that do not fit those observed.
         """
         self.labelled_views.append(self._labelled_view(object_id, features, symbol, turn))
-        self._learn_anew()
+        self._fit_models()
 
     def label_scene(self, scene: Scene, symbols: Mapping[int, str], turn: int) -> None:
         """Learn the labels of several objects of a scene at once.
@@ -216,7 +216,7 @@ class ConceptLearner:
         self.labelled_views += [
             self._labelled_view(object_id, row, symbols[object_id], turn) for object_id, row in rows.items()
         ]
-        self._learn_anew()
+        self._fit_models()
 
     def learn(self, record: QueryRecord, scene: Scene) -> None:
         """Learn the result of a query about a scene; an answer without a name does not change the models.
@@ -244,7 +244,7 @@ class ConceptLearner:
             if group not in self.groups:
                 raise InputError(f'unknown feature group {group!r}; known: {", ".join(self.groups)}')
         self._told_relevant = np.array([group_of(name) in chosen for name in self.feature_names])
-        self._learn_anew()
+        self._fit_models()
 
     def predict_proba(self, features: FloatArray) -> Array:
         """Return (k, |Y|) q_y(x) of (k, m) raw features."""
@@ -339,7 +339,7 @@ class ConceptLearner:
             raise InputError(f'the features of object {object_id} are not all finite')
         return LabelledView(object_id, vector, symbol, turn)
 
-    def _learn_anew(self) -> None:
+    def _fit_models(self) -> None:
         """Fit the models to all that is known now.
 
         This is done after every event, never on demand. A fit starts from the last one, so that fits at other moments

@@ -238,7 +238,7 @@ class ConceptModels:
         # Imported here because it loads numba, which takes as long as all other imports of a process.
         from al_questioner.concepts.laplace.look_ahead import predict_each
 
-        # The five terms of the expected logistic function, and a part's copies for every label, count as well.
+        # The five terms of the expected logistic function and a part's copies for every label need memory, too.
         per_thing = 2 * n_symbols * n_things * max(n_symbols, 5, n if exact else 0)
         size = max(1, CHUNK_NUMBERS // max(1, per_thing))
         own = np.arange(n_symbols)

@@ -88,7 +88,7 @@ def unsayable(name: str, has_key: bool = True) -> str:
     if any(comma in loose for comma in COMMAS):
         return 'a comma parts names'
     if loose.startswith('{'):
-        return 'what begins with a brace is read as a JSON document'
+        return 'a text that begins with a brace is read as a JSON document'
     if not holds_word(name):
         return 'it holds no letter'
     if name != composed(name):

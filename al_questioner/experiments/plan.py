@@ -66,7 +66,7 @@ class Variation:
 
     Attributes:
         change_interval: turns between scene changes; None for the task's.
-        synchrony: share of objects that change their state together, in [0, 1]; None for the task's.
+        synchrony: probability that an object follows the common clock of states, in [0, 1]; None for the task's.
         wrong_rate: share of the teacher's answers that are wrong.
         unknown_rate: share of the queries that the teacher has no answer to.
         weights: by strategy, weights of its features; other strategies have the shipped ones.

@@ -44,7 +44,7 @@ class ExperimentProgress:
             transient=True,
             disable=not console.is_terminal,
         )
-        self._task = self._bar.add_task('looking what is there already', total=total, left='')
+        self._task = self._bar.add_task('checking the stored episodes', total=total, left='')
 
     def __enter__(self) -> ExperimentProgress:
         self._bar.start()

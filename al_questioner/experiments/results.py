@@ -198,4 +198,4 @@ def _cell(row: Mapping[str, str]) -> Cell:
     try:
         return Cell(row['task'], float(row['budget']), int(row['turns']), row['strategy'], int(row['sample']))
     except (KeyError, ValueError) as error:
-        raise InputError(f'a row of the tables is none of an experiment ({error})') from error
+        raise InputError(f'a row of the tables is not one of an experiment ({error})') from error

@@ -37,7 +37,7 @@ def run(
     """Play all cells of some experiments that are not stored yet, and return those that failed.
 
     Args:
-        stores: of the experiments.
+        stores: stores of the experiments.
         jobs: number of local processes; 1 for this one.
         scheduler: address of a dask scheduler that distributes the work instead.
         begin: called with the cells that will be played.
@@ -96,7 +96,7 @@ def _locally(work: Sequence[Work], jobs: int) -> Results:
     except ValueError:
         # Before joblib 1.4 results come in the order of the work.
         parallel = Parallel(return_as='generator', **options)
-    # The tracker unblocks interrupts when it starts, so it must start before the workers do so in `parallel`.
+    # The tracker unblocks interrupts when it starts, so start it before the workers, as joblib starts its own.
     resource_tracker.ensure_running()
     try:
         with parallel:
@@ -104,14 +104,14 @@ def _locally(work: Sequence[Work], jobs: int) -> Results:
                 results = parallel(delayed(_play)(*piece) for piece in work)
             yield from results
     except BrokenExecutor as error:
-        raise EpisodeError('a worker process died (of memory?); what was played is kept, start it again') from error
+        raise EpisodeError('a worker died (out of memory?); finished episodes are kept, start it again') from error
 
 
 def _on_cluster(work: Sequence[Work], scheduler: str) -> Results:
     """Play on the workers of a dask cluster.
 
     Raises:
-        EpisodeError: no worker came, or one that played the same again and again died.
+        EpisodeError: no worker came, or workers died repeatedly at the same episodes.
         InputError: dask is not installed, or there is no scheduler at the address.
     """
     try:
@@ -132,4 +132,4 @@ def _on_cluster(work: Sequence[Work], scheduler: str) -> Results:
             for future in as_completed(futures):  # type: ignore[no-untyped-call]
                 yield future.result()
         except KilledWorker as error:
-            raise EpisodeError('workers of the cluster died; what was played is kept, start it again') from error
+            raise EpisodeError('workers of the cluster died; finished episodes are kept, start it again') from error

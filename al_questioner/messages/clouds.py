@@ -95,7 +95,7 @@ def scene_of_cloud(cloud: Any, known_features: Sequence[str] = ()) -> Scene:
 
 def _empty_scene(feature_names: tuple[str, ...]) -> Scene:
     if not feature_names:
-        raise SceneError('the cloud holds neither points nor fields, so that it does not tell which features there are')
+        raise SceneError('the cloud holds neither points nor fields, so its features are unknown')
     return Scene((), np.empty((0, 3), np.float32), np.empty((0, len(feature_names)), np.float32), feature_names)
 
 

@@ -24,7 +24,7 @@ class AnswerSender:
         self._node = node
         self._tell = acknowledged
         publish = node.document_publisher('answer', qos.EVENTS)
-        self._mouth = Retransmitter[Answer](
+        self._retransmitter = Retransmitter[Answer](
             node.after, lambda answer: publish(documents.answer_members(answer)), PERSISTENT
         )
         node.on_document('answer_ack', self._acknowledged, qos.EVENTS)
@@ -32,7 +32,7 @@ class AnswerSender:
     @property
     def unacknowledged(self) -> Answer | None:
         """Answer that is sent and not acknowledged yet; None if there is none."""
-        return self._mouth.said
+        return self._retransmitter.said
 
     def send(self, answer: Answer, delay: float = 0.0) -> None:
         """Send an answer after so many seconds, in place of any other that is not acknowledged yet.
@@ -40,11 +40,11 @@ class AnswerSender:
         If this answer is being sent already, nothing changes, so that a repeated question does not delay it.
         """
         if answer != self.unacknowledged:
-            self._mouth.say(answer, delay)
+            self._retransmitter.say(answer, delay)
 
     def drop(self) -> None:
         """Stop sending the present answer."""
-        self._mouth.stop()
+        self._retransmitter.stop()
 
     def _acknowledged(self, document: Document) -> None:
         answer = self.unacknowledged
@@ -57,4 +57,4 @@ class AnswerSender:
         self.drop()
         self._tell(answer, document)
         if not document['accepted']:
-            raise InputError(f'the learner did not take the answer to {answer.query_id}: {document["reason"]}')
+            raise InputError(f'the learner did not accept the answer to {answer.query_id}: {document["reason"]}')

@@ -102,7 +102,7 @@ def _is_ours() -> bool:
         if not sys.stdin.isatty():
             return False
     except (AttributeError, ValueError):
-        # No stdin at all, or a closed one.
+        # There is no stdin, or it is closed.
         return False
     try:
         return os.tcgetpgrp(sys.stdin.fileno()) == os.getpgrp()

@@ -50,7 +50,7 @@ class Retransmitter(Generic[Message]):
         self._publish = publish
         self._back_off = back_off
         self._pause = 0.0
-        self._timer = OneShotTimer(after, self._go_on)
+        self._timer = OneShotTimer(after, self._transmit)
 
     def say(self, thing: Message, delay: float = 0.0) -> None:
         """Repeat this message, in place of an earlier one: for the first time after so many seconds, or at once."""
@@ -59,14 +59,14 @@ class Retransmitter(Generic[Message]):
         if delay > 0:
             self._timer.set(delay)
         else:
-            self._go_on()
+            self._transmit()
 
     def stop(self) -> None:
         """Stop repeating the message."""
         self.said = None
         self._timer.clear()
 
-    def _go_on(self) -> None:
+    def _transmit(self) -> None:
         if self.said is None:
             return
         self._publish(self.said)

@@ -51,8 +51,8 @@ class Spinner:
 
     def __enter__(self) -> Spinner:
         check_ros_arguments(self._arguments)
-        # Only rclpy's own handler, which shuts the context down, is to act on a signal: a KeyboardInterrupt could hit
-        # anywhere, and the second SIGINT of `ros2 launch` would hit the clean-up.
+        # Only rclpy's own handler, which shuts the context down, may act on a signal: a KeyboardInterrupt could come
+        # anywhere, and the second SIGINT of `ros2 launch` would interrupt the clean-up.
         self._previous = signal.signal(signal.SIGINT, lambda *_: self._interrupted.set())
         try:
             os.environ.setdefault(*TRANSPORTS)
@@ -109,7 +109,7 @@ class Spinner:
                 self._executor.spin_once(timeout_sec=0.1 if is_over else None)
             except ValueError as error:
                 # rclpy's own callbacks, such as that of /clock, do not catch the errors that a message causes.
-                text = f'passed over an unusable message: {_one_line(error)}'
+                text = f'ignored an unusable message: {_one_line(error)}'
                 self._nodes[0].get_logger().warning(text, **ONCE_A_SECOND)
 
 

@@ -97,4 +97,4 @@ def _kinds(task: Task) -> dict[str, tuple[Kind, ...]]:
 
 
 def _never(look: object, rng: object) -> Solid:
-    raise RuntimeError('what is made up has no shape')
+    raise RuntimeError('a made-up object has no shape')

@@ -162,11 +162,11 @@ class TeacherDialogue:
         """
         with self._changed:
             if self._corrected is not None:
-                self._corrected, self._notice = None, 'That answer stands as it was.'
+                self._corrected, self._notice = None, 'That answer is kept.'
             elif self._last is None:
                 raise AnswerError('there is nothing to take back: no answer of yours was the last that was taken')
             elif self._on_its_way is not None:
-                raise AnswerError('an answer is on its way to the robot: wait until it is taken')
+                raise AnswerError('an answer is on its way to the robot: wait until it is accepted')
             else:
                 self._corrected, self._notice = self._recalled(self._last), ''
             self._tell()

@@ -42,8 +42,8 @@ def screen(view_state: ViewState, pad: Pad, capabilities: Capabilities, in_help:
     if in_help:
         body = [line for paragraph in HELP for line in _wrapped(Text(paragraph), capabilities)]
         return _fitted([*head, Text(), *body, Text(), Text('any key: back', style='dim')], capabilities)
-    # A row for what there is to say is left free, and longer words take the room of the history: as long as a
-    # question is shown, nothing that may be looked at moves.
+    # A row is reserved for a notice, and a longer notice takes room from the history, so that nothing moves while a
+    # question is shown.
     notice = _notice(view_state, pad, capabilities) or [Text()]
     foot = _answers(view_state, pad, capabilities) + notice + _wrapped(Text(KEYS, style='dim'), capabilities)
     room = capabilities.height - len(head) - len(foot) - 1
@@ -90,7 +90,7 @@ def _meanwhile(view_state: ViewState) -> str:
     if view_state.phase is Phase.OVER:
         return 'The episode is over. z takes your last answer back, q ends.'
     if view_state.phase is Phase.ALONE:
-        return 'Waiting for a robot that asks; no learner has been heard yet.'
+        return 'Waiting for a robot that asks; no learner has been found yet.'
     if view_state.progress is None:
         return 'The robot looks at the table and thinks.'
     left = max(0, view_state.progress.turns - view_state.progress.turn)

@@ -12,9 +12,9 @@ HELP = (
     'You teach a robot what things are. It asks; every question costs it something of its budget.',
     '"What is object 7?": the name of what it is, or none: it belongs to no name in the list.',
     '"Can you show me a snack?": the number of one on the table, or none: there is no such thing here.',
-    '"Which properties matter ...?": what tells the names apart, one or more.',
-    'unknown (?) says that you do not know, skip that you would rather be asked something else.',
-    'undo takes your last answer back: its question is asked again. Once more, and it stands as it was.',
+    '"Which properties matter ...?": the properties that distinguish the names, one or more.',
+    'unknown (?) says that you do not know, skip asks for another question.',
+    'undo takes your last answer back: its question is asked again. A second undo keeps the answer.',
     'quit leaves the robot waiting: start this program again, and it goes on where you left.',
 )
 """Paragraphs of the help."""

@@ -22,7 +22,7 @@ NEWTON_TOLERANCE = 1e-7
 """Largest Newton step from a point that is accepted as the mode; W is that of the point before the step."""
 
 SMALLEST_ROOT = 1e-6
-"""Smallest W^1/2 that is not rounded up; an example of less changes no variance, and its inverse stays finite."""
+"""Lower limit of W^1/2: an example this certain changes no variance, and the inverse stays finite."""
 
 
 @dataclass(frozen=True, eq=False)

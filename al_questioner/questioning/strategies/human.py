@@ -22,7 +22,7 @@ from al_questioner.questioning.turn_context import TurnContext
 HELP = 'a number asks what that object is, a symbol to be shown one, f which properties matter; Enter asks nothing'
 HELP_TABLE = """\
   12       asks what object 12 is
-  snack    asks to be shown a snack; the beginning of the symbol does
+  snack    asks to be shown a snack; the beginning of the symbol is enough
   f        asks which properties matter
   Enter    asks nothing in this turn
   h        shows this"""
@@ -123,7 +123,7 @@ class ReplayedPicks:
         if self.action is None:
             return self._ask(context)
         if self.action not in context.candidates:
-            raise InputError(f'{self.action} was chosen, which is no candidate here')
+            raise InputError(f'{self.action} was chosen, which is not a candidate here')
         return context.candidates.index(self.action)
 
 

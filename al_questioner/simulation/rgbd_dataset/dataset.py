@@ -247,7 +247,7 @@ class DatasetWorld:
             replacement = None
             if self._task.scenes.turnover == 'object':
                 replacement = self._newcomer(place, (*before, *after), rng)
-            after[place] = replacement or self._seen_anew(place, before[place], rng)
+            after[place] = replacement or self._another_view(place, before[place], rng)
         return tuple(after)
 
     def _newcomer(self, place: int, present: Iterable[_PlacedView], rng: np.random.Generator) -> _PlacedView | None:
@@ -259,7 +259,7 @@ class DatasetWorld:
         self._newest_id += 1
         return _PlacedView(drawn[0], self._observe(self._newest_id, *drawn, place))
 
-    def _seen_anew(self, place: int, old: _PlacedView, rng: np.random.Generator) -> _PlacedView:
+    def _another_view(self, place: int, old: _PlacedView, rng: np.random.Generator) -> _PlacedView:
         """Return another view of the same object, or the same one if there is no other."""
         drawn = self._deal(lambda crop: crop.thing == old.crop.thing and crop != old.crop, rng)
         return old if drawn is None else _PlacedView(drawn[0], self._observe(old.observation.object_id, *drawn, place))
