@@ -40,7 +40,7 @@ class Playback:
     """A position in a bag that moves with a steady clock, which the caller reads and passes in.
 
     Args:
-        messages: in the order in which they are to be published.
+        messages: messages in the order in which they are to be published.
         rate: recorded seconds in a second.
         loop: begin again at the end.
         paused: begin with a pause.

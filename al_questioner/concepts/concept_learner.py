@@ -52,7 +52,8 @@ class ConceptLearner:
     Args:
         symbols: the concepts to ground.
         amplitude: variance of the Gaussian processes' kernel.
-        length_scale: of the kernel in standard deviations; None for the square root of the number of features in use.
+        length_scale: length scale of the kernel in standard deviations; None for the square root of the number of
+            features in use.
         selector: selects features computationally after every label; None for all that the teacher has not ruled out.
         view_tolerance: largest change of an object's features in the same view; root mean square over the features, in
             standard deviations. The default allows rounding only.

@@ -34,7 +34,8 @@ class ConceptModels:
     Args:
         symbols: names of the concepts; they order the columns of every result.
         amplitude: variance of the Gaussian processes' kernel.
-        length_scale: of the kernel, in the unit of the features; None for a multiple of the root of their number.
+        length_scale: length scale of the kernel, in the unit of the features; None for a multiple of the root of their
+            number.
         relative_length_scale: this multiple.
 
     Raises:

@@ -23,7 +23,7 @@ class GreedyOracle(UnlabelledFirst):
     true symbols decides. As the budget is spread evenly over the scenes, some is left at each change.
 
     Args:
-        world: of the episode.
+        world: world of the episode.
     """
 
     def __init__(self, world: PerceivedWorld) -> None:

@@ -55,7 +55,7 @@ def verdicts(results: Results, change_intervals: Mapping[str, int]) -> Iterator[
     """Yield a verdict for each claim that the experiment has the episodes for.
 
     Args:
-        results: of the experiment.
+        results: results of the experiment.
         change_intervals: turns between scene changes, by task.
     """
     for task in PAPER_TASKS:

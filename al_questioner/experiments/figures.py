@@ -52,7 +52,7 @@ def draw_figures(results: Results, change_intervals: Mapping[str, int], folder: 
     """Write all figures of all tasks and return their paths.
 
     Args:
-        results: of the experiment.
+        results: results of the experiment.
         change_intervals: turns between scene changes, by task.
         folder: folder of the pictures.
 

@@ -70,9 +70,9 @@ class Variation:
         wrong_rate: share of the teacher's answers that are wrong.
         unknown_rate: share of the queries that the teacher has no answer to.
         weights: by strategy, weights of its features; other strategies have the shipped ones.
-        selector: of u_sampling, a key of `SELECTORS`.
+        selector: selector of u_sampling, a key of `SELECTORS`.
         repeats: whether u_sampling may ask about a view that has been labelled.
-        amplitude: of the kernel.
+        amplitude: amplitude of the kernel.
         repeat_shown: whether the teacher may show a known object when there are unknown ones of the symbol.
     """
 

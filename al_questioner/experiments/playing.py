@@ -72,8 +72,8 @@ def play_cells(cells: Sequence[Cell], variation: Variation, dataset: str = '') -
     """Play episodes in one world, one after the other; a failure does not stop the others.
 
     Args:
-        cells: of the same task and sample.
-        variation: of all of them.
+        cells: cells of the same task and sample.
+        variation: variation of all of them.
         dataset: root of a directory of crops, for tasks that read one.
     """
     for cell in cells:

@@ -24,11 +24,11 @@ class Comparison:
     Attributes:
         other: the strategy it is compared with.
         mean, other_mean: mean accuracies.
-        p: of the one-tailed Mann-Whitney U test that the first is larger: the paper's test.
+        p: p-value of the one-tailed Mann-Whitney U test that the first is larger: the paper's test.
         p_holm: the same, corrected by Holm's method for the number of comparisons.
         superiority: probability that a sample of the first is above one of the other, ties counting half: U / (n m).
         interval: its 95 % bootstrap interval; None with too few samples.
-        p_paired: of Wilcoxon's one-tailed signed-rank test over the samples, which both strategies share.
+        p_paired: p-value of Wilcoxon's one-tailed signed-rank test over the samples, which both strategies share.
     """
 
     other: str
@@ -47,7 +47,7 @@ def compare(first: Array, others: Mapping[str, Array], seed: int = 0) -> list[Co
     Args:
         first: (n,) accuracies, by sample.
         others: (n,) accuracies of each other strategy, in the same order of samples.
-        seed: of the bootstrap.
+        seed: seed of the bootstrap.
     """
     tests = {name: u_test(first, other) for name, other in others.items()}
     corrected = holm([p for _, p in tests.values()])
@@ -109,8 +109,8 @@ def control_test(control: Array, others: Sequence[Array], first: Array) -> float
 
     Args:
         control: (n,) accuracies.
-        others: of the other controls.
-        first: of the strategy.
+        others: accuracies of the other controls.
+        first: accuracies of the strategy.
     """
     return holm([u_test(values, first)[1] for values in (control, *others)])[0]
 

@@ -40,8 +40,8 @@ class Study:
     """Episodes beside the comparison that differ from it in one setting.
 
     Attributes:
-        name: of its folder, and for its choice.
-        title: of its section.
+        name: name of its folder, and for its choice.
+        title: title of its section.
         about: the setting that is varied, in words.
         own: value of the setting in the comparison.
         plans: the variants, by their value of the setting.
@@ -60,7 +60,7 @@ def make_studies(names: Sequence[str], base: Variation, samples: Sequence[int]) 
     Args:
         names: keys of `STUDIES`.
         base: the variation of the comparison, with the weights of all strategies that have some.
-        samples: of the comparison, of which a study takes the first `MOST_SAMPLES`.
+        samples: samples of the comparison, of which a study takes the first `MOST_SAMPLES`.
 
     Raises:
         InputError: an unknown name, or one that occurs twice.

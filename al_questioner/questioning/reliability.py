@@ -117,7 +117,7 @@ def statements_of(
 
     Args:
         book: all answers.
-        queries: by `query_id`.
+        queries: queries by `query_id`.
         symbols: the labels, `NO_SYMBOL` comes after them.
         beliefs: turns in which one object was asked about or shown, and named.
     """
@@ -140,7 +140,7 @@ def teacher_records(
 
     Args:
         book: all answers.
-        queries: by `query_id`.
+        queries: queries by `query_id`.
         symbols: the labels, `NO_SYMBOL` comes after them.
         beliefs: by turn, (L,) beliefs of the models about the object that was named in it, before its label.
     """

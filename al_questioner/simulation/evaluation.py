@@ -50,7 +50,7 @@ class EpisodeResult:
         queries: every query, in order.
         accuracy: on the held-out observations, after each turn.
         test_size: number of held-out observations.
-        kernel: of the learner's models after the last turn.
+        kernel: kernel of the learner's models after the last turn.
     """
 
     choice: WorldSpec
@@ -76,7 +76,7 @@ class Evaluation:
 
     Args:
         choice: the world of the episode.
-        settings: of the episode.
+        settings: settings of the episode.
         world: that world, if it is open already: episodes that share it draw and measure every view once.
     """
 

@@ -26,7 +26,7 @@ def run_episode(
 
     Args:
         choice: the world; its seed is the learner's too.
-        settings: of the episode.
+        settings: settings of the episode.
         teacher: answers the queries.
         watch: called after each turn.
         world: the world of the choice, if it is open already.

@@ -15,7 +15,7 @@ class WorldSpec:
 
     Attributes:
         task: the task to learn, with the table of the sample if samples differ.
-        seed: of the scenes.
+        seed: seed of the scenes.
         sample: number of the sample of observations that the scenes are drawn from.
         dataset: root of a directory of RGB-D crops, for tasks that read one.
     """

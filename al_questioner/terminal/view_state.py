@@ -31,9 +31,9 @@ class EpisodeProgress:
 
     Attributes:
         turn: the last turn that is over.
-        turns: of the episode.
-        budget: of the episode.
-        spent: of the budget.
+        turns: turns of the episode.
+        budget: budget of the episode.
+        spent: part of the budget that was spent.
         done: whether the episode is over.
         records: the result of each query.
         last: the answer that was accepted last, from any teacher, and its query.

@@ -14,7 +14,7 @@ def extrapolate(memory: Memory, row: int, target_row: int, this: Array, length: 
     """Make the next guess: the point of least residual on the line through the last two images.
 
     Args:
-        memory: of all problems; before the first step it holds zeros, except for the guesses.
+        memory: memory of all problems; before the first step it holds zeros, except for the guesses.
         row: row of the problem.
         target_row: new row of the problem, at most `row`.
         this: (n,) image of the guess.

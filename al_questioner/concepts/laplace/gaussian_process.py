@@ -45,7 +45,7 @@ def rbf_kernel(first: FloatArray, second: FloatArray, amplitude: float, length_s
         first: (n, m) points.
         second: (k, m) points.
         amplitude: variance of the process.
-        length_scale: in the unit of the points.
+        length_scale: length scale, in the unit of the points.
 
     Returns:
         (n, k) covariances.

@@ -30,7 +30,7 @@ class Kernel:
 
     Attributes:
         amplitude: variance of the process.
-        length_scale: in the unit of the points.
+        length_scale: length scale, in the unit of the points.
     """
 
     amplitude: float

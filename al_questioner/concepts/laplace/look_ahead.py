@@ -36,8 +36,8 @@ def predict_each(
     """Return predictions for all points of a scene if each of some of its objects, alone, were an example.
 
     Args:
-        posterior: without the example.
-        marginals: of the k points of the scene.
+        posterior: posteriors without the example.
+        marginals: marginals of the k points of the scene.
         things: (e,) the points that are hypothetical examples.
         prior: (e, k) their prior covariance with all points.
         amplitude: prior variance of a point.

@@ -59,7 +59,7 @@ def find_shift(
     a memory of one step (Anderson 1965).
 
     Args:
-        posterior: without the example.
+        posterior: posteriors without the example.
         solved: (|Y|, h, n) covariance of each new example with the old ones, scaled.
         variance: (|Y|, h) posterior variance of each new example.
         mean: (|Y|, h) posterior mean of each new example.

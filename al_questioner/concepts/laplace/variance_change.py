@@ -50,7 +50,7 @@ def variance_drops(
         covariance: (|Y|, n, n) T; single precision is enough.
         solved: (|Y|, n, k) c.
         relative: (|Y|, h, n) E.
-        bounds: of the eigenvalues of S.
+        bounds: bounds of the eigenvalues of S.
 
     Returns:
         (|Y|, h, k) the decreases, and bounds on their errors.
@@ -76,7 +76,7 @@ def covariance_tangent(
         new: (|Y|, h, n) c, of each hypothesis' new example.
         relative: (|Y|, h, n) E.
         start: (|Y|, h, n) a first guess.
-        bounds: of the eigenvalues of S.
+        bounds: bounds of the eigenvalues of S.
 
     Returns:
         (|Y|, h, n) q, and (|Y|, h) a bound on the error of z' S (I + S)^-1 z* for a unit z.

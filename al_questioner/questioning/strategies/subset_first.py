@@ -27,7 +27,7 @@ class SubsetFirst(ABC):
     """Strategy of one early feature subset query, then queries of one kind.
 
     Attributes:
-        kind: of the queries after the first.
+        kind: kind of the queries after the first.
     """
 
     selector = None

@@ -18,7 +18,7 @@ class UncertaintySampling:
     how, and not whether a view may be asked about again.
 
     Args:
-        selector: of the features; None for none.
+        selector: selector of the features; None for none.
         repeats: whether it may ask about a view that has been labelled.
     """
 

@@ -42,7 +42,7 @@ class DatasetWorld:
     The places on the table and the other sensors are simulated: the original was filmed on a turntable.
 
     Args:
-        task: with a `dataset` section, which maps categories to symbols.
+        task: task with a `dataset` section, which maps categories to symbols.
         root: the directory.
         seed: seed of the scenes.
         sample: seed of the held-out crops, training pool and test set; None for the seed.

@@ -87,7 +87,7 @@ def draw_sample(
 
     Args:
         pool: crops by category.
-        size: of the whole sample.
+        size: size of the whole sample.
         shares: share of the sample by category; the shares of categories without any crop go to the others.
         rng: decides which.
     """

@@ -253,7 +253,7 @@ class Solid:
         Args:
             centers: (n, 3) undersides of the pieces, in the order of painting.
             outline: shape of a piece around the origin.
-            thickness: of a piece.
+            thickness: thickness of a piece.
             part: the material.
             tones: (n,) brightness.
             angles: (n,) rotations.

@@ -29,8 +29,8 @@ class Pose:
     Attributes:
         size: factor of the solid's lengths.
         heading: its rotation about the vertical axis, radians.
-        distance: of its middle along the optical axis, metres.
-        elevation: of the camera above the table plane, radians.
+        distance: distance of its middle along the optical axis, metres.
+        elevation: elevation of the camera above the table plane, radians.
         offset_px: (right, up) of its middle from the frame's centre.
     """
 

@@ -78,13 +78,13 @@ def heap(
     """Return a function that draws a heap of pieces of one outline (k, 2) and some colours.
 
     Args:
-        colors: of the pieces.
+        colors: colours of the pieces.
         piece: outline.
         count: number of pieces.
         peak: height of the heap.
-        thickness: of a piece.
-        tilt: of a piece, rise over length.
-        shine: of a piece.
+        thickness: thickness of a piece.
+        tilt: tilt of a piece, rise over length.
+        shine: shine of a piece.
         bed: brightness of the ground between the pieces.
         chips: colour of the dots on each piece, if any.
     """

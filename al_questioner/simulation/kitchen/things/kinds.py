@@ -12,7 +12,7 @@ class State:
     """Look of a kind of object at some stage.
 
     Attributes:
-        name: of the state.
+        name: name of the state.
         draw: makes the solid.
         weight_kg: typical weight.
     """
