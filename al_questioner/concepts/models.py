@@ -195,9 +195,10 @@ class ConceptModels:
         |Y| classifiers follow from 2 |X| |Y| hypotheses. None is fitted: all are computed from the present posterior,
         see docs/method.md, and a hypothesis whose error may exceed 8e-7 is refitted.
 
-        Args: scene_features: (|X|, m) standardised features. exact: False for an approximation that takes |X|^2 |Y| n
-        operations beyond `predict_proba` (docs/method.md gives its error); None to use it, with a warning, above
-        `EXACT_OPERATIONS`.
+        Args:
+            scene_features: (|X|, m) standardised features.
+            exact: False for an approximation that takes |X|^2 |Y| n operations beyond `predict_proba` (docs/method.md
+                gives its error); None to use it, with a warning, above `EXACT_OPERATIONS`.
 
         Returns:
             (|X|, |Y|, |X|, |Y|): [i, j] is `predict_proba(scene_features)` if object i were labelled symbol j.

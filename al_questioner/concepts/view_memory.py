@@ -99,8 +99,9 @@ class ViewMemory:
     look confirms it: a burst of noise or a wrong reading does not repeat exactly.
     If readings repeat exactly, as in the simulated world, scenes are returned unchanged.
 
-    Attributes: corrections: views that the latest scene showed to be wrong. Only a view with a single look can be: if
-    later looks agree on something near, or if it was like no other object.
+    Attributes:
+        corrections: views that the latest scene showed to be wrong. Only a view with a single look can be: if later
+            looks agree on something near, or if it was like no other object.
     """
 
     def __init__(self) -> None:

@@ -80,8 +80,9 @@ class Scene:
         features: (n, m) float32, not standardised.
         feature_names: m distinct names; the group of a feature is `group_of` its name.
 
-    Raises: SceneError: no feature, a shape that does not fit, an id that is not a whole number, a name that is not a
-    text, a repeated id or name, or a value that is not a finite number.
+    Raises:
+        SceneError: no feature, a shape that does not fit, an id that is not a whole number, a name that is not a text,
+            a repeated id or name, or a value that is not a finite number.
     """
 
     object_ids: tuple[int, ...]

@@ -87,15 +87,15 @@ def view_features(view: View) -> NDArray[np.float32]:
     """Measure one object.
 
     - colour: mean L*, a*, b* (unit: L* range 1), spread of L* and of the saturation, and how strongly the object shows
-    each of six hues. This is the mean over its pixels of their chroma, shared between the two nearest hues. So a grey
-    pixel has no hue instead of a random one. - size: length and width (m) of the tightest rectangle around the
-    silhouette, area (m^2) of the silhouette, both in the plane at the object's median depth; and the extent in depth
-    (m), 5th to 95th percentile. Without any depth reading on the object, its distance is `NOMINAL_DISTANCE` and its
-    extent in depth 0. - shape: width / length; area / area of the convex hull; area / area of the rectangle; 4 pi area
-    / (perimeter of the hull)^2; and log10(h + 1e-5) of Hu's first three invariants. The other invariants are products
-    of higher degree, mostly noise on a small mask. The added 1e-5 keeps the logarithm stable at a symmetric shape's
-    zeros. - texture: share of edge pixels, standard deviation of the lightness in a fine and in a coarse band, entropy
-    (bits).
+      each of six hues. This is the mean over its pixels of their chroma, shared between the two nearest hues. So a grey
+      pixel has no hue instead of a random one.
+    - size: length and width (m) of the tightest rectangle around the silhouette, area (m^2) of the silhouette, both in
+      the plane at the object's median depth; and the extent in depth (m), 5th to 95th percentile. Without any depth
+      reading on the object, its distance is `NOMINAL_DISTANCE` and its extent in depth 0.
+    - shape: width / length; area / area of the convex hull; area / area of the rectangle; 4 pi area / (perimeter of the
+      hull)^2; and log10(h + 1e-5) of Hu's first three invariants. The other invariants are products of higher degree,
+      mostly noise on a small mask. The added 1e-5 keeps the logarithm stable at a symmetric shape's zeros.
+    - texture: share of edge pixels, standard deviation of the lightness in a fine and in a coarse band, entropy (bits).
 
     Args:
         view: crop of any size with at least one pixel in its mask.

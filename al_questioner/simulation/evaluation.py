@@ -98,8 +98,10 @@ class Evaluation:
     def next_turn(self, record: QueryRecord | None, concepts: ConceptLearner | None = None) -> float:
         """Return the accuracy after one more turn.
 
-        Args: record: the query of the turn and its result, None if nothing was asked. concepts: the learner's concepts
-        after the turn, if they are available, the same object at every turn; otherwise the evaluation learns the same.
+        Args:
+            record: the query of the turn and its result, None if nothing was asked.
+            concepts: the learner's concepts after the turn, if they are available, the same object at every turn;
+                otherwise the evaluation learns the same.
         """
         if record is not None:
             self._queries.append(record)

@@ -80,8 +80,9 @@ class NoMappingError(InputError):
 def read_yaml(path: Path) -> Mapping[str, Any]:
     """Return the mapping that a YAML file holds.
 
-    Raises: InputError: the file cannot be read, is not YAML, holds something other than a mapping, or has an ambiguous
-    value or key, see `strict_yaml`; the text names the file and, if there is one, the line.
+    Raises:
+        InputError: the file cannot be read, is not YAML, holds something other than a mapping, or has an ambiguous
+            value or key, see `strict_yaml`; the text names the file and, if there is one, the line.
     """
     return _mapping_in(path, strict_yaml.parse)
 

@@ -33,9 +33,10 @@ class RefusedYAMLError(MarkedYAMLError):
 def parse(content: bytes) -> Any:
     """Return the content of a single YAML document; None if it is empty.
 
-    Raises: yaml.MarkedYAMLError: the text is not YAML. RefusedYAMLError: the text is ambiguous or too large: a key that
-    occurs twice, or a plain word that YAML 1.1 and 1.2 read differently, such as 010, 1:30, no, 1_000 or 1e3; a tag;
-    too much.
+    Raises:
+        yaml.MarkedYAMLError: the text is not YAML.
+        RefusedYAMLError: the text is ambiguous or too large: a key that occurs twice, or a plain word that YAML 1.1 and
+            1.2 read differently, such as 010, 1:30, no, 1_000 or 1e3; a tag; too much.
     """
     return _read(content, None)
 
