@@ -1,4 +1,4 @@
-"""Reading rosbag2 bags, without ROS: whole ones, whose message counts are right."""
+"""Reading of complete rosbag2 bags, whose message counts are right, without ROS."""
 
 from __future__ import annotations
 
@@ -37,8 +37,8 @@ class Topic:
     """A topic of a bag.
 
     Attributes:
-        name: as it was recorded, namespace included.
-        type: of its messages, such as 'std_msgs/msg/String'.
+        name: full name as recorded, with its namespace.
+        type: type of its messages, such as 'std_msgs/msg/String'.
         latched: whether its publisher was transient local.
     """
 
@@ -53,9 +53,9 @@ class BagMessage:
 
     Attributes:
         topic: name of its topic.
-        type: of the message.
-        stamp: when it was received, nanoseconds since the epoch.
-        data: serialised, CDR.
+        type: type of the message.
+        stamp: time of receipt, nanoseconds since the epoch.
+        data: serialised message, CDR.
     """
 
     topic: str
@@ -66,13 +66,12 @@ class BagMessage:
 
 @dataclass(frozen=True)
 class Bag:
-    """What a bag holds.
+    """Content of a bag.
 
     Attributes:
-        path: where it lies.
+        path: path of the bag.
         topics: its topics.
-        messages: all messages, in the order in which they were received; the recorder's clock may have gone back
-            meanwhile, and with it the stamps.
+        messages: all messages, in the order of their receipt; the stamps may go back if the recorder's clock did.
     """
 
     path: Path
@@ -81,10 +80,10 @@ class Bag:
 
 
 def read_bag(path: Path) -> Bag:
-    """Read a bag of any storage and compression that rosbags knows.
+    """Read a bag of any storage and compression that rosbags supports.
 
-    What a file says of a topic, such as its quality of service, need not be what the metadata say: only the names and
-    numbers count.
+    The files and the metadata may differ, for example in the quality of service of a topic. Only the names and the
+    numbers of messages have to agree.
 
     Raises:
         BagError: there is no bag, it is of ROS 1, broken or empty, or messages are missing that its metadata count.
@@ -114,7 +113,7 @@ def read_bag(path: Path) -> Bag:
 
 
 def _topics(connections: Sequence[Connection]) -> tuple[Topic, ...]:
-    """Each topic once, of each of its types; it is latched if anything says so."""
+    """Return each topic once, with each of its types; it is latched if any connection is."""
     latched: dict[tuple[str, str], bool] = {}
     for connection in connections:
         key = (connection.topic, connection.msgtype)
@@ -123,10 +122,10 @@ def _topics(connections: Sequence[Connection]) -> tuple[Topic, ...]:
 
 
 def _in_order_of_receipt(messages: Sequence[BagMessage]) -> list[BagMessage]:
-    """Messages, given as they were written, in the order in which they were received.
+    """Return messages, given in the order of writing, in the order of their receipt.
 
-    A file may hold one topic after the other, so the stamps tell the order; but not where the recorder's clock went
-    back, which shows within a topic.
+    A file may hold one topic after the other, so the messages are sorted by stamp. But if the stamps go back within a
+    topic, the recorder's clock was set back, and the order of writing is kept.
     """
     last: dict[str, int] = {}
     for message in messages:
@@ -137,7 +136,7 @@ def _in_order_of_receipt(messages: Sequence[BagMessage]) -> list[BagMessage]:
 
 
 def deserialize(message: BagMessage) -> Any:
-    """The message as an object of rosbags, whose members are those of ROS.
+    """Return the message as an object of rosbags, whose members are those of ROS.
 
     Raises:
         BagError: a type that ROS 2 Jazzy does not have, or bytes that do not fit it.
@@ -149,7 +148,7 @@ def deserialize(message: BagMessage) -> Any:
 
 
 def digest(path: Path) -> str:
-    """SHA-256 of all files of a bag that hold messages, in order, as hexadecimal digits.
+    """Return the SHA-256 of all files of a bag that hold messages, in order, as hexadecimal digits.
 
     Raises:
         BagError: there is no such file.
@@ -165,7 +164,7 @@ def digest(path: Path) -> str:
 
 @lru_cache(maxsize=1)
 def typestore() -> Typestore:
-    """The message types of ROS 2 Jazzy."""
+    """Return the message types of ROS 2 Jazzy."""
     return get_typestore(Stores.ROS2_JAZZY)
 
 
@@ -173,7 +172,7 @@ def _check_there(path: Path) -> None:
     if not path.exists():
         raise BagError(f'{path}: there is no such bag')
     for file in [path, *(filter(holds_messages, path.iterdir()) if path.is_dir() else [])]:
-        # To open a pipe would wait for a writer.
+        # Opening a pipe would wait for a writer.
         if file.exists() and not (file.is_file() or file.is_dir()):
             raise BagError(f'{file}: is no bag, but a device or a pipe')
     is_bag = path.is_dir() and (path / 'metadata.yaml').is_file()
@@ -197,8 +196,8 @@ def _check_there(path: Path) -> None:
 
 
 def _hint(path: Path) -> str:
-    """What can be done about a broken bag: nothing without a file that is not compressed."""
-    # An interrupted repair may have left the originals alone.
+    """Return advice on a broken bag, or an empty text if it has no uncompressed file that could be repaired."""
+    # An interrupted repair may have left only the originals.
     usable = path.is_dir() and (any(storage_files(path)) or any(path.glob(f'*{BROKEN}')))
     return f'; try record --repair {path}' if usable else ''
 

@@ -1,4 +1,4 @@
-"""What the learner believes: one Gaussian process classifier per symbol, and everything it has been told."""
+"""Concepts of the learner: one Gaussian process classifier per symbol, and all labels that teachers have given."""
 
 from al_questioner.concepts.concept_learner import VIEW_TOLERANCE, ConceptLearner
 from al_questioner.concepts.feature_selection import Selector, rank_p_values, select_features

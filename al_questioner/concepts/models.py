@@ -1,4 +1,4 @@
-"""One binary Gaussian process classifier per symbol, and what they would say after one more label."""
+"""One binary Gaussian process classifier per symbol, and their predictions after one more label."""
 
 from __future__ import annotations
 
@@ -14,19 +14,19 @@ from al_questioner.domain import NO_SYMBOL, InputError
 from al_questioner.support.arrays import Array
 
 EXACT_OPERATIONS = 2e10
-"""Multiplications and additions of an exact look-ahead, some seconds, above which `look_ahead` approximates."""
+"""Largest cost of an exact look-ahead, in multiplications and additions (some seconds); above, it is approximated."""
 
 CHUNK_NUMBERS = 4_000_000
-"""Largest array of a look-ahead beside its result, in numbers: bounds its memory to some 200 MB."""
+"""Largest array of a look-ahead beside its result, in numbers: about 200 MB."""
 
 WARM_FIT_TOLERANCE = 1e-9
-"""How near, in posterior standard deviations, a fit after one more label comes before Newton's method finishes it."""
+"""Distance from the mode, in posterior standard deviations, at which Newton's method takes over a warm fit."""
 
 _LOGGER = logging.getLogger(__name__)
 
 
 class ConceptModels:
-    """q_y(x), the degree to which a thing x is a y, for every symbol y (docs/explanation/method.md).
+    """Classifiers of every symbol y: q_y(x) is the degree to which an object x is a y (docs/explanation/method.md).
 
     All classifiers learn from the same examples: a label y is a positive example for y and a negative one for every
     other symbol, the label `NO_SYMBOL` is negative for all. Without examples q is 1/2; examples of one class are valid.
@@ -34,7 +34,8 @@ class ConceptModels:
     Args:
         symbols: names of the concepts; they order the columns of every result.
         amplitude: variance of the Gaussian processes' kernel.
-        length_scale: of the kernel, in the unit of the features; None for a multiple of the root of their number.
+        length_scale: length scale of the kernel, in the unit of the features; None for a multiple of the root of their
+            number.
         relative_length_scale: this multiple.
 
     Raises:
@@ -70,14 +71,14 @@ class ConceptModels:
         self._warned = False
 
     def fit(self, features: ArrayLike, labels: Sequence[str]) -> ConceptModels:
-        """Learn every classifier.
+        """Fit every classifier.
 
-        Where the labels go on from those of the last fit, it starts from what that one found; if a single one was added
-        to the same features, the new modes follow from the old by the steps of the look-ahead. The result is that of
-        a fresh fit to some 1e-9.
+        If the labels continue those of the last fit, the fit starts from its result. If one label was added to the same
+        features, the new modes follow from the old by the steps of the look-ahead. The result equals that of a fresh
+        fit to about 1e-9.
 
         Args:
-            features: (n, m) standardised features; n = 0 forgets everything.
+            features: (n, m) standardised features; n = 0 removes all examples.
             labels: n names, each a symbol or `NO_SYMBOL`.
 
         Returns:
@@ -106,10 +107,10 @@ class ConceptModels:
         return self
 
     def refitted(self, features: ArrayLike) -> ConceptModels:
-        """New models of the same labels on other features of the things, a subset for example.
+        """Return new models of the same labels on other features of the objects, for example a subset.
 
         Args:
-            features: (n, m') standardised features of the n labelled things.
+            features: (n, m') standardised features of the n labelled objects.
 
         Raises:
             InputError: not n rows, or a value that is not finite.
@@ -119,13 +120,13 @@ class ConceptModels:
         return models.fit(features, self._labels)
 
     def length_scale_of(self, n_features: int) -> float:
-        """The kernel's length scale on this number of features, in their unit."""
+        """Return the kernel's length scale for this number of features, in their unit."""
         if self.length_scale is not None:
             return self.length_scale
         return self.relative_length_scale * float(np.sqrt(max(n_features, 1)))
 
     def with_kernel(self, amplitude: float, relative_length_scale: float) -> ConceptModels:
-        """Models that know nothing yet, with another kernel; its length scale a multiple of the root of m.
+        """Return models without examples and with another kernel; its length scale is a multiple of the root of m.
 
         Raises:
             InputError: a number that is not above 0.
@@ -135,7 +136,7 @@ class ConceptModels:
         return models
 
     def predict_proba(self, features: ArrayLike) -> Array:
-        """Degree to which each thing belongs to each symbol.
+        """Return the degree to which each object belongs to each symbol.
 
         Args:
             features: (k, m) standardised features.
@@ -148,17 +149,17 @@ class ConceptModels:
         """
         marginals = self._marginals(self._matching(features))
         if not self._labels:
-            # What the logistic function's approximation makes of 0 is 1/2 but for its error.
+            # Exactly 1/2; the approximation of the logistic function has an error at 0.
             return np.full((len(marginals.mean[0]), len(self.symbols)), 0.5)
         return expected_logistic(marginals.mean, self.amplitude - marginals.explained).T
 
     @property
     def classes_(self) -> NDArray[np.str_]:
-        """(|Y|,) the symbols, as scikit-learn calls them."""
+        """Symbols, (|Y|,), under the name that scikit-learn uses."""
         return np.array(self.symbols)
 
     def predict(self, features: ArrayLike) -> NDArray[np.str_]:
-        """Return the most probable symbol of each thing, the first of equal ones.
+        """Return the most probable symbol of each object, the first of equal ones.
 
         Args:
             features: (k, m) standardised features.
@@ -173,7 +174,7 @@ class ConceptModels:
         return np.array([self.symbols[column] for column in best])
 
     def score(self, features: ArrayLike, labels: Sequence[str]) -> float:
-        """Return the share of things whose most probable symbol is the true one.
+        """Return the share of objects whose most probable symbol is the true one.
 
         Args:
             features: (k, m) standardised features, k > 0.
@@ -188,19 +189,19 @@ class ConceptModels:
         return float(np.mean(found == np.asarray(labels)))
 
     def look_ahead(self, scene_features: ArrayLike, exact: bool | None = None) -> Array:
-        """What the models would say of a scene if one of its things had been labelled.
+        """Return the predictions for a scene if one of its objects were labelled.
 
-        A classifier only sees whether the new example is positive or negative, so 2 |X| |Y| hypotheses tell all
-        |X| |Y| labels' effects on |Y| classifiers. None is fitted: all are found in the present posterior
-        (docs/explanation/look_ahead.md), and what is not certain to lie within 8e-7 there is refitted.
+        A classifier only sees whether the new example is positive or negative, so the effects of all |X| |Y| labels on
+        |Y| classifiers follow from 2 |X| |Y| hypotheses. None is fitted: all are computed from the present posterior,
+        see docs/explanation/look_ahead.md, and a hypothesis whose error may exceed 8e-7 is refitted.
 
         Args:
             scene_features: (|X|, m) standardised features.
-            exact: False for an approximation that takes |X|^2 |Y| n operations beyond `predict_proba`, whose error
-                docs/results/look_ahead.md tells; None to use it, with a warning, above `EXACT_OPERATIONS`.
+            exact: False for an approximation that takes |X|^2 |Y| n operations beyond `predict_proba`
+                (docs/results/look_ahead.md gives its error); None to use it, with a warning, above `EXACT_OPERATIONS`.
 
         Returns:
-            (|X|, |Y|, |X|, |Y|): [i, j] is `predict_proba(scene_features)` had thing i been labelled symbol j.
+            (|X|, |Y|, |X|, |Y|): [i, j] is `predict_proba(scene_features)` if object i were labelled symbol j.
 
         Raises:
             InputError: not m columns, or a value that is not finite.
@@ -213,7 +214,7 @@ class ConceptModels:
         return expected
 
     def look_ahead_chunks(self, scene_features: ArrayLike, exact: bool | None = None) -> Iterator[tuple[slice, Array]]:
-        """`look_ahead` in parts, for pools whose whole table does not fit into memory.
+        """Yield `look_ahead` in parts, for pools whose whole table does not fit into memory.
 
         The models must not be fitted between the parts.
 
@@ -236,10 +237,10 @@ class ConceptModels:
             # A turn without a query changes neither the models nor the scene.
             yield slice(0, n_things), self._last_table[1].copy()
             return
-        # Not before it is used: it brings numba, which takes as long as all else that a process imports.
+        # Imported here because it loads numba, which takes as long as all other imports of a process.
         from al_questioner.concepts.laplace.look_ahead import predict_each
 
-        # The five terms of the expected logistic function, and a part's copies for every label, count as well.
+        # The five terms of the expected logistic function and a part's copies for every label need memory, too.
         per_thing = 2 * n_symbols * n_things * max(n_symbols, 5, n if exact else 0)
         size = max(1, CHUNK_NUMBERS // max(1, per_thing))
         own = np.arange(n_symbols)
@@ -255,17 +256,17 @@ class ConceptModels:
             yield slice(first, first + len(things)), part
 
     def predict_after_each(self, examples: ArrayLike, labels: Sequence[str], features: ArrayLike) -> Array:
-        """What the models would say of things after one more example, for several such examples, each by itself.
+        """Return the predictions for objects after one more example, for several such examples, each alone.
 
-        As in `look_ahead`, nothing is fitted but what is not certain to lie within 8e-7.
+        As in `look_ahead`, only a hypothesis whose error may exceed 8e-7 is fitted.
 
         Args:
             examples: (e, m) standardised features.
             labels: e names, each a symbol or `NO_SYMBOL`.
-            features: (k, m) standardised features of the things.
+            features: (k, m) standardised features of the objects.
 
         Returns:
-            (e, k, |Y|): [i] is `predict_proba(features)` had the i-th example been learnt.
+            (e, k, |Y|): [i] is `predict_proba(features)` if the i-th example had been learnt.
 
         Raises:
             InputError: not m columns, a value that is not finite, or labels that do not fit.
@@ -297,7 +298,7 @@ class ConceptModels:
                 raise InputError(f'unknown label {label!r}; known: {", ".join((*self.symbols, NO_SYMBOL))}')
 
     def _is_affordable(self, n_things: int) -> bool:
-        """Whether an exact look-ahead takes no more than some seconds; if not, a warning is logged, once."""
+        """Return whether an exact look-ahead takes no more than some seconds; if not, log a warning once."""
         operations = exact_operations(n_things, len(self.symbols), len(self._labels))
         if operations > EXACT_OPERATIONS and not self._warned:
             self._warned = True
@@ -311,7 +312,7 @@ class ConceptModels:
         return operations <= EXACT_OPERATIONS
 
     def _with_one_more(self, point: Array, targets: Array) -> tuple[Array, Array]:
-        """Kernel matrix and modes, (n + 1, n + 1) and (|Y|, n + 1), after one more example.
+        """Return kernel matrix and modes, (n + 1, n + 1) and (|Y|, n + 1), after one more example.
 
         Args:
             point: (1, m) features.
@@ -335,12 +336,12 @@ class ConceptModels:
         )
         modes = self._posterior.modes + shift.change[:, 0] / self._posterior.root
         start = np.concatenate([modes, shift.latent], axis=1)
-        # A search that came nowhere is no better start than none.
+        # If the search did not converge, start from 0.
         start[~(shift.error[:, 0] < 1)] = 0.0
         return kernel, start
 
     def _marginals(self, points: Array) -> Marginals:
-        """What is believed of points; those of the last points are kept, as a turn asks about its scene repeatedly."""
+        """Return the beliefs at points; the last result is kept, because a turn asks about its scene repeatedly."""
         if self._last_seen is None or not np.array_equal(self._last_seen[0], points):
             known = self._points if self._labels else np.empty((0, points.shape[1]))
             self._last_seen = points.copy(), self._posterior.at(self._covariance(known, points))
@@ -360,14 +361,14 @@ class ConceptModels:
 
 
 def exact_operations(n_things: int, n_symbols: int, n_labels: int) -> float:
-    """Multiplications and additions of an exact look-ahead: what `EXACT_OPERATIONS` limits."""
+    """Return the cost of an exact look-ahead in multiplications and additions, which `EXACT_OPERATIONS` limits."""
     return 8.0 * n_symbols * (n_things * n_labels) ** 2
 
 
 def compile_models() -> None:
-    """Have the loops of the look-ahead compiled, so that no turn waits for it.
+    """Compile the loops of the look-ahead, so that no turn waits for it.
 
-    It takes some ten seconds where they were never compiled before, else half a second.
+    This takes about ten seconds if they were never compiled before, otherwise half a second.
     """
     ConceptModels(('a', 'b')).fit([[0.0], [1.0]], ('a', 'b')).look_ahead([[0.5]])
 

@@ -1,6 +1,6 @@
-"""The words that every part of the package uses.
+"""Basic types of the package: scenes, queries, answers, settings, and the errors that they raise.
 
-Plain frozen dataclasses and the errors they raise. Nothing here knows how a thing is computed, drawn, sent or stored.
+All are plain frozen dataclasses. Nothing here knows how a value is computed, drawn, sent or stored.
 """
 
 from __future__ import annotations

@@ -1,4 +1,4 @@
-"""What the robot sees: views, observations and scenes."""
+"""Views, observations and scenes: the data that the robot perceives."""
 
 from __future__ import annotations
 
@@ -63,15 +63,16 @@ class Observation:
 
 
 def group_of(feature_name: str) -> str:
-    """The group a person would name for a feature: the part of its name before the first underscore."""
+    """Return the group of a feature, as a person would name it: the part of its name before the first underscore."""
     return feature_name.split('_', 1)[0]
 
 
 @dataclass(frozen=True, eq=False)
 class Scene:
-    """The objects seen this turn, as feature vectors; one observation per object. There may be none.
+    """The objects seen in one turn, as feature vectors; one observation per object. There may be none.
 
-    Lists will do for tuples and arrays; what is no array of floating-point numbers becomes one of float32.
+    Lists are accepted in place of tuples and arrays. Values that are not an array of floating-point numbers are
+    converted to float32.
 
     Attributes:
         object_ids: one distinct non-negative id per object.
@@ -80,8 +81,8 @@ class Scene:
         feature_names: m distinct names; the group of a feature is `group_of` its name.
 
     Raises:
-        SceneError: no feature, a shape that does not fit, an id that is no whole number, a name that is no text, a
-            repeated id or name, or a value that is no finite number.
+        SceneError: no feature, a shape that does not fit, an id that is not a whole number, a name that is not a text,
+            a repeated id or name, or a value that is not a finite number.
     """
 
     object_ids: tuple[int, ...]
@@ -125,7 +126,7 @@ class Scene:
         return len(self.object_ids)
 
     def equals(self, other: Scene) -> bool:
-        """Whether another scene is the same to the last bit."""
+        """Return whether another scene is the same to the last bit."""
         return (
             self.object_ids == other.object_ids
             and self.feature_names == other.feature_names
@@ -134,7 +135,7 @@ class Scene:
         )
 
     def index_of(self, object_id: int) -> int:
-        """Row of an object.
+        """Return the row of an object.
 
         Raises:
             KeyError: the object is not in the scene.
@@ -160,7 +161,7 @@ def _names(values: Iterable[str], what: str) -> tuple[str, ...]:
 
 
 def _numbers(values: ArrayLike, what: str) -> FloatArray:
-    """The array itself if it is one of floating-point numbers, so that what was measured stays as it is to the bit."""
+    """Return a floating-point array as it is, so that measured values keep every bit, and anything else as float32."""
     if isinstance(values, np.ndarray) and np.issubdtype(values.dtype, np.floating):
         return values
     try:

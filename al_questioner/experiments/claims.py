@@ -1,4 +1,4 @@
-"""What the paper claims, as statements that the tables of an experiment confirm or not."""
+"""Claims of the paper, as statements that the tables of an experiment confirm or not."""
 
 from __future__ import annotations
 
@@ -19,29 +19,29 @@ TASK_CENTRIC = ('dt_iros', 'dt_task')
 DECISION_THEORETIC = (*TASK_CENTRIC, PAPER_METHOD)
 EQUAL_IN_C2 = 'dt_task'
 CONSERVATIVE = (EQUAL_IN_C2, PAPER_METHOD)
-"""Those that the paper calls conservative, and very similar, where the budget is small and the time ample."""
+"""Strategies that the paper calls conservative, and very similar, with a small budget and much time."""
 SIGNIFICANT = 0.05
 PAPER_COUNTS = {PAPER_METHOD: 134, 'dt_task': 22, 'dt_iros': 9}
-"""Queries in C4 on prepare_lunch, of one sample."""
+"""Numbers of queries of one sample in C4 on prepare_lunch, from the paper."""
 COUNT_FACTOR = 1.5
 EARLY_TURN = 5
-"""The paper's expert asked its feature subset query within so many turns."""
+"""Turn by which the paper's expert had asked its feature subset query."""
 FRESH_TURNS = 3
-"""Turns after a change of the scene in which a questioner that keeps up with it asks more than its share."""
+"""Number of turns after a change of the scene in which a questioner that adapts to it asks more than its share."""
 DEAREST = 2.0
-"""Price of the dearest query: with less than that left, a budget begins to rule out what a richer learner may ask."""
+"""Price of the most expensive query; with less than that left, a small budget begins to exclude queries."""
 
 
 @dataclass(frozen=True)
 class Verdict:
-    """One claim and what became of it.
+    """One claim and its result.
 
     Attributes:
-        claim: what the paper says.
+        claim: the statement of the paper.
         found: our figures.
-        tests: p-values and effects, where the claim is about significance.
-        reproduced: whether the figures bear it out; None where so few samples could not show it.
-        by_construction: whether it holds by what the strategies are, whatever the world.
+        tests: p-values and effects, if the claim is about significance.
+        reproduced: whether the figures confirm it; None if there are too few samples to show it.
+        by_construction: whether it follows from the strategies themselves, in any world.
     """
 
     claim: str
@@ -52,10 +52,10 @@ class Verdict:
 
 
 def verdicts(results: Results, change_intervals: Mapping[str, int]) -> Iterator[Verdict]:
-    """The claims that the experiment has the episodes for.
+    """Yield a verdict for each claim that the experiment has the episodes for.
 
     Args:
-        results: of the experiment.
+        results: results of the experiment.
         change_intervals: turns between scene changes, by task.
     """
     for task in PAPER_TASKS:
@@ -80,13 +80,13 @@ def verdicts(results: Results, change_intervals: Mapping[str, int]) -> Iterator[
 
 
 def baseline_comparisons(results: Results, task: str, condition: Condition) -> list[Comparison]:
-    """Comparisons of dt_task_env with each of the paper's baselines, corrected within the condition."""
+    """Return comparisons of dt_task_env with each of the paper's baselines, corrected within the condition."""
     accuracies = results.final_accuracies(task, condition)
     return compare(accuracies[PAPER_METHOD], {name: accuracies[name] for name in BASELINES if name in accuracies})
 
 
 def _was_played(results: Results, task: str, name: str) -> bool:
-    """Whether all four strategies have a sample in common."""
+    """Return whether all four strategies have a sample in common."""
     accuracies = results.final_accuracies(task, PAPER_CONDITIONS[name])
     return all(len(accuracies.get(strategy, ())) for strategy in PAPER_STRATEGIES)
 
@@ -124,7 +124,7 @@ def _accuracy_verdicts(results: Results, task: str, name: str) -> Iterator[Verdi
     differences = ', '.join(f'{c.mean - c.other_mean:+.3f} to {other}' for other, c in comparisons.items())
     beaten = {other for other, c in comparisons.items() if c.p_holm < SIGNIFICANT}
     n = len(results.final_accuracies(task, PAPER_CONDITIONS[name])[PAPER_METHOD])
-    # Of n samples each, perfectly separated.
+    # The smallest p-value of n samples each, perfectly separated.
     can_be_shown = len(comparisons) / math.comb(2 * n, n) < SIGNIFICANT
     if name != 'C2':
         claim = f'{where}: {PAPER_METHOD} statistically outperforms all others'
@@ -176,7 +176,7 @@ def _asks_at_every_turn(results: Results, task: str, names: Sequence[str]) -> Ve
 
 
 def _asks_for_the_subset_early(results: Results, task: str, names: Sequence[str]) -> Verdict:
-    """In the median, an episode without such a query counting as one that asks it after the end."""
+    """Judge the median turn of the subset query; an episode without one counts as if it were asked after the end."""
     found, early = [], True
     for strategy in DECISION_THEORETIC:
         turns = [
@@ -248,7 +248,10 @@ def _spends_early(results: Results, task: str) -> Verdict:
 
 
 def _keeps_up_with_the_scene(results: Results, task: str, interval: int) -> Verdict:
-    """Against what asking evenly until the last query would give, which ends within a scene."""
+    """Compare the queries after a change with queries that are spread evenly until the last one.
+
+    The last one comes within a scene.
+    """
     found, tests, does = [], [], True
     for name in (*CONSERVATIVE, 'u_sampling'):
         asked, evenly = [], []
@@ -280,7 +283,7 @@ def _fresh_share(turns: Sequence[int], interval: int) -> float:
 
 
 def _task_centric_do_the_same(results: Results, task: str) -> Verdict:
-    """Compared as long as the smaller budget pays for everything."""
+    """Compare the queries as long as the smaller budget pays for everything."""
     poor, rich = PAPER_CONDITIONS['C2'], PAPER_CONDITIONS['C4']
     same = {}
     for name in TASK_CENTRIC:
@@ -303,5 +306,5 @@ def _task_centric_do_the_same(results: Results, task: str) -> Verdict:
 
 
 def _episodes(results: Results, task: str, condition: Condition, strategy: str) -> Mapping[int, Sequence[TurnRow]]:
-    """The turns of each episode, by sample."""
+    """Return the turns of each episode, by sample."""
     return {row.cell.sample: results.turns_of(row.cell) for row in results.group(task, condition, strategy)}

@@ -1,4 +1,4 @@
-"""Playing the episodes of an experiment, wherever: what a worker process does."""
+"""Playing of an experiment's episodes, as a worker process does it."""
 
 from __future__ import annotations
 
@@ -51,14 +51,14 @@ TURN_COLUMNS = (
 
 @dataclass(frozen=True)
 class Played:
-    """What came of a cell.
+    """Result of a cell.
 
     Attributes:
-        cell: that was played.
+        cell: the cell.
         episode: a row by `EPISODE_COLUMNS`; empty if it failed.
         turns: rows by `TURN_COLUMNS`.
-        error: why it failed; empty if it did not.
-        seconds: that it took, the opening of its world included if it was the first one there.
+        error: reason of a failure; empty if there was none.
+        seconds: its duration, with the opening of its world if it was the first one there.
     """
 
     cell: Cell
@@ -69,11 +69,11 @@ class Played:
 
 
 def play_cells(cells: Sequence[Cell], variation: Variation, dataset: str = '') -> Iterator[Played]:
-    """Play episodes in one world, one after the other; one that fails does not keep the others from being played.
+    """Play episodes in one world, one after the other; a failure does not stop the others.
 
     Args:
-        cells: of the same task and sample.
-        variation: of all of them.
+        cells: cells of the same task and sample.
+        variation: variation of all of them.
         dataset: root of a directory of crops, for tasks that read one.
     """
     for cell in cells:
@@ -85,7 +85,7 @@ def play_cells(cells: Sequence[Cell], variation: Variation, dataset: str = '') -
 def _play(cell: Cell, variation: Variation, dataset: str) -> Played:
     try:
         return _rows(cell, play_episode(cell, variation, dataset))
-    except Exception as error:  # noqa: BLE001 - whatever it is, it is reported, and the experiment goes on
+    except Exception as error:  # noqa: BLE001 - any error is reported, and the experiment goes on
         return Played(cell, {}, (), f'{type(error).__name__}: {error}')
 
 
@@ -115,7 +115,7 @@ def play_episode(cell: Cell, variation: Variation, dataset: str = '') -> Episode
 def _open_world(
     task: str, sample: int, change_interval: int | None, synchrony: float | None, dataset: str
 ) -> PerceivedWorld:
-    """The world of a sample, kept for the next cells of the same one: its views are drawn and measured once."""
+    """Return the world of a sample; it is kept for the next cells, so that its views are drawn and measured once."""
     varied = Variation(change_interval, synchrony).task(task)
     return PerceivedWorld(WorldSpec(varied, sample, sample, Path(dataset) if dataset else None).open())
 

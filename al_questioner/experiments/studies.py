@@ -1,4 +1,4 @@
-"""What the paper does not tell, varied one thing at a time beside the comparison."""
+"""Studies of settings that the paper does not give; each varies one setting beside the comparison."""
 
 from __future__ import annotations
 
@@ -20,9 +20,9 @@ from al_questioner.questioning import IROS_FEATURES, TASK_FEATURES
 
 MOST_SAMPLES = 10
 ENDS = (PAPER_CONDITIONS['C1'], PAPER_CONDITIONS['C4'])
-"""The most and the least constrained condition."""
+"""Most and least constrained condition."""
 COMPARED = (*PAPER_STRATEGIES, 'u_sampling_fsq', 'farthest_fsq')
-"""The strategies of the paper, and two strong controls."""
+"""Strategies of the paper, and two strong controls."""
 TASK = PAPER_TASKS[0]
 
 CHANGE_INTERVALS = (5, 10, 20, 40)
@@ -30,21 +30,21 @@ SYNCHRONIES = (0.0, 0.5, 1.0)
 WRONG_RATES = (0.0, 0.1)
 IROS_UNIFORMITY = (0.0, 0.05, 0.1, 0.11, 0.12, 0.15, 0.26, 0.5, 1.0)
 TASK_WEIGHTS = ((0, 0.05), (0.05, 0.05), (0.06, 0.05), (0.08, 0.05), (0.1, 0.05), (0.17, 0.05), (0.07, 0), (0.07, 0.2))
-"""Class uniformity and prediction margin; the rest is shared by discriminability and instance variation."""
+"""Weights of class uniformity and prediction margin; discriminability and instance variation share the rest."""
 DISCRIMINABILITY_SHARE = 0.45 / (0.45 + 0.33)
-"""Of this rest, as in the prototype of the design."""
+"""Share of discriminability in this rest, as in the prototype of the design."""
 
 
 @dataclass(frozen=True)
 class Study:
-    """Episodes beside the comparison that differ from it in one thing.
+    """Episodes beside the comparison that differ from it in one setting.
 
     Attributes:
-        name: of its folder, and by which it is chosen.
-        title: of its section.
-        about: what is varied, in words.
-        own: what the comparison itself does about this thing.
-        plans: the variants, by what they do about it.
+        name: name of its folder, and for its choice.
+        title: title of its section.
+        about: the setting that is varied, in words.
+        own: value of the setting in the comparison.
+        plans: the variants, by their value of the setting.
     """
 
     name: str
@@ -55,12 +55,12 @@ class Study:
 
 
 def make_studies(names: Sequence[str], base: Variation, samples: Sequence[int]) -> list[Study]:
-    """The studies of these names.
+    """Return the studies of these names.
 
     Args:
         names: keys of `STUDIES`.
         base: the variation of the comparison, with the weights of all strategies that have some.
-        samples: of the comparison, of which a study takes the first `MOST_SAMPLES`.
+        samples: samples of the comparison, of which a study takes the first `MOST_SAMPLES`.
 
     Raises:
         InputError: an unknown name, or one that occurs twice.
@@ -239,4 +239,4 @@ STUDIES: Mapping[str, Callable[[Variation, tuple[int, ...]], Study]] = {
     'synchrony': _synchrony,
     'ablation': _ablation,
 }
-"""Makes each study, by name, from the variation of the comparison and the samples."""
+"""Functions that make each study, by name, from the variation of the comparison and the samples."""

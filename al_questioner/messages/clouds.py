@@ -1,6 +1,6 @@
-"""Scenes and decisions as PointCloud2: one point per object, or one per candidate.
+"""Conversion of scenes and decisions to and from PointCloud2: one point per object, or one per candidate.
 
-The message classes are handed in, so that the same code serves rclpy and bag readers.
+The message classes are passed in, so that the same code serves rclpy and bag readers.
 """
 
 from __future__ import annotations
@@ -15,14 +15,14 @@ from numpy.typing import NDArray
 from al_questioner.domain import DECISION_FEATURES, Action, Decision, QueryKind, Scene, SceneError
 
 _FORMATS = {1: 'i1', 2: 'u1', 3: 'i2', 4: 'u2', 5: 'i4', 6: 'u4', 7: 'f4', 8: 'f8'}
-"""numpy format of each datatype of sensor_msgs/PointField."""
+"""Format of numpy for each datatype of sensor_msgs/PointField."""
 _DATATYPES = {format_: datatype for datatype, format_ in _FORMATS.items()}
 
 _KINDS = tuple(QueryKind)
 _NO_SYMBOL = -1
 _NO_OBJECT = 2**32 - 1
 _POSITION = (('x', 'f4'), ('y', 'f4'), ('z', 'f4'))
-"""What RViz and Foxglove draw a cloud by."""
+"""Fields that RViz and Foxglove need to draw a cloud."""
 _SCENE_HEAD = (*_POSITION, ('object_id', 'u4'))
 _DECISION_FIELDS = (
     ('kind', 'u1'),
@@ -32,18 +32,18 @@ _DECISION_FIELDS = (
     *((name, 'f8') for name in DECISION_FEATURES),
     ('utility', 'f8'),
 )
-"""What a decision is read from; recordings of before tell no positions."""
+"""Fields that every decision cloud has; old recordings have no positions."""
 
 MAXIMAL_OBJECTS = 2_000
-"""In a scene: to think one over takes about half a minute."""
+"""Largest number of objects in a scene; with so many, one turn takes about half a minute to compute."""
 MAXIMAL_CANDIDATES = 100_000
-"""In a decision."""
+"""Largest number of candidates in a decision."""
 MAXIMAL_FIELDS = 10_000
 
 
 @dataclass(frozen=True)
 class CloudTypes:
-    """What a cloud is made of: the two message classes and the container of its bytes."""
+    """The two message classes of a cloud, and the container of its bytes."""
 
     cloud: Callable[..., Any]
     field: Callable[..., Any]
@@ -51,7 +51,7 @@ class CloudTypes:
 
 
 def cloud_of_scene(scene: Scene, header: Any, types: CloudTypes) -> Any:
-    """The `objects` cloud of a scene: `x y z object_id`, then one float32 field per feature."""
+    """Return the `objects` cloud of a scene: `x y z object_id`, then one float32 field per feature."""
     points = np.empty(len(scene), dtype=[*_SCENE_HEAD, *((name, 'f4') for name in scene.feature_names)])
     points['x'], points['y'], points['z'] = scene.positions.T
     points['object_id'] = scene.object_ids
@@ -61,11 +61,11 @@ def cloud_of_scene(scene: Scene, header: Any, types: CloudTypes) -> Any:
 
 
 def scene_of_cloud(cloud: Any, known_features: Sequence[str] = ()) -> Scene:
-    """The scene that an `objects` cloud shows; one without points shows that nothing is there.
+    """Return the scene that an `objects` cloud shows; a cloud without points shows that no object is there.
 
     Args:
         cloud: the message.
-        known_features: those of the scenes before: a cloud without points need not have their fields.
+        known_features: features of the earlier scenes; a cloud without points need not have their fields.
 
     Raises:
         SceneError: a field is missing, or the layout contradicts itself, or the scene is unusable.
@@ -78,7 +78,7 @@ def scene_of_cloud(cloud: Any, known_features: Sequence[str] = ()) -> Scene:
     if missing:
         raise SceneError(f'the objects cloud has no field {", ".join(missing)}')
     features = tuple(name for name in names if name not in {head for head, _ in _SCENE_HEAD})
-    # What does not fit into 32 bits becomes infinite, which a scene refuses.
+    # A value that does not fit into 32 bits becomes infinite, which a scene rejects.
     with np.errstate(over='ignore', invalid='ignore'):
         ids = points['object_id']
         if not np.array_equal(ids, ids.astype(np.uint32)) or (ids == _NO_OBJECT).any():
@@ -95,29 +95,29 @@ def scene_of_cloud(cloud: Any, known_features: Sequence[str] = ()) -> Scene:
 
 def _empty_scene(feature_names: tuple[str, ...]) -> Scene:
     if not feature_names:
-        raise SceneError('the cloud holds neither points nor fields, so that it does not tell which features there are')
+        raise SceneError('the cloud holds neither points nor fields, so its features are unknown')
     return Scene((), np.empty((0, 3), np.float32), np.empty((0, len(feature_names)), np.float32), feature_names)
 
 
 def cloud_of_decision(
     decision: Decision, symbols: tuple[str, ...], header: Any, types: CloudTypes, scene: Scene | None = None
 ) -> Any:
-    """The `decision` cloud: a point per candidate.
+    """Return the `decision` cloud: one point per candidate.
 
-    `x y z` is where the object of a candidate lies, NaN where it has none. `kind` is the position in (label,
-    demonstration, feature_subset, no_query), `symbol` the position in the episode's symbols. Where a candidate names
+    `x y z` is the position of the candidate's object, NaN if it has none. `kind` is the position in (label,
+    demonstration, feature_subset, no_query), `symbol` the position in the episode's symbols. If a candidate names
     none, `object_id` is 2^32 - 1 and `symbol` -1. `chosen` is 1 for one point.
 
     Args:
-        decision: what was weighed.
-        symbols: of the episode.
-        header: of the cloud.
+        decision: the decision.
+        symbols: symbols of the episode.
+        header: header of the cloud.
         types: the message classes.
-        scene: where the objects lie; if not given, no candidate has a position.
+        scene: the scene, for the positions of the objects; without it, no candidate has a position.
     """
     places = {} if scene is None else dict(zip(scene.object_ids, scene.positions, strict=True))
     nowhere = np.full(3, np.nan, np.float32)
-    # Zeros, as bytes between the fields are not to be those of what was there before.
+    # Zeros, so that the padding bytes between the fields are always the same.
     points = np.zeros(len(decision.candidates), dtype=np.dtype([*_POSITION, *_DECISION_FIELDS], align=True))
     for row, action in enumerate(decision.candidates):
         place = nowhere if action.object_id is None else places.get(action.object_id, nowhere)
@@ -133,7 +133,7 @@ def cloud_of_decision(
 
 
 def decision_of_cloud(cloud: Any, symbols: tuple[str, ...], turn: int) -> Decision:
-    """The decision that a `decision` cloud tells of, without its query.
+    """Return the decision that a `decision` cloud holds, without its query.
 
     Raises:
         SceneError: the layout is not that of a decision, or not exactly one candidate is chosen.
@@ -187,7 +187,7 @@ def _cloud(points: NDArray[np.void], header: Any, types: CloudTypes) -> Any:
 
 
 def _points(cloud: Any, most: int) -> NDArray[np.void]:
-    """The points, at most so many, of any cloud with scalar fields, whatever its byte order, padding and rows."""
+    """Return the points of any cloud with scalar fields, with any byte order, padding and rows; reject too many."""
     if any(field.count != 1 for field in cloud.fields):
         raise SceneError('a field of the cloud holds more than one value a point')
     count = cloud.width * cloud.height
@@ -206,14 +206,14 @@ def _points(cloud: Any, most: int) -> NDArray[np.void]:
             f'the cloud holds {len(data)} bytes, too few for {cloud.height} x {cloud.width} points'
             f' of {cloud.point_step} bytes'
         )
-    # Not before: numpy computes with 32 bits here, and would read beyond the data.
+    # Only after the checks: numpy computes with 32 bits here, and would read beyond the data.
     layout = _layout(cloud)
     rows = data[: cloud.row_step * cloud.height].reshape(cloud.height, cloud.row_step)[:, :row]
     return np.ascontiguousarray(rows).reshape(-1).view(layout)
 
 
 def _layout(cloud: Any) -> np.dtype[np.void]:
-    """How the values of a point lie in its bytes, of which there are no more than the cloud holds."""
+    """Return where the values of a point lie in its bytes; reject values that lie beyond its end."""
     order = '>' if cloud.is_bigendian else '<'
     formats = [_FORMATS.get(field.datatype, '') for field in cloud.fields]
     for field, format_ in zip(cloud.fields, formats, strict=True):

@@ -1,4 +1,4 @@
-"""The communicative actions of a turn, and how each is put to the teacher."""
+"""Communicative actions of a turn, and the wording of each as a question to the teacher."""
 
 from __future__ import annotations
 
@@ -7,11 +7,13 @@ from collections.abc import Sequence
 from al_questioner.domain import Action, Costs, QueryKind, Scene, group_of
 
 BUDGET_ROUNDING = 1e-9
-"""Costs that add up to the budget but for rounding (three times 0.1 for 0.3) are affordable."""
+"""Largest amount by which rounding may exceed the budget: three times 0.1 is affordable with 0.3."""
 
 
 def candidates(scene: Scene, symbols: Sequence[str], costs: Costs, budget_left: float) -> tuple[Action, ...]:
-    """The |Y| + |X| + 2 actions of section 2.1 of the paper that the budget can pay and that have several answers.
+    """Return the actions of section 2.1 of the paper that the budget can pay and that have several answers.
+
+    Without these limits there are |Y| + |X| + 2.
 
     Returns:
         DQ(y) in the order of the symbols, LQ(x) in the order of the scene, FSQ, NQ; of each kind all of them or none.
@@ -27,9 +29,9 @@ def candidates(scene: Scene, symbols: Sequence[str], costs: Costs, budget_left: 
 
 
 def is_open(kind: QueryKind, scene: Scene) -> bool:
-    """Whether a question of this kind has more than one possible answer in this scene, so that it can tell something.
+    """Return whether a question of this kind has more than one possible answer in this scene.
 
-    Where nothing is in view nothing can be shown, and where all features are of one group that is the one that matters.
+    In an empty scene nothing can be shown. If all features are of one group, that is the group that matters.
     """
     if kind is QueryKind.DEMONSTRATION:
         return len(scene) > 0
@@ -39,12 +41,12 @@ def is_open(kind: QueryKind, scene: Scene) -> bool:
 
 
 def is_affordable(cost: float, budget_left: float) -> bool:
-    """Whether the budget can pay for it; what costs nothing always is."""
+    """Return whether the budget can pay a cost; a cost of 0 is always affordable."""
     return cost <= budget_left + BUDGET_ROUNDING
 
 
 def question_text(action: Action, symbols: Sequence[str]) -> str:
-    """The question in plain English.
+    """Return the question in plain English.
 
     Raises:
         ValueError: the action asks nothing.
@@ -70,9 +72,9 @@ def _with_article(noun: str) -> str:
 
 
 def choices(action: Action, scene: Scene, symbols: Sequence[str], groups: Sequence[str]) -> tuple[str, ...]:
-    """The answers that count: symbols, object ids as text, or feature groups.
+    """Return the answers to choose from: symbols, object ids as text, or feature groups.
 
-    That nothing fits (`NO_SYMBOL`) can be said of every label and demonstration query and is not listed.
+    `NO_SYMBOL` is a valid answer to every label and demonstration query and is not listed.
 
     Raises:
         ValueError: the action asks nothing.

@@ -1,4 +1,4 @@
-"""What a questioning strategy sees of a turn."""
+"""State of a turn as a questioning strategy sees it."""
 
 from __future__ import annotations
 
@@ -17,17 +17,17 @@ from al_questioner.questioning.candidates import candidates
 
 @dataclass(frozen=True, eq=False)
 class TurnContext:
-    """The learning state of section 2.1 of the paper, before the action of the turn.
+    """Learning state of section 2.1 of the paper, before the action of the turn.
 
-    It refers to the episode's concepts and is valid until that changes. What costs time is computed on first use.
+    It refers to the episode's concepts and is valid until they change. Costly values are computed on first use.
 
     Attributes:
         turn: 1-based.
         turns: number of turns of the episode.
         scene: the objects seen this turn.
-        concepts: what the learner has been told.
-        budget: of the episode.
-        spent: of the budget so far.
+        concepts: the concept learner of the episode.
+        budget: budget of the episode.
+        spent: part of the budget that was spent so far.
         costs: price of each kind of query.
         change_interval: turns between scene changes as the robot expects them: the window of the non-query time.
         non_query_turns: consecutive turns before this one in which nothing was asked.
@@ -49,7 +49,7 @@ class TurnContext:
 
     @property
     def symbols(self) -> tuple[str, ...]:
-        """The concepts to ground."""
+        """Concepts to ground."""
         return self.concepts.symbols
 
     @property
@@ -64,14 +64,17 @@ class TurnContext:
 
     @property
     def allowance(self) -> float:
-        """What may be spent in the present scene if, of K scenes, k/K of the budget is to last until the k-th ends."""
+        """Amount that may be spent in the present scene.
+
+        After the k-th of K scenes, k/K of the budget may have been spent.
+        """
         scenes = math.ceil(self.turns / self.change_interval)
         number = (self.turn - 1) // self.change_interval + 1
         return self.budget * number / scenes - self.spent
 
     @cached_property
     def absent_symbols(self) -> frozenset[str]:
-        """The symbols of which, the teacher said, nothing is in the present scene."""
+        """Symbols that the present scene does not contain, according to the teacher."""
         records = takewhile(lambda record: record.turn >= self.scene_turn, reversed(self.history))
         return frozenset(
             record.symbol
@@ -84,16 +87,16 @@ class TurnContext:
 
     @cached_property
     def excluded_symbols(self) -> frozenset[str]:
-        """The symbols that nothing in the scene can be of: every view in it has been labelled, and otherwise."""
+        """Symbols that no object of the scene can have, since every view in it has another label."""
         if not self.labelled.all():
             return frozenset()
         return frozenset(self.symbols).difference(self.concepts.labels_of(self.scene))
 
     @cached_property
     def known_answers(self) -> frozenset[Action]:
-        """The questions whose one possible answer is known already: all that is in view has been labelled.
+        """Questions whose only possible answer is known already, since every view in the scene has a label.
 
-        That is the demonstration of a symbol of which one thing is here, and the label of a thing that is alone.
+        These are the demonstration of a symbol with a single object here, and the label of a single object.
         """
         if not self.labelled.all():
             return frozenset()
@@ -104,15 +107,15 @@ class TurnContext:
 
     @cached_property
     def candidates(self) -> tuple[Action, ...]:
-        """The actions that can be paid for and tell something: DQ by symbol, LQ by object, FSQ, NQ."""
+        """Actions that can be paid for and have several answers: DQ by symbol, LQ by object, FSQ, NQ."""
         return candidates(self.scene, self.symbols, self.costs, self.budget_left)
 
     @cached_property
     def probabilities(self) -> NDArray[np.float64]:
-        """(|X|, |Y|) q_y(x) of the scene."""
+        """Degrees q_y(x) of the scene, (|X|, |Y|)."""
         return self.concepts.predict_proba(self.scene.features)
 
     @cached_property
     def labelled(self) -> NDArray[np.bool_]:
-        """(|X|,) whether this view of each object has been labelled already."""
+        """Views that have been labelled already, (|X|,) booleans."""
         return self.concepts.is_labelled(self.scene)

@@ -1,4 +1,4 @@
-"""Hearing every publisher of a topic, whatever quality of service it offers, and each message once."""
+"""Subscription to every publisher of a topic, whatever quality of service it offers, without duplicate messages."""
 
 from __future__ import annotations
 
@@ -18,27 +18,28 @@ from al_questioner.ros.overrides import is_overridden, overriding_options
 Kind = tuple[ReliabilityPolicy, DurabilityPolicy]
 
 LEAST: Kind = (ReliabilityPolicy.BEST_EFFORT, DurabilityPolicy.VOLATILE)
-"""What every publisher offers."""
+"""Reliability and durability that every publisher offers."""
 LATEST_HEARD = 100
-"""Messages that are known again when they come a second time."""
+"""Number of latest messages that are remembered to detect duplicates."""
 NO_WARNINGS = SubscriptionEventCallbacks(use_default_callbacks=False)
-"""A publisher that one subscription does not suit is heard by another."""
+"""Event callbacks without warnings: a publisher that one subscription does not fit is received by another."""
 
 
 class Hearing:
-    """Subscribes to a topic as each of its publishers offers.
+    """Subscriber to a topic with the quality of service that each of its publishers offers.
 
-    A subscription that asks for more than a publisher offers hears nothing of it. One that asks for less is given
-    neither what was latched before it came, nor again what was lost. So there is one of each kind that is offered; of
-    what comes by two of them the second is left out. All of it happens on the executor's thread.
+    A subscription that requests more than a publisher offers receives nothing from it. One that requests less receives
+    neither messages that were latched earlier nor repetitions of lost ones. So there is one subscription for each
+    offered kind, and a message that arrives by two of them is passed on once. All of this runs on the executor's
+    thread.
 
     Args:
-        node: that listens.
-        message_type: of the topic.
+        node: the node that subscribes.
+        message_type: type of the topic.
         topic: its name, relative to the node.
         hear: called with every message.
-        profile: to ask for at most. If it is volatile, nobody's latched message is wanted.
-        raw: hand over the bytes of a message instead.
+        profile: the highest quality of service to request. If it is volatile, latched messages are not wanted.
+        raw: pass on the bytes of a message instead.
     """
 
     def __init__(
@@ -60,14 +61,14 @@ class Hearing:
         self._is_fixed = is_overridden(node, self._name, ('reliability', 'durability'))
         self._latest: deque[tuple[int, int]] = deque(maxlen=LATEST_HEARD)
         self._profiles: list[QoSProfile] = []
-        # What rclpy makes of the parameters is written into the profile.
+        # A copy, because rclpy writes the overrides of the parameters into the profile.
         self._profile = copy(profile)
         if topic in qos.SENSED:
             self._profile.reliability, self._profile.durability = LEAST
         self._subscribe(self._profile, qos_overriding_options=overriding_options())
 
     def look(self) -> None:
-        """Subscribe as those publishers offer that have come since the last time."""
+        """Subscribe to publishers that are new since the last call, with the quality of service that they offer."""
         if self._is_fixed:
             return
         for one in self._publishers():
@@ -78,7 +79,7 @@ class Hearing:
                 self._subscribe(profile)
 
     def unheard(self) -> list[str]:
-        """What is wrong with publishers that cannot be heard, a line each."""
+        """Return the problems with publishers that cannot be received, one line each."""
         lines = []
         expected = f'{self._type.__module__.split(".")[0]}/msg/{self._type.__name__}'
         for one in self._publishers():
@@ -93,7 +94,7 @@ class Hearing:
         return found
 
     def _kind_of(self, offered: QoSProfile) -> Kind:
-        """The most that a publisher offers of what is wanted."""
+        """Return the part of the wanted quality of service that a publisher offers."""
         if offered.reliability != ReliabilityPolicy.RELIABLE:
             return LEAST
         latched = self._wants_latched and offered.durability == DurabilityPolicy.TRANSIENT_LOCAL
@@ -107,9 +108,9 @@ class Hearing:
         self._profiles.append(profile)
 
     def _take(self, message: Any, information: dict[str, Any]) -> None:
-        """Hand a message on, unless another subscription has heard the same."""
+        """Pass a message on, unless another subscription has received the same."""
         identity = information['source_timestamp'], information['publication_sequence_number']
-        # A middleware that does not tell the time of sending says 0.
+        # The time is 0 if the middleware does not give the time of sending.
         if identity[0]:
             if identity in self._latest:
                 return
@@ -118,9 +119,9 @@ class Hearing:
 
 
 def unserved(node: Node, topic: str) -> list[str]:
-    """Who listens to a topic of this node and hears nothing, as they ask for more than it offers, a line each."""
+    """Return the nodes that subscribe to a topic of this node but request more than it offers, one line each."""
     own = node.get_fully_qualified_name()
-    # As the middleware has it: what a profile leaves open would pass for less than what is asked for.
+    # The offer as the middleware reports it: an open setting of the profile would count as less than requested.
     offers = [one.qos_profile for one in node.get_publishers_info_by_topic(topic) if full_name(one) == own]
     served, reasons = set(), {}
     for one in node.get_subscriptions_info_by_topic(topic) if offers else ():
@@ -137,10 +138,10 @@ def unserved(node: Node, topic: str) -> list[str]:
 
 
 def fits(offered: QoSProfile, asked: QoSProfile) -> bool:
-    """Whether a subscription hears a publisher."""
+    """Return whether a subscription can receive from a publisher."""
     return bool(qos_check_compatible(offered, asked)[0] != QoSCompatibility.ERROR)
 
 
 def full_name(one: TopicEndpointInfo) -> str:
-    """The node at an end of a topic; 'another node' as long as it is not known, which one that has just come is not."""
+    """Return the name of the node at an end of a topic; 'another node' while it is unknown, as for a new node."""
     return 'another node' if 'UNKNOWN' in one.node_name else f'{one.node_namespace.rstrip("/")}/{one.node_name}'

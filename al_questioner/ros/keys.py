@@ -1,4 +1,4 @@
-"""Single keys from a terminal, which is as it was afterwards, whatever happens."""
+"""Reader of single keys from a terminal, which always restores the terminal's settings."""
 
 from __future__ import annotations
 
@@ -14,15 +14,15 @@ from types import TracebackType
 from typing import Any
 
 ARROWS = {'A': 'up', 'B': 'down', 'C': 'right', 'D': 'left'}
-"""Last letter of what a terminal sends for an arrow."""
+"""Name of each arrow key, by the last letter of its escape sequence."""
 KEY = re.compile(
     r'\x1b(?:\[|O)[0-9;]*(?P<last>[A-Za-z~])|(?P<begun>\x1b(?:(?:\[|O)[0-9;]*)?\Z)|(?P<plain>.)', re.DOTALL
 )
-"""A special key, the beginning of one at the end of what was read, or a character."""
+"""Pattern for a special key, an incomplete special key at the end of the input, or a character."""
 
 
 class Keys:
-    """A context manager that hands over every key pressed; it does nothing where there is no terminal to read.
+    """Context manager that passes on every key pressed; without a terminal it does nothing.
 
     Args:
         pressed: called with a character, or with 'up', 'down', 'left' or 'right', from a thread of its own.
@@ -81,7 +81,7 @@ class Keys:
 
 
 def split_keys(text: str) -> tuple[list[str], str]:
-    """The keys that a terminal's characters stand for, and the beginning of one that is not complete.
+    """Return the keys that a terminal's characters stand for, and an incomplete key at their end.
 
     Special keys other than arrows are left out, so that no letter in them is taken for a key.
     """
@@ -97,15 +97,15 @@ def split_keys(text: str) -> tuple[list[str], str]:
 
 
 def _is_ours() -> bool:
-    """Whether stdin is a terminal that this process may read; a job in the background is stopped if it tries."""
+    """Return whether stdin is a terminal that this process may read; a background process would be stopped."""
     try:
         if not sys.stdin.isatty():
             return False
     except (AttributeError, ValueError):
-        # No stdin at all, or a closed one.
+        # There is no stdin, or it is closed.
         return False
     try:
         return os.tcgetpgrp(sys.stdin.fileno()) == os.getpgrp()
     except OSError:
-        # Not the terminal of this session, so that nobody minds.
+        # It is not the terminal of this session, so reading it stops nothing.
         return True

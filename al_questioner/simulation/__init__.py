@@ -1,6 +1,6 @@
-"""Learning without a robot: tasks, worlds, a scripted teacher, whole episodes, and how well the learner does in them.
+"""Learning without a robot: tasks, worlds, a scripted teacher, whole episodes, and their evaluation.
 
-What a name stands for is imported when it is asked for.
+A name is imported when it is first used.
 """
 
 from typing import TYPE_CHECKING

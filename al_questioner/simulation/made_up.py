@@ -1,4 +1,4 @@
-"""A table of things that nobody has seen: made-up features, to try a task before the robot is there."""
+"""World with invented features, to try a task before the robot is there."""
 
 from __future__ import annotations
 
@@ -16,13 +16,13 @@ from al_questioner.simulation.simulated_world import SimulatedWorld
 from al_questioner.simulation.task import Task
 
 GROUPS = ('colour', 'size')
-"""That matter in a task that does not name any."""
+"""Feature groups that matter in a task that does not name any."""
 IRRELEVANT_GROUPS = ('noise', 'other', 'further')
-"""One of these does not matter."""
+"""Names for the feature group that does not matter; the first one that the task does not use is taken."""
 FEATURES_PER_GROUP = 2
 KINDS_PER_SYMBOL, KINDS_OF_CLUTTER, STATES = 2, 12, 3
 KIND_SPREAD, STATE_SPREAD, VIEW_SPREAD = 0.4, 0.4, 0.15
-"""Standard deviations, in those of the symbols, by which kinds, their states and two looks at one of them differ."""
+"""Standard deviations between kinds, their states and two looks at one, in standard deviations of the symbols."""
 UNSEEN = View(
     np.zeros((1, 1, 3), np.uint8),
     np.zeros((1, 1), np.uint16),
@@ -30,19 +30,19 @@ UNSEEN = View(
     Camera(1.0, 1.0, 0.0, 0.0),
     (0, 0),
 )
-"""What nobody has seen looks like nothing."""
+"""Empty view of an invented object."""
 
 
 class MadeUpWorld(SimulatedWorld):
-    """A simulated table whose things are numbers: the groups of the task tell its symbols apart, another one does not.
+    """A simulated table whose objects are numbers: the task's groups distinguish its symbols, another one does not.
 
     Args:
-        task: what lies on the table and how it changes, simulated or a directory of crops.
-        seed: draws the scenes.
-        sample: draws the things.
+        task: objects on the table and their changes, simulated or a directory of crops.
+        seed: seed of the scenes.
+        sample: seed of the objects.
 
     Attributes:
-        relevant_groups: those of the task, else of `GROUPS`.
+        relevant_groups: those of the task, or else `GROUPS`.
     """
 
     def __init__(self, task: Task, seed: int, sample: int) -> None:
@@ -52,7 +52,7 @@ class MadeUpWorld(SimulatedWorld):
         super().__init__(dataclasses.replace(task, scenes=scenes), seed, sample, _kinds(task))
 
     def report(self) -> str:
-        """What was made up."""
+        """Return a text about the invented features."""
         matter = 'matters' if len(self.relevant_groups) == 1 else 'matter'
         groups = ', '.join(self.relevant_groups)
         return f'dry run on made-up features: {groups} {matter}, {self._irrelevant_group} does not'
@@ -71,12 +71,12 @@ class MadeUpWorld(SimulatedWorld):
         return Observation(object_id, position, UNSEEN, dict(zip(names, map(float, values), strict=True)))
 
     def _drawn(self, what: str, count: int) -> NDArray[np.float64]:
-        """What is peculiar to something, the same whenever it is seen."""
+        """Return the constant part of something's features, the same at every look."""
         return random_stream(self._sample_number, f'made up/{what}').normal(0, 1, count)
 
 
 def made_up_scene(observations: Sequence[Observation]) -> Scene:
-    """The scene that observations of a `MadeUpWorld` show: their features are readings of sensors, and nothing else."""
+    """Return the scene of observations of a `MadeUpWorld`: their features are sensor readings only."""
     return Scene(
         tuple(observation.object_id for observation in observations),
         np.array([observation.position for observation in observations], dtype=np.float32),
@@ -86,7 +86,7 @@ def made_up_scene(observations: Sequence[Observation]) -> Scene:
 
 
 def _kinds(task: Task) -> dict[str, tuple[Kind, ...]]:
-    """Kinds of things of each symbol, and of clutter."""
+    """Return the kinds of objects of each symbol, and of clutter."""
     counts = dict.fromkeys(task.symbols, task.appearance.kinds_per_symbol or KINDS_PER_SYMBOL)
     counts[NO_SYMBOL] = task.appearance.kinds_of_clutter or KINDS_OF_CLUTTER
     states = tuple(State(f'state {i}', _never, 0.0) for i in range(STATES if task.scenes.turnover == 'state' else 1))
@@ -97,4 +97,4 @@ def _kinds(task: Task) -> dict[str, tuple[Kind, ...]]:
 
 
 def _never(look: object, rng: object) -> Solid:
-    raise RuntimeError('what is made up has no shape')
+    raise RuntimeError('a made-up object has no shape')

@@ -1,4 +1,4 @@
-"""Opening the world that a task asks for."""
+"""Opening of the world that a task needs."""
 
 from __future__ import annotations
 
@@ -12,12 +12,12 @@ from al_questioner.simulation.world import World
 
 
 def make_world(task: Task, seed: int, sample: int | None = None, dataset: Path | None = None) -> World:
-    """The world of a task.
+    """Return the world of a task.
 
     Args:
-        task: what `load_task` returned.
-        seed: draws the scenes.
-        sample: draws training pool and test set; None for the seed.
+        task: result of `load_task`.
+        seed: seed of the scenes.
+        sample: seed of training pool and test set; None for the seed.
         dataset: root of a directory in the layout of the University of Washington RGB-D Object Dataset.
 
     Raises:

@@ -1,7 +1,7 @@
 """Functions of large libraries that are imported at the first call.
 
-A process that shows its help, or refuses an option, calls none of them, and importing scipy takes longer than all the
-rest. What is late is so for this reason alone.
+A process that shows its help, or rejects an option, calls none of them, and importing scipy takes longer than all the
+rest. This is the only reason for a late import.
 """
 
 from __future__ import annotations
@@ -13,7 +13,7 @@ from typing import Any
 
 
 def late(module: str, name: str) -> Callable[..., Any]:
-    """The function of this name in a module, which is imported when the function is called."""
+    """Return a function that imports a module at its first call and then calls the function of this name in it."""
 
     @cache
     def found() -> Callable[..., Any]:

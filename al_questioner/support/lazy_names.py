@@ -1,4 +1,4 @@
-"""Public names of a package that are imported when somebody asks for them."""
+"""Public names of a package that are imported at the first access."""
 
 from __future__ import annotations
 
@@ -7,11 +7,11 @@ from importlib import import_module
 
 
 def lazy_names(package: str, homes: Mapping[str, str]) -> Callable[[str], object]:
-    """The `__getattr__` of a package whose public names live in its modules.
+    """Return the `__getattr__` of a package whose public names are defined in its modules.
 
     Args:
-        package: its name.
-        homes: the module of each public name, below the package.
+        package: name of the package.
+        homes: the module of each public name, relative to the package.
     """
 
     def find(name: str) -> object:

@@ -1,4 +1,4 @@
-"""A limit on how often something may happen."""
+"""Limits on how often something may happen."""
 
 from __future__ import annotations
 
@@ -6,10 +6,10 @@ import time
 
 
 class RateLimiter:
-    """Lets at most so many through in any period, by the steady clock.
+    """A limiter that lets at most so many events pass in any period, by the steady clock.
 
     Args:
-        most: that pass within a period.
+        most: largest number of events in a period.
         period: seconds.
     """
 
@@ -20,13 +20,13 @@ class RateLimiter:
 
     @property
     def is_used_up(self) -> bool:
-        """Whether no more may pass for now."""
+        """True if no more events may pass now."""
         now = time.monotonic()
         self._passed = [at for at in self._passed if now - at < self._period]
         return len(self._passed) >= self._most
 
     def passes(self) -> bool:
-        """Whether one more may pass now; if so, it has."""
+        """Return whether one more event may pass now, and count it if so."""
         if self.is_used_up:
             return False
         self._passed.append(time.monotonic())
@@ -34,10 +34,10 @@ class RateLimiter:
 
 
 class RepeatLimiter:
-    """Lets each kind of thing through once in any period, and at most so many kinds; counts what it holds back.
+    """A limiter that lets each kind of event pass once in any period, and at most so many kinds; it counts the others.
 
     Args:
-        most: kinds that pass within a period.
+        most: largest number of kinds in a period.
         period: seconds.
     """
 
@@ -48,7 +48,7 @@ class RepeatLimiter:
         self._held_back = 0
 
     def passes(self, kind: str) -> bool:
-        """Whether one of this kind may pass now; if so, it has."""
+        """Return whether an event of this kind may pass now, and count it."""
         now = time.monotonic()
         self._passed = {each: at for each, at in self._passed.items() if now - at < self._period}
         if kind in self._passed or len(self._passed) >= self._most:
@@ -58,6 +58,6 @@ class RepeatLimiter:
         return True
 
     def held_back(self) -> int:
-        """How many, of whatever kind, did not pass since the last time that this was asked."""
+        """Return how many events of any kind did not pass since the last call."""
         count, self._held_back = self._held_back, 0
         return count

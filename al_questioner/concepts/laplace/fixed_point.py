@@ -6,17 +6,17 @@ from al_questioner.concepts.laplace.compiled import compiled
 from al_questioner.support.arrays import Array
 
 Memory = tuple[Array, Array, Array, Array]
-"""Of many problems: (H, n) guesses, last images and last residuals, and (H,) squared lengths of the residuals."""
+"""State of many problems: (H, n) guesses, last images and last residuals, and (H,) squared lengths of the residuals."""
 
 
 @compiled
 def extrapolate(memory: Memory, row: int, target_row: int, this: Array, length: float, common: float) -> None:
-    """Make the next guess: of all on the line through the last two images, that of least residual.
+    """Make the next guess: the point of least residual on the line through the last two images.
 
     Args:
-        memory: of all problems; before the first step it holds zeros but for the guesses.
-        row: of the problem.
-        target_row: where the problem stands from now on; not behind `row`.
+        memory: memory of all problems; before the first step it holds zeros, except for the guesses.
+        row: row of the problem.
+        target_row: new row of the problem, at most `row`.
         this: (n,) image of the guess.
         length: squared length of its residual, the image less the guess.
         common: inner product of the residual with the last one.

@@ -1,8 +1,8 @@
-"""What the classifiers would say after one more example, without fitting them again.
+"""Predictions of the classifiers after one more example, without a new fit.
 
-A hypothesis is a thing and whether it is a positive or a negative example of a classifier. Along the axis of hypotheses
-(2e of them for e things) come first all things as negative examples, then all as positive ones. Arrays over the n
-examples are scaled as in `mode_shift`. Derived in docs/explanation/look_ahead.md.
+A hypothesis is an object and whether it is a positive or a negative example of a classifier. Along the axis of
+hypotheses (2e of them for e objects), all objects come first as negative examples, then all as positive ones. Arrays
+over the n examples are scaled as in `mode_shift`. Derived in docs/explanation/look_ahead.md.
 """
 
 from __future__ import annotations
@@ -17,35 +17,37 @@ from al_questioner.concepts.laplace.variance_change import covariance_tangent, s
 from al_questioner.support.arrays import Array, Index
 
 PROBABILITY_TOLERANCE = 8e-7
-"""A probability whose error bound is larger is computed by refitting."""
+"""Largest error bound of a probability that is not computed by refitting."""
 
 SLOPE_IN_MEAN = 0.25
 SLOPE_IN_VARIANCE = 0.0488
-"""Largest derivatives of the expected logistic function, as the five-term sum has them: the exact function has 1/4 in
-the mean, and max |logistic''| / 2 = 0.0481 in the variance."""
+"""Largest derivatives of the expected logistic function, as the five-term sum has them.
+
+The exact function has 1/4 in the mean, and max |logistic''| / 2 = 0.0481 in the variance.
+"""
 
 MAX_REFIT_NUMBERS = 1_000_000
-"""Largest stack of kernel matrices that is refitted at once, in numbers: bounds its memory to some 50 MB."""
+"""Largest stack of kernel matrices that is refitted at once, in numbers: about 50 MB."""
 
 
 def predict_each(
     posterior: Posterior, marginals: Marginals, things: Index, prior: Array, amplitude: float, exact: bool
 ) -> Array:
-    """Predictions for all points of a scene had each of some of its things been an example.
+    """Return predictions for all points of a scene if each of some of its objects, alone, were an example.
 
     Args:
-        posterior: without the example.
-        marginals: of the k points of the scene.
+        posterior: posteriors without the example.
+        marginals: marginals of the k points of the scene.
         things: (e,) the points that are hypothetical examples.
         prior: (e, k) their prior covariance with all points.
         amplitude: prior variance of a point.
-        exact: refit what is not within `PROBABILITY_TOLERANCE`; False stops after the first step of the modes and the
-            first moment of the variances.
+        exact: refit the hypotheses that are not within `PROBABILITY_TOLERANCE`; False stops after the first step of the
+            modes and the first moment of the variances.
 
     Returns:
         (|Y|, 2e, k) probability of the positive class.
     """
-    # What overflows or divides by zero at large amplitudes has no finite bound, and is refitted.
+    # A hypothesis that overflows or divides by zero at large amplitudes has no finite bound, and is refitted.
     with np.errstate(all='ignore'):
         probabilities, error = _predict(posterior, marginals, things, prior, amplitude, exact)
     if exact:
@@ -61,7 +63,7 @@ def predict_each(
 def _predict(
     posterior: Posterior, marginals: Marginals, things: Index, prior: Array, amplitude: float, exact: bool
 ) -> tuple[Array, Array]:
-    """Probabilities as `predict_each`, and (|Y|, 2e) a bound on the error of each hypothesis, if `exact`."""
+    """Return probabilities as `predict_each`, and (|Y|, 2e) a bound on the error of each hypothesis, if `exact`."""
     both = np.concatenate([things, things])
     twice = np.tile(np.arange(len(things)), 2)
     new = np.ascontiguousarray(marginals.solved.transpose(0, 2, 1)[:, both])
@@ -72,7 +74,7 @@ def _predict(
     shift = find_shift(posterior, new, variance[:, both], marginals.mean[:, both], targets, steps)
     mean = marginals.mean[:, None] + cross * shift.pull[:, :, None] - np.matmul(shift.bend, marginals.solved)
 
-    # First without the new example's own curvature: the old ones change theirs ...
+    # First without the curvature of the new example: the curvatures of the old ones change ...
     if exact and posterior.modes.size:
         bounds = spectrum_bounds(posterior.single, shift.relative)
         drops, own_error = variance_drops(posterior.single, marginals.solved, shift.relative, bounds)
@@ -92,7 +94,7 @@ def _predict(
     joint_errors = joint_error[:, :, None] * np.sqrt(variance)[:, None]
     variance_error = own_error + 2 * pulled * joint_errors + pulled**2 * _at_new(own_error, both)
     largest = np.maximum(variance.max(axis=1)[:, None], own.max(axis=2))
-    # Modes that are off by d deviations change the curvatures, and so the variances, by a share of d sqrt(amplitude).
+    # An error of the modes by d deviations changes the curvatures, and the variances, by a share of d sqrt(amplitude).
     mode_error = shift.error * (SLOPE_IN_MEAN * np.sqrt(largest) + SLOPE_IN_VARIANCE * largest * np.sqrt(amplitude))
     return probabilities, mode_error + SLOPE_IN_VARIANCE * variance_error.max(axis=2)
 
@@ -100,7 +102,7 @@ def _predict(
 def _refit(
     posterior: Posterior, marginals: Marginals, things: Index, prior: Array, amplitude: float, y: Index, h: Index
 ) -> Array:
-    """(F, k) predictions of the classifiers y under the hypotheses h, F of each, fitted from scratch."""
+    """Return (F, k) predictions of the classifiers y under the hypotheses h, F of each, fitted from scratch."""
     n, k = posterior.modes.shape[1], prior.shape[1]
     example = h % len(things)
     old_cross = marginals.cross
@@ -119,5 +121,5 @@ def _refit(
 
 
 def _at_new(values: Array, both: Index) -> Array:
-    """(..., h, 1) of (..., h, k) values at the points, that at each hypothesis' own new example."""
+    """Return (..., h, 1) of (..., h, k) values at the points: the value at each hypothesis' own new example."""
     return values[..., np.arange(len(both)), both][..., None]

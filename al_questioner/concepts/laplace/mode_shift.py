@@ -1,4 +1,4 @@
-"""Where the modes go when one more example is added, starting from the present posterior.
+"""Shift of the modes when one more example is added, starting from the present posterior.
 
 In scaled coordinates: for a function g on the n examples, the arrays hold W^1/2 g. In these the posterior covariance of
 the examples is T = I - B^-1, see `Posterior`. Derived in docs/explanation/look_ahead.md.
@@ -16,7 +16,7 @@ from al_questioner.concepts.laplace.posterior import Posterior
 from al_questioner.support.arrays import Array
 
 MODE_TOLERANCE = 2e-7
-"""The search for a mode ends when it is no farther from the true one, in posterior standard deviations."""
+"""Distance from the true mode, in posterior standard deviations, at which the search for it ends."""
 
 MOST_MODE_STEPS = 12
 MOST_SITE_STEPS = 50
@@ -24,13 +24,13 @@ MOST_SITE_STEPS = 50
 
 @dataclass(frozen=True, eq=False)
 class Shift:
-    """How the modes move when one example is added.
+    """Shift of the modes when one example is added.
 
     Attributes:
         change: (|Y|, h, n) W^1/2 g, the change of the modes at the old examples, scaled.
-        latent: (|Y|, h) the new example's own mode.
+        latent: (|Y|, h) mode at the new example.
         pull: (|Y|, h) rho, the gradient of the new example there.
-        bend: (|Y|, h, n) W^-1/2 h, by how much the old examples' gradients change beyond the linear.
+        bend: (|Y|, h, n) W^-1/2 h, the change of the old examples' gradients beyond the linear part.
         relative: (|Y|, h, n) E = W' / W - 1, the relative change of the old examples' curvatures.
         error: (|Y|, h) bound on the distance from the true mode, in posterior standard deviations.
     """
@@ -52,19 +52,19 @@ def find_shift(
     steps: int = MOST_MODE_STEPS,
     tolerance: float = MODE_TOLERANCE,
 ) -> Shift:
-    """Modes of the posteriors with one more example, as a change of the present ones.
+    """Return the modes of the posteriors with one more example, as a change of the present ones.
 
     Solves g = c rho - T h(g) for the change g of the modes at the old examples, where c is their covariance with the
     new one: a fixed point iteration that contracts by the relative change of W, accelerated by Anderson's method with
     a memory of one step (Anderson 1965).
 
     Args:
-        posterior: without the example.
+        posterior: posteriors without the example.
         solved: (|Y|, h, n) covariance of each new example with the old ones, scaled.
         variance: (|Y|, h) posterior variance of each new example.
         mean: (|Y|, h) posterior mean of each new example.
         targets: (h,) or (|Y|, h) 1 for a positive, 0 for a negative example.
-        steps: most evaluations of h.
+        steps: largest number of evaluations of h.
         tolerance: error at which the search for a mode ends.
     """
     # One memory layout, so that there is one compiled version.
@@ -101,7 +101,7 @@ def _find_shifts(
     tolerance: float,
     results: tuple[Array, ...],
 ) -> None:
-    """`find_shift` for one classifier; a hypothesis that has converged takes no part in further steps."""
+    """Compute `find_shift` for one classifier; a hypothesis that has converged is left out of further steps."""
     change, latent, pull, bend, relative, error = results
     n_hypotheses, n = solved.shape
     p = np.empty(n)
@@ -135,8 +135,8 @@ def _find_shifts(
                 for i in range(n):
                     relative[h, i] = relative[h, i] * (1 - relative[h, i]) / (root[i] * root[i]) - 1
                     lowest = min(lowest, relative[h, i])
-                # A step in the old posterior's metric is one in the new one's up to the change of the curvatures. What
-                # the new example's own equation leaves open counts as well, by the logistic function's largest slope.
+                # The metrics of the old and the new posterior differ only by the change of the curvatures. The residual
+                # of the new example's own equation counts as well, times the logistic function's largest slope.
                 open_site = np.sqrt(variance[h]) / 4 * abs(latent[h] - linear_mean - variance[h] * pull[h])
                 error[h] = (np.sqrt(length) + open_site) / (1 + lowest)
                 continue
@@ -150,10 +150,10 @@ def _find_shifts(
 
 @compiled
 def _new_site(latent: float, mean: float, variance: float, target: float) -> float:
-    """The solution x of x = mean + variance (target - logistic(x)), by Newton's method from `latent`.
+    """Return the solution x of x = mean + variance (target - logistic(x)), by Newton's method from `latent`.
 
-    A step across 0, the logistic function's point of inflection, ends there: from 0 the method approaches the solution
-    from one side.
+    A step across 0, the logistic function's point of inflection, ends at 0. From there the method approaches the
+    solution from one side.
     """
     for _ in range(MOST_SITE_STEPS):
         p = float(1 / (1 + np.exp(-latent)))

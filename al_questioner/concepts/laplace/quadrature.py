@@ -1,4 +1,4 @@
-"""Quadratic forms of resolvents by Lanczos' method, between bounds that hold.
+"""Quadratic forms of resolvents by Lanczos' method, with guaranteed bounds.
 
 For a symmetric matrix S > -I with all eigenvalues in [lower, upper] and a vector v, the form v' (I + S)^-1 v is |v|^2
 times the continued fraction 1 / (1 + a_1 - b_1 / (1 + a_2 - b_2 / ...)) of the coefficients that Lanczos' method finds.
@@ -15,27 +15,27 @@ from al_questioner.concepts.laplace.compiled import compiled
 from al_questioner.support.arrays import Array, Single
 
 MOST_STEPS = 6
-"""Single precision keeps Lanczos' vectors orthogonal for about so many steps."""
+"""Largest number of steps; single precision keeps Lanczos' vectors orthogonal for about so many."""
 
 ROUNDING = 1e-6
-"""Relative error of a form in single precision, of vectors of a few hundred numbers."""
+"""Relative error of a form in single precision, for vectors of a few hundred numbers."""
 
 
 def resolvent_forms(
     matrix: Single, change: Single, points: Single, lower: Array, upper: Array, tolerance: float
 ) -> tuple[Array, Array]:
-    """Forms v' (I + S)^-1 v with S = T^1/2 E T^1/2 and v = T^1/2 E c, for every E and every c.
+    """Return the forms v' (I + S)^-1 v with S = T^1/2 E T^1/2 and v = T^1/2 E c, for every E and every c.
 
     Args:
         matrix: (n, n) T, between 0 and I.
         change: (h, n) diagonals of E.
         points: (k, n) c.
-        lower: (h,) bounds of the eigenvalues of each S from below, in (-1, 0].
-        upper: (h,) bounds from above, 0 or more.
-        tolerance: error at which a form is done.
+        lower: (h,) lower bounds of the eigenvalues of each S, in (-1, 0].
+        upper: (h,) upper bounds, 0 or more.
+        tolerance: error at which the computation of a form ends.
 
     Returns:
-        (h, k) the forms and (h, k) bounds on their errors; a bound is not finite where single precision overflows.
+        (h, k) the forms and (h, k) bounds on their errors; a bound is not finite if single precision overflows.
     """
     shape = len(change), len(points)
     value, error = np.zeros(shape), np.zeros(shape)
@@ -54,7 +54,7 @@ def _resolvent_forms(
     value: Array,
     error: Array,
 ) -> None:
-    """Lanczos' method in the inner product of T, where the operator is E T; forms that are done leave."""
+    """Run Lanczos' method in the inner product of T, with the operator E T; forms that are done are left out."""
     n_points, n = points.shape
     active = np.arange(len(change) * n_points)
     vector, previous = np.empty((len(active), n), np.float32), np.zeros((len(active), n), np.float32)
@@ -85,7 +85,7 @@ def _resolvent_forms(
             high = (1 + lower[h] + upper[h] - last) / ((1 + lower[h]) * (1 + upper[h]))
             for level in range(step - 1, -1, -1):
                 low = 1 / (1 + mean[level, a] - coupling[level + 1, a] * low)
-                # The true denominator is positive: one that is not, at this end, says nothing.
+                # The true denominator is positive, so another value at this end gives no bound.
                 denominator = 1 + mean[level, a] - coupling[level + 1, a] * high
                 high = 1 / denominator if denominator > 0 else np.inf
             if step == 0:
@@ -93,7 +93,7 @@ def _resolvent_forms(
                 rounding[a] = ROUNDING * gross
             bound = total[a] * max(high - low, 0.0) + rounding[a] * high * high
             if step > 0 and np.isnan(bound):
-                # Nothing but rounding was left to go on with: what the steps before found stays.
+                # Only rounding errors are left: keep the result of the earlier steps.
                 continue
             value[h, k], error[h, k] = total[a] * low, bound
             if rounding[a] == 0:

@@ -1,4 +1,4 @@
-"""What the posterior covariances become when the curvatures of the old examples change, W' = W (1 + E).
+"""Change of the posterior covariances when the curvatures of the old examples change, W' = W (1 + E).
 
 In the scaled coordinates of `mode_shift`, with c = T^1/2 z the covariance of the examples with a point and S = T^1/2 E
 T^1/2, the variance of a point falls by z' S (I + S)^-1 z, and its covariance with another point likewise. Derived in
@@ -15,20 +15,20 @@ from al_questioner.concepts.laplace.quadrature import ROUNDING, resolvent_forms
 from al_questioner.support.arrays import Array, Single
 
 VARIANCE_TOLERANCE = 8e-6
-"""Error of a variance at which it counts as known; a probability then errs by no more than 4e-7."""
+"""Error of a variance at which its computation ends; a probability then has an error of at most 4e-7."""
 
 TANGENT_TOLERANCE = 1e-6
 MOST_TANGENT_STEPS = 12
 
 
 def spectrum_bounds(covariance: Array | Single, relative: Array) -> tuple[Array, Array]:
-    """(|Y|, h) bounds of the eigenvalues of S, from below in (-1, 0] and from above in [0, inf).
+    """Return (|Y|, h) bounds of the eigenvalues of S, from below in (-1, 0] and from above in [0, inf).
 
     Args:
-        covariance: (|Y|, n, n) T; single precision does.
+        covariance: (|Y|, n, n) T; single precision is enough.
         relative: (|Y|, h, n) E.
     """
-    # T lies between 0 and I, so that S reaches no farther than E. Its Frobenius norm is |S|^2 = E' (T o T) E.
+    # T lies between 0 and I, so the range of E bounds that of S. Its Frobenius norm is |S|^2 = E' (T o T) E.
     change = relative.astype(np.float32)
     squares = np.asarray(covariance, np.float32) ** 2
     squared = np.einsum('yhn,yhn->yh', change, np.matmul(change, squares))
@@ -42,18 +42,18 @@ def spectrum_bounds(covariance: Array | Single, relative: Array) -> tuple[Array,
 def variance_drops(
     covariance: Array | Single, solved: Array, relative: Array, bounds: tuple[Array, Array]
 ) -> tuple[Array, Array]:
-    """By how much the variances of points fall, z' S (I + S)^-1 z.
+    """Return the decrease of the variances of points, z' S (I + S)^-1 z.
 
-    The first order is exact; the higher ones, z' S^2 (I + S)^-1 z, are small beside it: single precision does.
+    The first order is exact. The higher ones, z' S^2 (I + S)^-1 z, are small beside it, so single precision is enough.
 
     Args:
-        covariance: (|Y|, n, n) T; single precision does.
+        covariance: (|Y|, n, n) T; single precision is enough.
         solved: (|Y|, n, k) c.
         relative: (|Y|, h, n) E.
-        bounds: of the eigenvalues of S.
+        bounds: bounds of the eigenvalues of S.
 
     Returns:
-        (|Y|, h, k) the drops, and bounds on their errors.
+        (|Y|, h, k) the decreases, and bounds on their errors.
     """
     touch_packing_buffers()
     matrix, change = np.asarray(covariance, np.float32), relative.astype(np.float32)
@@ -69,14 +69,14 @@ def variance_drops(
 def covariance_tangent(
     covariance: Array, new: Array, relative: Array, start: Array, bounds: tuple[Array, Array]
 ) -> tuple[Array, Array]:
-    """Covariance of the old examples with the new one once their curvatures have changed: q = c - T E q.
+    """Return the covariance of the old examples with the new one after their curvatures have changed: q = c - T E q.
 
     Args:
         covariance: (|Y|, n, n) T.
         new: (|Y|, h, n) c, of each hypothesis' new example.
         relative: (|Y|, h, n) E.
         start: (|Y|, h, n) a first guess.
-        bounds: of the eigenvalues of S.
+        bounds: bounds of the eigenvalues of S.
 
     Returns:
         (|Y|, h, n) q, and (|Y|, h) a bound on the error of z' S (I + S)^-1 z* for a unit z.
@@ -94,7 +94,7 @@ def covariance_tangent(
 def _find_tangents(
     covariance: Array, new: Array, relative: Array, start: Array, scale: Array, tangent: Array, error: Array
 ) -> None:
-    """`covariance_tangent` for one classifier, iterated as in `mode_shift`."""
+    """Compute `covariance_tangent` for one classifier, iterated as in `mode_shift`."""
     n_hypotheses, n = new.shape
     guess = np.empty((n_hypotheses, n))
     for h in range(n_hypotheses):

@@ -1,4 +1,4 @@
-"""`dt_iros`, `dt_task` and `dt_task_env`: the decision-theoretic strategies of the paper."""
+"""Decision-theoretic strategies of the paper: `dt_iros`, `dt_task` and `dt_task_env`."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ TASK_FEATURES = DECISION_FEATURES[:4]
 
 
 class DecisionTheoretic:
-    """The candidate of largest expected utility w . E[phi | a] (equations 1 and 2 of the paper)."""
+    """Strategy that takes the candidate of largest expected utility w . E[phi | a] (equations 1 and 2 of the paper)."""
 
     selector = None
 
@@ -25,13 +25,13 @@ class DecisionTheoretic:
         self.weights = weights
 
     def choose(self, context: TurnContext, rng: np.random.Generator) -> Choice:
-        """The best of all candidates; the choice carries their expected features."""
+        """Return the best of all candidates; the choice carries their expected features."""
         features = expected_features(context)
         return choose_best(context, features @ self.weights, rng, features)
 
 
 def decision_theoretic(name: str, used: tuple[str, ...], weights: Mapping[str, float]) -> DecisionTheoretic:
-    """A decision-theoretic strategy from weights by decision feature; a feature without a weight has weight 0.
+    """Return a decision-theoretic strategy with weights by decision feature; a feature without a weight has weight 0.
 
     Raises:
         SettingsError: no weights, or a weight for a feature that this strategy does not use.

@@ -1,4 +1,4 @@
-"""What imitation can learn the weights of: the features of each strategy that has some to be learnt."""
+"""Features of each strategy whose weights imitation can learn."""
 
 from __future__ import annotations
 
@@ -23,14 +23,14 @@ def _never(features: NDArray[np.float64]) -> NDArray[np.bool_]:
 
 @dataclass(frozen=True)
 class FeatureSet:
-    """Features of the candidates, of whose weighted sum a strategy takes the largest.
+    """Features of the candidates; a strategy takes the candidate with the largest weighted sum of them.
 
     Attributes:
         strategy: its name.
-        names: of the F features.
-        of: (C, F) those of the candidates of a turn.
-        constants: names of what a weights file may set beside the weights.
-        is_worthless: (C,) whether the strategy never considers a candidate with such features, (C, F).
+        names: names of the F features.
+        of: function that returns the (C, F) features of the candidates of a turn.
+        constants: names of the constants that a weights file may set beside the weights.
+        is_worthless: function that returns, for (C, F) features, (C,) booleans: the candidates never to consider.
     """
 
     strategy: str
@@ -47,17 +47,17 @@ FEATURE_SETS: Mapping[str, FeatureSet] = {
         FeatureSet('value_per_cost', VALUE_FEATURES, value_features, VALUE_CONSTANTS, is_worthless),
     )
 }
-"""By the strategy's name."""
+"""Feature sets by the name of the strategy."""
 
 
 class FeatureRecorder:
-    """A strategy whose choices carry the features of another one: what it shows that one.
+    """Strategy whose choices carry the features of a feature set, so that they demonstrate how to weigh these.
 
-    What is worthless to that one counts as not considered, unless it is chosen.
+    A candidate that is worthless to the set counts as not considered, unless it is chosen.
 
     Args:
-        strategy: who decides.
-        feature_set: what is computed of every candidate, whatever the strategy computes itself.
+        strategy: the strategy that decides.
+        feature_set: features to compute of every candidate, whatever the strategy computes itself.
     """
 
     def __init__(self, strategy: Strategy, feature_set: FeatureSet) -> None:
@@ -65,11 +65,11 @@ class FeatureRecorder:
 
     @property
     def selector(self) -> Selector | None:
-        """That of the strategy."""
+        """Selector of the strategy."""
         return self._strategy.selector
 
     def choose(self, context: TurnContext, rng: np.random.Generator) -> Choice:
-        """The strategy's choice, with the features of the set."""
+        """Return the strategy's choice, with the features of the set."""
         choice, features = self._strategy.choose(context, rng), self._feature_set.of(context)
         left_out = self._feature_set.is_worthless(features) & (np.arange(len(features)) != choice.index)
         return dataclasses.replace(choice, utilities=np.where(left_out, np.nan, choice.utilities), features=features)

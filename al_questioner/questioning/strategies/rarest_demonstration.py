@@ -1,4 +1,4 @@
-"""`rarest_demo`: examples of each symbol alike."""
+"""Strategy `rarest_demo`: as many examples of each symbol."""
 
 from __future__ import annotations
 
@@ -12,15 +12,15 @@ from al_questioner.questioning.turn_context import TurnContext
 
 
 class RarestDemonstration(SubsetFirst):
-    """A demonstration of the symbol with the fewest examples, paced over the scenes.
+    """Strategy that asks for a demonstration of the symbol with the fewest examples, paced over the scenes.
 
-    In a scene it does not ask again for a symbol of which it was shown what it knew already.
+    In a scene it does not ask again for a symbol if the teacher showed an object that it already knew.
     """
 
     kind = QueryKind.DEMONSTRATION
 
     def values(self, context: TurnContext) -> NDArray[np.float64]:
-        """(|Y|,) minus the number of examples; NaN for what is exhausted in this scene, or not due yet."""
+        """Return (|Y|,) minus the number of examples; NaN for a symbol that is exhausted here, or not due yet."""
         counts = np.array(list(context.concepts.positives.values()), dtype=np.float64)
         if context.labelled.all() or not is_affordable(context.costs.demonstration, context.allowance):
             return np.full(len(counts), np.nan)

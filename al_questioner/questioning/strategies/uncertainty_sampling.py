@@ -1,4 +1,4 @@
-"""`u_sampling`: the baseline of the paper."""
+"""Strategy `u_sampling`: the baseline of the paper."""
 
 from __future__ import annotations
 
@@ -12,13 +12,13 @@ from al_questioner.questioning.turn_context import TurnContext
 
 
 class UncertaintySampling:
-    """Label the object of largest prediction entropy, every turn until the budget is gone.
+    """Strategy that labels the object of largest prediction entropy, every turn until the budget is gone.
 
-    As in the paper it has no feature subset query, so features are selected computationally. How, and whether it may
-    ask again, the paper leaves open.
+    As in the paper it has no feature subset query, so features are selected computationally. The paper does not say
+    how, and not whether a view may be asked about again.
 
     Args:
-        selector: of the features; None for none.
+        selector: selector of the features; None for none.
         repeats: whether it may ask about a view that has been labelled.
     """
 
@@ -27,7 +27,7 @@ class UncertaintySampling:
         self._repeats = repeats
 
     def choose(self, context: TurnContext, rng: np.random.Generator) -> Choice:
-        """The affordable label query of largest entropy; nothing if there is none."""
+        """Return the affordable label query of largest entropy; no query if there is none."""
         utilities = nothing_considered(context)
         entropy = prediction_entropy(context.probabilities)
         for row, action in enumerate(context.candidates):

@@ -1,4 +1,4 @@
-"""The kinds of things on a kitchen table that belong to no symbol; some look much like food."""
+"""Kinds of objects on a kitchen table that belong to no symbol; some look much like food."""
 
 from __future__ import annotations
 
@@ -123,7 +123,7 @@ def _phone(look: Look, rng: np.random.Generator) -> Solid:
 
 
 def book(title: str, *covers: Color) -> Draw:
-    """A closed book lying down."""
+    """Return a function that draws a closed book lying down."""
 
     def draw(look: Look, rng: np.random.Generator) -> Solid:
         solid = Solid(turn_deg=(-50, 50))
@@ -190,7 +190,7 @@ def _roll_of_paper(look: Look, rng: np.random.Generator) -> Solid:
 
 
 def shaker(body: Color, holes: Color) -> Draw:
-    """A salt cellar or pepper pot with a steel top."""
+    """Return a function that draws a salt cellar or pepper pot with a steel top."""
 
     def draw(look: Look, rng: np.random.Generator) -> Solid:
         solid = Solid()
@@ -387,4 +387,4 @@ CLUTTER: tuple[Kind, ...] = tuple(
         ),
     )
 )
-"""About as many kinds of clutter as of food."""
+"""Kinds of clutter, about as many as of food."""

@@ -1,4 +1,4 @@
-"""Loose food: what fills bowls, plates and pots, or lies in a heap."""
+"""Loose food that fills bowls, plates and pots, or lies in a heap."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ from al_questioner.simulation.kitchen.things.vessels import Draw, Filling, Look
 
 
 def spots_on_disc(n: int, radius: float, rng: np.random.Generator) -> FloatArray:
-    """(n, 2) points spread over a disc, the farthest first."""
+    """Return (n, 2) points spread over a disc, the farthest first."""
     distance = radius * np.sqrt((np.arange(n) + 0.5) / n)
     angle = 2.39996 * np.arange(n) + rng.uniform(0, 2 * np.pi)
     points = np.stack([distance * np.cos(angle), distance * np.sin(angle)], axis=1)
@@ -19,14 +19,14 @@ def spots_on_disc(n: int, radius: float, rng: np.random.Generator) -> FloatArray
 
 
 def _heaped(n: int, radius: float, low: float, peak: float, rng: np.random.Generator) -> FloatArray:
-    """(n, 3) undersides of pieces heaped up, from the rim to the peak."""
+    """Return (n, 3) undersides of pieces in a heap, from the rim to the peak."""
     spots = spots_on_disc(n, radius, rng)
     rise = 1 - np.linalg.norm(spots, axis=1) / radius
     return np.column_stack([spots, low + peak * np.clip(rise, 0, 1)]).astype(np.float32)
 
 
 def liquid(color: Color, bits: Color | None = None, count: int = 14, bit_m: float = 0.006) -> Filling:
-    """Soup or sauce, perhaps with bits in it."""
+    """Return a function that draws soup or sauce, perhaps with bits in it."""
 
     def fill(solid: Solid, level: float, radius: float, look: Look, rng: np.random.Generator) -> None:
         broth = solid.material(Material(look.color(color), shine=0.45, sharpness=40, grain=0.07, grain_m=0.015))
@@ -41,7 +41,7 @@ def liquid(color: Color, bits: Color | None = None, count: int = 14, bit_m: floa
 
 
 def noodles(color: Color, sauce: Color | None, strands: int = 34) -> Filling:
-    """A tangle of spaghetti, perhaps with sauce on top."""
+    """Return a function that draws a tangle of spaghetti, perhaps with sauce on top."""
 
     def fill(solid: Solid, level: float, radius: float, look: Look, rng: np.random.Generator) -> None:
         pasta = solid.material(Material(look.color(color), shine=0.3, sharpness=25, grain=0.05))
@@ -75,17 +75,17 @@ def heap(
     bed: float = 0.62,
     chips: Color | None = None,
 ) -> Filling:
-    """A heap of pieces of one outline (k, 2) and some colours.
+    """Return a function that draws a heap of pieces of one outline (k, 2) and some colours.
 
     Args:
-        colors: of the pieces.
+        colors: colours of the pieces.
         piece: outline.
         count: number of pieces.
         peak: height of the heap.
-        thickness: of a piece.
-        tilt: of a piece, rise over length.
-        shine: of a piece.
-        bed: brightness of what shows between the pieces.
+        thickness: thickness of a piece.
+        tilt: tilt of a piece, rise over length.
+        shine: shine of a piece.
+        bed: brightness of the ground between the pieces.
         chips: colour of the dots on each piece, if any.
     """
 
@@ -111,7 +111,7 @@ def heap(
 
 
 def ring_slices(rind: Color, flesh: Color, core: Color, radius_m: float = 0.016, count: int = 11) -> Filling:
-    """Round slices with a rind and a core, laid in a fan."""
+    """Return a function that draws round slices with a rind and a core, laid in a fan."""
 
     def fill(solid: Solid, level: float, radius: float, look: Look, rng: np.random.Generator) -> None:
         parts = [solid.material(Material(look.color(c), shine=0.2, grain=0.05)) for c in (rind, flesh, core)]
@@ -129,7 +129,7 @@ def ring_slices(rind: Color, flesh: Color, core: Color, radius_m: float = 0.016,
 
 
 def wedges(skin: Color, flesh: Color, count: int = 8, length_m: float = 0.034) -> Filling:
-    """Half-moon slices with the skin on."""
+    """Return a function that draws half-moon slices with the skin on."""
 
     def fill(solid: Solid, level: float, radius: float, look: Look, rng: np.random.Generator) -> None:
         peel = solid.material(Material(look.color(skin), shine=0.3))
@@ -147,7 +147,7 @@ def wedges(skin: Color, flesh: Color, count: int = 8, length_m: float = 0.034) -
 
 
 def pile(filling: Filling, radius: float = 0.05) -> Draw:
-    """Something loose, straight on the table."""
+    """Return a function that draws loose food straight on the table."""
 
     def draw(look: Look, rng: np.random.Generator) -> Solid:
         solid = Solid()

@@ -13,7 +13,7 @@ LEAF: Color = (0.2, 0.5, 0.15)
 
 
 def sandwich(bread: Color, layers: tuple[Color, ...], triangle: bool) -> Draw:
-    """Two slices of bread with layers between them, square or cut across."""
+    """Return a function that draws two slices of bread with layers between them, square or cut across."""
 
     def draw(look: Look, rng: np.random.Generator) -> Solid:
         solid = Solid(turn_deg=(-70, 70))
@@ -39,7 +39,7 @@ def sandwich(bread: Color, layers: tuple[Color, ...], triangle: bool) -> Draw:
 
 
 def burger(bun: Color = (0.78, 0.5, 0.22)) -> Draw:
-    """A hamburger."""
+    """Return a function that draws a hamburger."""
 
     def draw(look: Look, rng: np.random.Generator) -> Solid:
         solid = Solid()
@@ -63,7 +63,7 @@ def burger(bun: Color = (0.78, 0.5, 0.22)) -> Draw:
 def roll(
     skin: Color, filling: tuple[Color, ...], length: float = 0.16, radius: float = 0.027, topping: Color | None = None
 ) -> Draw:
-    """A wrap, a burrito, a hot dog: a lying roll whose filling shows at its ends or along its top."""
+    """Return a function that draws a lying roll (wrap, burrito, hot dog) whose filling shows at its ends or its top."""
 
     def draw(look: Look, rng: np.random.Generator) -> Solid:
         solid = Solid()
@@ -89,7 +89,7 @@ def roll(
 
 
 def pizza_slice(base: Color = (0.9, 0.68, 0.25), topping: Color = (0.7, 0.15, 0.1)) -> Draw:
-    """A slice of pizza."""
+    """Return a function that draws a slice of pizza."""
 
     def draw(look: Look, rng: np.random.Generator) -> Solid:
         solid = Solid()
@@ -111,7 +111,7 @@ def pizza_slice(base: Color = (0.9, 0.68, 0.25), topping: Color = (0.7, 0.15, 0.
 
 
 def bar(wrapper: Color, accent: Color, length: float = 0.125, width: float = 0.038) -> Draw:
-    """A chocolate or cereal bar in its wrapper."""
+    """Return a function that draws a chocolate or cereal bar in its wrapper."""
 
     def draw(look: Look, rng: np.random.Generator) -> Solid:
         solid = Solid()

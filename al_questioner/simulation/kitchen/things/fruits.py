@@ -17,7 +17,7 @@ LEAF: Color = (0.2, 0.5, 0.15)
 
 
 def _skin(look: Look, ground: Color, blush: Color | None, height: float) -> Material:
-    """The skin of a fruit, perhaps with a blush on one side."""
+    """Return the skin of a fruit, perhaps with a blush on one side."""
     decal = None
     if blush is not None:
         decal = Decal(blush_image(ground, look.color(blush), 0.25 + 0.35 * (3 * look.variant % 1)), 'wrap', (0, height))
@@ -25,7 +25,7 @@ def _skin(look: Look, ground: Color, blush: Color | None, height: float) -> Mate
 
 
 def apple(*designs: Color, blush: Color | None = None) -> Draw:
-    """An apple with its stalk."""
+    """Return a function that draws an apple with its stalk."""
 
     def draw(look: Look, rng: np.random.Generator) -> Solid:
         solid = Solid()
@@ -42,7 +42,7 @@ def apple(*designs: Color, blush: Color | None = None) -> Draw:
 
 
 def pear(*designs: Color, blush: Color | None = None) -> Draw:
-    """A pear standing up."""
+    """Return a function that draws a pear standing up."""
 
     def draw(look: Look, rng: np.random.Generator) -> Solid:
         solid = Solid()
@@ -78,7 +78,7 @@ ORDINARY_PEEL = Peel()
 
 
 def round_fruit(*designs: Color, radius: float = 0.038, squat: float = 0.94, peel: Peel = ORDINARY_PEEL) -> Draw:
-    """Orange, peach, plum, lime: a ball with a navel, `squat` times as high as wide."""
+    """Return a function that draws an orange, peach, plum or lime: a ball `squat` times as high as wide."""
 
     def draw(look: Look, rng: np.random.Generator) -> Solid:
         solid = Solid()
@@ -108,7 +108,7 @@ def _banana_path(bend: float = 1.5, length: float = 0.17, points: int = 22) -> t
 
 
 def bananas(count: int, *designs: Color) -> Draw:
-    """One banana, or a bunch of several."""
+    """Return a function that draws one banana, or a bunch of several."""
 
     def draw(look: Look, rng: np.random.Generator) -> Solid:
         solid = Solid()
@@ -132,7 +132,7 @@ def bananas(count: int, *designs: Color) -> Draw:
 
 
 def bunch_of_grapes(*designs: Color) -> Draw:
-    """Grapes on their stem."""
+    """Return a function that draws grapes on their stem."""
 
     def draw(look: Look, rng: np.random.Generator) -> Solid:
         solid = Solid()
@@ -152,7 +152,7 @@ def bunch_of_grapes(*designs: Color) -> Draw:
 
 
 def berries(color: Color, leaf: bool, count: int = 5) -> Draw:
-    """A few strawberries side by side."""
+    """Return a function that draws a few strawberries side by side."""
 
     def draw(look: Look, rng: np.random.Generator) -> Solid:
         solid = Solid()
@@ -172,7 +172,7 @@ def berries(color: Color, leaf: bool, count: int = 5) -> Draw:
 
 
 def melon_slice(rind: Color, flesh: Color, seeds: bool) -> Draw:
-    """A wedge of melon lying on its side."""
+    """Return a function that draws a wedge of melon lying on its side."""
 
     def draw(look: Look, rng: np.random.Generator) -> Solid:
         solid = Solid()

@@ -1,4 +1,4 @@
-"""The kinds of things of the pack-lunchbox task: a wide variety inside each category."""
+"""Kinds of objects of the pack-lunchbox task: a wide variety inside each category."""
 
 from __future__ import annotations
 
@@ -203,4 +203,4 @@ PACK_LUNCHBOX: tuple[Kind, ...] = (
     thing('coffee', DRINK, mug_of((0.2, 0.11, 0.06), WHITE, BLUE, RED, GREEN), 0.6),
     thing('orange juice', DRINK, glass_of((0.97, 0.65, 0.15)), 0.4, cold=True),
 )
-"""Things with a wide variety inside each category, as in the pack-lunchbox task of the paper."""
+"""Objects with a wide variety inside each category, as in the pack-lunchbox task of the paper."""

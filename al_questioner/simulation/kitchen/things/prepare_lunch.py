@@ -1,4 +1,4 @@
-"""The kinds of things of the prepare-lunch task: they go through states while lunch is made."""
+"""Kinds of objects of the prepare-lunch task: they go through states while lunch is made."""
 
 from __future__ import annotations
 
@@ -212,4 +212,4 @@ PREPARE_LUNCH: tuple[Kind, ...] = (
         cold=True,
     ),
 )
-"""Things that go through states, as in the prepare-lunch task of the paper."""
+"""Objects that go through states, as in the prepare-lunch task of the paper."""

@@ -1,4 +1,4 @@
-"""Boxes, cans, bottles, bowls, plates, pots: what food comes in."""
+"""Containers of food: boxes, cans, bottles, bowls, plates, pots."""
 
 from __future__ import annotations
 
@@ -14,12 +14,12 @@ from al_questioner.simulation.kitchen.drawing.texture import Color, Decal, Mater
 
 @dataclass(frozen=True)
 class Look:
-    """What is peculiar to one thing of a kind, in all its states and views.
+    """Individual look of one object of a kind, in all its states and views.
 
     Attributes:
         size: factor of its lengths.
         hue_deg, tone: shift of its colours around the colour wheel, and factor of their brightness.
-        variant: a random number in [0, 1) that picks among designs.
+        variant: a random number in [0, 1) that selects among designs.
     """
 
     size: float
@@ -28,17 +28,17 @@ class Look:
     variant: float
 
     def color(self, color: Color) -> Color:
-        """This thing's variety of a colour."""
+        """Return this object's variety of a colour."""
         return shifted(color, self.hue_deg, self.tone)
 
     def pick(self, *designs: Color) -> Color:
-        """One of several designs' colours, varied."""
+        """Return the colour of one of several designs, varied."""
         return self.color(designs[int(self.variant * len(designs))])
 
 
 Draw = Callable[[Look, np.random.Generator], Solid]
 Filling = Callable[[Solid, float, float, Look, np.random.Generator], None]
-"""Puts food into a solid: (solid, level of the surface, its radius, look, rng)."""
+"""Function that puts food into a solid: (solid, level of the surface, its radius, look, rng)."""
 
 WHITE: Color = (0.9, 0.9, 0.88)
 STEEL: Color = (0.62, 0.63, 0.66)
@@ -46,11 +46,11 @@ STEEL: Color = (0.62, 0.63, 0.66)
 
 @dataclass(frozen=True)
 class Print:
-    """The printing on a package: colours of the ground, of the word and of the design, one design a tuple.
+    """Printing on a package: colours of the ground, of the word and of the design, one design a tuple.
 
     Attributes:
         designs: (ground, ink, accent) of each design.
-        word: what is printed.
+        word: printed word.
         motif: see `label_image`.
     """
 
@@ -59,17 +59,17 @@ class Print:
     motif: str = 'disc'
 
     def image(self, look: Look, repeats: int = 2) -> FloatArray:
-        """The label of one thing: the same in all its views."""
+        """Return the label of one object: the same in all its views."""
         ground, ink, accent = (look.color(c) for c in self.designs[int(look.variant * len(self.designs))])
         return label_image(ground, ink, accent, self.word, look.variant, repeats, self.motif)
 
     def ground(self, look: Look) -> Color:
-        """Colour of the paper."""
+        """Return the colour of the paper."""
         return look.color(self.designs[int(look.variant * len(self.designs))][0])
 
 
 def bowl_of(filling: Filling, color: Color = WHITE, radius: float = 0.075, height: float = 0.052) -> Draw:
-    """A round bowl with something in it."""
+    """Return a function that draws a round bowl with something in it."""
 
     def draw(look: Look, rng: np.random.Generator) -> Solid:
         solid = Solid()
@@ -87,7 +87,7 @@ def bowl_of(filling: Filling, color: Color = WHITE, radius: float = 0.075, heigh
 
 
 def pot_of(filling: Filling, color: Color = STEEL) -> Draw:
-    """A cooking pot with two handles, uncovered."""
+    """Return a function that draws a cooking pot with two handles, uncovered."""
 
     def draw(look: Look, rng: np.random.Generator) -> Solid:
         solid = Solid(turn_deg=(-25, 25))
@@ -109,7 +109,7 @@ def pot_of(filling: Filling, color: Color = STEEL) -> Draw:
 
 
 def pan_of(filling: Filling) -> Draw:
-    """A flat black pan with a long handle."""
+    """Return a function that draws a flat black pan with a long handle."""
 
     def draw(look: Look, rng: np.random.Generator) -> Solid:
         solid = Solid(turn_deg=(-60, 60))
@@ -125,7 +125,7 @@ def pan_of(filling: Filling) -> Draw:
 
 
 def plate_of(filling: Filling | None, color: Color = WHITE, radius: float = 0.098) -> Draw:
-    """A dinner plate with something on it, or empty."""
+    """Return a function that draws a dinner plate with something on it, or empty."""
 
     def draw(look: Look, rng: np.random.Generator) -> Solid:
         solid = Solid()
@@ -141,7 +141,7 @@ def plate_of(filling: Filling | None, color: Color = WHITE, radius: float = 0.09
 
 
 def carton(design: Print, size: tuple[float, float, float], gable: bool = False) -> Draw:
-    """An upright box with printing on its walls; with a gable, a drink carton."""
+    """Return a function that draws an upright box with printed walls; with a gable, a drink carton."""
 
     def draw(look: Look, rng: np.random.Generator) -> Solid:
         solid = Solid()
@@ -167,7 +167,7 @@ def carton(design: Print, size: tuple[float, float, float], gable: bool = False)
 
 
 def can(design: Print, radius: float = 0.033, height: float = 0.122, tab: bool = True, paper: float = 0.9) -> Draw:
-    """A metal can with a printed wall: a drink can with a tab, else a food can with a paper label."""
+    """Return a function that draws a metal can with a printed wall: a drink can with a tab, or a food can."""
 
     def draw(look: Look, rng: np.random.Generator) -> Solid:
         solid = Solid()
@@ -192,7 +192,7 @@ def can(design: Print, radius: float = 0.033, height: float = 0.122, tab: bool =
 
 
 def tin(design: Print, radius: float = 0.037, height: float = 0.105) -> Draw:
-    """A food can with a paper label."""
+    """Return a function that draws a food can with a paper label."""
     return can(design, radius, height, tab=False, paper=0.84)
 
 
@@ -206,7 +206,7 @@ def bottle(
     clear: float = 0.35,
     shoulder: float = 0.66,
 ) -> Draw:
-    """A plastic or glass bottle with a label around its belly."""
+    """Return a function that draws a plastic or glass bottle with a label around its belly."""
 
     def draw(look: Look, rng: np.random.Generator) -> Solid:
         solid = Solid()
@@ -227,7 +227,7 @@ def bottle(
 
 
 def jar(content: Color, design: Print, lid: Color, radius: float = 0.035, height: float = 0.1) -> Draw:
-    """A jar with a screw lid."""
+    """Return a function that draws a jar with a screw lid."""
 
     def draw(look: Look, rng: np.random.Generator) -> Solid:
         solid = Solid()
@@ -245,7 +245,7 @@ def jar(content: Color, design: Print, lid: Color, radius: float = 0.035, height
 
 
 def mug_of(drink: Color | None, *designs: Color, froth: float = 0.0) -> Draw:
-    """A mug with a handle; `drink` None for an empty one."""
+    """Return a function that draws a mug with a handle; `drink` None for an empty one."""
 
     def draw(look: Look, rng: np.random.Generator) -> Solid:
         solid = Solid(turn_deg=(-75, 5))
@@ -268,7 +268,7 @@ def mug_of(drink: Color | None, *designs: Color, froth: float = 0.0) -> Draw:
 
 
 def glass_of(drink: Color | None, height: float = 0.125, straw: Color | None = None) -> Draw:
-    """A tumbler with a drink, or empty."""
+    """Return a function that draws a tumbler with a drink, or empty."""
 
     def draw(look: Look, rng: np.random.Generator) -> Solid:
         solid = Solid()
@@ -300,7 +300,7 @@ def glass_of(drink: Color | None, height: float = 0.125, straw: Color | None = N
 
 
 def bag(design: Print, width: float = 0.13, depth: float = 0.16, height: float = 0.05) -> Draw:
-    """A puffed-up foil bag lying on the table."""
+    """Return a function that draws a puffed-up foil bag lying on the table."""
 
     def draw(look: Look, rng: np.random.Generator) -> Solid:
         solid = Solid(turn_deg=(-40, 40))
