@@ -12,32 +12,6 @@ from al_questioner.domain.errors import SettingsError
 from al_questioner.domain.names import listed
 from al_questioner.domain.query import NO_SYMBOL, Outcome, QueryKind
 
-DECISION_FEATURES = (
-    'discriminability',
-    'class_uniformity',
-    'instance_variation',
-    'prediction_margin',
-    'budget_consumption',
-    'remaining_time',
-    'non_query_time',
-)
-"""The seven decision features of the paper, in the order of every weight vector and every decision."""
-
-
-VALUE_FEATURES = ('gain', 'chance', 'price', 'ahead', 'silence')
-"""The features of what a question is worth, in the order of every weight vector of theirs.
-
-See `questioning.strategies.value_per_cost`.
-"""
-
-VALUE_CONSTANTS = ('reach', 'doubt', 'decline', 'pace')
-"""What a weights file may set of `questioning.strategies.value_per_cost` beside its weights."""
-
-
-WEIGHED = (*DECISION_FEATURES, *VALUE_FEATURES, *VALUE_CONSTANTS)
-"""All that a weights file may name; each strategy says which of them it uses."""
-
-
 AMPLITUDE = 100.0
 """Variance of the Gaussian processes' kernel of a learner, unless it is told otherwise: see docs/method.md, Beliefs."""
 
@@ -97,7 +71,7 @@ class EpisodeSettings:
         budget: query budget, in the unit of `costs`; 0 or more.
         turns: number of turns, 1 or more.
         strategy: name of a questioning strategy.
-        weights: weight by feature, and constant by name, for the strategies that use them.
+        weights: weights and constants of the strategy, by the names that it declares.
         change_interval: turns between scene changes as the robot expects them: the window of the non-query time.
         costs: price of each kind of query.
         amplitude: variance of the Gaussian processes' kernel.
@@ -153,8 +127,6 @@ class EpisodeSettings:
         if self.tune_every < 0:
             raise SettingsError(f'tune_every must be 0 or more, not {self.tune_every}')
         for name, weight in self.weights.items():
-            if name not in WEIGHED:
-                raise SettingsError(f'unknown decision feature {name!r}; known: {", ".join(WEIGHED)}')
             if not np.isfinite(weight):
                 raise SettingsError(f'the weight of {name} is not finite ({weight})')
             _check_range(f'the weight of {name}', weight, -LARGEST_WEIGHT, LARGEST_WEIGHT)

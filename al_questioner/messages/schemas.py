@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import Any
 
-from al_questioner.domain import AUTO, SAYABLE_OUTCOMES, WEIGHED, Outcome, QueryKind
+from al_questioner.domain import AUTO, SAYABLE_OUTCOMES, Outcome, QueryKind
 
 JsonSchema = dict[str, Any]
 
@@ -101,11 +101,7 @@ SCHEMAS: dict[str, JsonSchema] = {
                 {'unknown': _SHARE, 'skip': _SHARE, 'unanswered': _SHARE},
             ),
             'strategy': _TEXT,
-            'weights': {
-                'type': 'object',
-                'propertyNames': {'enum': list(WEIGHED)},
-                'additionalProperties': {'type': 'number'},
-            },
+            'weights': {'type': 'object', 'additionalProperties': {'type': 'number'}},
             'seed': _COUNT,
             'world': {'oneOf': [_WORLD, {'type': 'null'}]},
         },

@@ -2,10 +2,11 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from pathlib import Path
 
 from al_questioner.domain import AMPLITUDE, Costs, EpisodeSettings, SettingsError
-from al_questioner.questioning import STRATEGIES, read_weights, shipped_file
+from al_questioner.questioning import STRATEGIES, check_weights, read_weights, shipped_file
 from al_questioner.simulation.task import Task
 
 
@@ -23,18 +24,20 @@ def episode_settings(
 ) -> EpisodeSettings:
     """Settings of an episode; what is not given comes from the task, and the weights from `config/weights`.
 
-    A strategy that another package contributes gets the weights of the file, or none: whether it can use them is for it
-    to say.
+    A strategy that another package contributes gets the weights of the file, or none.
 
     Raises:
-        InputError: a value out of range, an unknown strategy, or a weights file that cannot be used.
+        InputError: a value out of range, an unknown strategy, or a weights file that it cannot use.
     """
     name = task.episode.strategy if strategy is None else strategy
     shipped = shipped_file(name)
     if weights_file and name in STRATEGIES and shipped is None:
         raise SettingsError(f'strategy {name} uses no weights, but the weights file {weights_file} is given')
     path = Path(weights_file).expanduser() if weights_file else shipped
-    weights = {} if path is None else read_weights(path).values
+    weights: Mapping[str, float] = {}
+    if path is not None:
+        weights = read_weights(path).values
+        check_weights(name, weights, str(path))
     return EpisodeSettings(
         symbols=task.symbols,
         budget=task.episode.budget if budget is None else budget,

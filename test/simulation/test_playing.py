@@ -9,7 +9,6 @@ import pytest
 from al_questioner.domain import (
     AMPLITUDE,
     DECISION_FEATURES,
-    VALUE_FEATURES,
     Answer,
     Costs,
     EpisodeSettings,
@@ -17,6 +16,7 @@ from al_questioner.domain import (
     QueryKind,
 )
 from al_questioner.questioning import STRATEGIES
+from al_questioner.questioning.strategies.value_per_cost import VALUE_FEATURES
 from al_questioner.simulation import (
     EpisodeResult,
     PerceivedWorld,

@@ -10,10 +10,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from al_questioner.concepts import Selector
-from al_questioner.domain import DECISION_FEATURES, VALUE_CONSTANTS, VALUE_FEATURES
+from al_questioner.domain import DECISION_FEATURES
 from al_questioner.questioning.strategies.choice import Choice, Strategy
 from al_questioner.questioning.strategies.expected_utility import expected_features
-from al_questioner.questioning.strategies.value_per_cost import is_worthless, value_features
+from al_questioner.questioning.strategies.value_per_cost import VALUE_FEATURES, is_worthless, value_features
 from al_questioner.questioning.turn_context import TurnContext
 
 
@@ -29,14 +29,12 @@ class FeatureSet:
         strategy: its name.
         names: of the F features.
         of: (C, F) those of the candidates of a turn.
-        constants: names of what a weights file may set beside the weights.
         is_worthless: (C,) whether the strategy never considers a candidate with such features, (C, F).
     """
 
     strategy: str
     names: tuple[str, ...]
     of: Callable[[TurnContext], NDArray[np.float64]]
-    constants: tuple[str, ...] = ()
     is_worthless: Callable[[NDArray[np.float64]], NDArray[np.bool_]] = _never
 
 
@@ -44,7 +42,7 @@ FEATURE_SETS: Mapping[str, FeatureSet] = {
     feature_set.strategy: feature_set
     for feature_set in (
         FeatureSet('dt_task_env', DECISION_FEATURES, expected_features),
-        FeatureSet('value_per_cost', VALUE_FEATURES, value_features, VALUE_CONSTANTS, is_worthless),
+        FeatureSet('value_per_cost', VALUE_FEATURES, value_features, is_worthless),
     )
 }
 """By the strategy's name."""
