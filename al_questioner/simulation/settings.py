@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 from pathlib import Path
 
-from al_questioner.domain import AMPLITUDE, Costs, EpisodeSettings, SettingsError
+from al_questioner.domain import AMPLITUDE, LENGTH_SCALE, TUNE_EVERY, Costs, EpisodeSettings, SettingsError
 from al_questioner.questioning import STRATEGIES, check_weights, read_weights, shipped_file
 from al_questioner.simulation.task import Task
 
@@ -18,9 +18,9 @@ def episode_settings(
     change_interval: int | None = None,
     weights_file: str | None = None,
     costs: Costs | None = None,
-    amplitude: float = AMPLITUDE,
-    length_scale: float | None = None,
-    tune_every: int = 0,
+    amplitude: float = AMPLITUDE.default,
+    length_scale: float | None = LENGTH_SCALE.default,
+    tune_every: int = TUNE_EVERY.default,
 ) -> EpisodeSettings:
     """Settings of an episode; what is not given comes from the task, and the weights from `config/weights`.
 

@@ -75,7 +75,7 @@ def test_playing_tunes_at_the_turns_that_are_due() -> None:
     assert plain.accuracy == never_due.accuracy
     assert plain.kernel == never_due.kernel
     assert often.accuracy != plain.accuracy
-    assert often.kernel.amplitude != plain.kernel.amplitude == AMPLITUDE
+    assert often.kernel.amplitude != plain.kernel.amplitude == AMPLITUDE.default
 
 
 def test_episodes_on_an_open_world_are_those_on_a_new_one() -> None:

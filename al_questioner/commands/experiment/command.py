@@ -131,7 +131,7 @@ def _varied(given: argparse.Namespace) -> str:
         'share of wrong answers {}': given.wrong_rate or None,
         'share of questions without an answer {}': given.unknown_rate or None,
         'the teacher shows also what is known': given.repeat_shown or None,
-        'amplitude {:g}': given.amplitude if given.amplitude != AMPLITUDE else None,
+        'amplitude {:g}': given.amplitude if given.amplitude != AMPLITUDE.default else None,
     }
     return ', '.join(text.format(value) for text, value in parts.items() if value is not None)
 

@@ -7,8 +7,10 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
 
-from al_questioner.domain import SettingsError
+from al_questioner.domain import Setting, SettingsError
 from al_questioner.support.configuration import config_dir, named_file, read_yaml
+
+WEIGHTS_FILE = Setting('weights_file', '', 'YAML file with weights of the strategy; empty: those in config/weights')
 
 MEMBERS = ('weights', 'provenance', 'training')
 """Of a weights file; how the weights were learnt is for people."""
