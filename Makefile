@@ -21,7 +21,7 @@ OPTIONS := -m pytest -n 2 --dist loadfile
 PYTEST := $(VENV)/bin/python $(OPTIONS)
 NOBLE_PYTEST := $(NOBLE)/bin/python $(OPTIONS)
 
-.PHONY: setup demo test test-all test-noble test-noble-quick reproduction lint clean
+.PHONY: setup demo test test-all test-noble test-noble-quick reproduction generated lint clean
 
 setup: $(INSTALLED)
 
@@ -72,6 +72,10 @@ reproduction: setup
 	$(RUN) al_questioner train_weights bags/expert_0 bags/expert_1 bags/expert_2 --out out/reproduction/weights.yaml
 	$(RUN) al_questioner experiment --out out/reproduction --weights-file out/reproduction/weights.yaml --samples 20 \
 		--task prepare_lunch pack_lunchbox kitchen_table --amplitude 4 --repeat-shown --ceilings --studies --page docs/reproduction.md
+
+# The files that are written from declarations in the code; test/test_generated.py compares them.
+generated: setup
+	$(VENV)/bin/python tools/generate.py
 
 lint: setup
 	$(RUN) ruff format --check .

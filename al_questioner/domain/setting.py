@@ -46,7 +46,8 @@ class Setting(Generic[Value]):
     @property
     def explained(self) -> str:
         """The description, with the unit and the range."""
-        return self.described + (f', {self.limits}' if self.limits else '')
+        numbers = ', '.join(filter(None, (self.unit, self.limits)))
+        return self.description + (f' [{numbers}]' if numbers else '')
 
     @property
     def limits(self) -> str:

@@ -57,7 +57,7 @@ LEARNER_SETTINGS: Settings = (
     Setting(
         'answer_timeout',
         120.0,
-        'time after which a turn goes on without its answer, doubled each time; 0: never',
+        'time after which a turn goes on without its answer, doubled each time up to eightfold; 0: never',
         's',
         0,
         86400,

@@ -21,7 +21,9 @@ from al_questioner.domain import (
 )
 
 WRONG_RATE = Setting('wrong_rate', 0.0, 'share of wrong answers', '', 0, 1)
-UNKNOWN_RATE = Setting('unknown_rate', 0.0, 'share of queries answered by "I do not know"', '', 0, 1)
+UNKNOWN_RATE = Setting(
+    'unknown_rate', 0.0, 'share of queries answered by "I do not know"; with wrong_rate at most 1', '', 0, 1
+)
 REPEAT_SHOWN = Setting(
     'repeat_shown', False, 'the scripted teacher shows also what is known when other things of the symbol are there'
 )
