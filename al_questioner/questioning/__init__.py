@@ -20,7 +20,6 @@ from al_questioner.questioning.strategies.feature_sets import FEATURE_SETS, Feat
 from al_questioner.questioning.strategies.human import Human, ReplayedPicks
 from al_questioner.questioning.strategies.registry import (
     STRATEGIES,
-    check_weights,
     known_strategies,
     make_strategy,
 )
@@ -47,7 +46,6 @@ __all__ = [
     'UncertaintySampling',
     'UnlabelledFirst',
     'Weights',
-    'check_weights',
     'choose_best',
     'expected_features',
     'has_asked',

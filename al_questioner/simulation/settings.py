@@ -6,7 +6,7 @@ from collections.abc import Mapping
 from pathlib import Path
 
 from al_questioner.domain import AMPLITUDE, LENGTH_SCALE, TUNE_EVERY, Costs, EpisodeSettings, SettingsError
-from al_questioner.questioning import STRATEGIES, check_weights, read_weights, shipped_file
+from al_questioner.questioning import STRATEGIES, make_strategy, read_weights, shipped_file
 from al_questioner.simulation.task import Task
 
 
@@ -37,7 +37,10 @@ def episode_settings(
     weights: Mapping[str, float] = {}
     if path is not None:
         weights = read_weights(path).values
-        check_weights(name, weights, str(path))
+        try:
+            make_strategy(name, weights)
+        except SettingsError as error:
+            raise SettingsError(f'{path}: {error}') from error
     return EpisodeSettings(
         symbols=task.symbols,
         budget=task.episode.budget if budget is None else budget,

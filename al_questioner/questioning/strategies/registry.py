@@ -49,45 +49,22 @@ def known_strategies() -> tuple[str, ...]:
 
 
 def make_strategy(name: str, weights: Mapping[str, float]) -> Strategy:
-    """The strategy of this name.
+    """The strategy of this name; other packages are searched only for a name that is not in `STRATEGIES`.
 
     Args:
         name: one of `known_strategies()`.
-        weights: weights and constants by name; the strategies that ship leave them aside unless they declare some.
+        weights: weights and constants by name. A strategy that declares some takes no others, but with weight 0 those
+            that others declare; one that ships and declares none leaves them aside.
 
     Raises:
         SettingsError: an unknown name, weights that do not fit the strategy, or a contributed one that cannot be made.
     """
-    factory = _factory(name)
-    _refuse_undeclared(name, factory, weights, '')
-    return factory(weights)
-
-
-def check_weights(name: str, weights: Mapping[str, float], source: str) -> None:
-    """Refuse weights of names that a strategy does not declare; one of another strategy may stand there with 0.
-
-    Args:
-        name: of the strategy.
-        weights: weights and constants by name.
-        source: where they stand, for the text of the error.
-
-    Raises:
-        SettingsError: there is one, or the strategy is unknown or cannot be imported.
-    """
-    _refuse_undeclared(name, _factory(name), weights, f'{source}: ')
-
-
-def _factory(name: str) -> StrategyFactory:
-    """What makes a strategy; other packages are searched only for a name that is not in `STRATEGIES`."""
-    return STRATEGIES[name] if name in STRATEGIES else ContributedFactory(contribution(name))
-
-
-def _refuse_undeclared(name: str, factory: StrategyFactory, weights: Mapping[str, float], where: str) -> None:
+    factory = STRATEGIES[name] if name in STRATEGIES else ContributedFactory(contribution(name))
     declared = weight_names(factory)
-    if declared is None:
-        return
-    of_others = set(chain.from_iterable(weight_names(other) or () for other in STRATEGIES.values()))
-    for each, weight in weights.items():
-        if each not in declared and (weight != 0 or each not in of_others):
-            uses = ', '.join(declared) or 'none'
-            raise SettingsError(f'{where}strategy {name} does not use {each!r}; it uses {uses}')
+    if declared is not None:
+        of_others = set(chain.from_iterable(weight_names(other) or () for other in STRATEGIES.values()))
+        for each, weight in weights.items():
+            if each not in declared and (weight != 0 or each not in of_others):
+                uses = ', '.join(declared) or 'none'
+                raise SettingsError(f'strategy {name} does not use {each!r}; it uses {uses}')
+    return factory(weights)
