@@ -55,7 +55,7 @@ defaults here are those of a task that has none of its own.""",
 
 
 def parts_of(learner: Settings) -> Mapping[str, Settings]:
-    """The parameters by the executable that has them, those of several first."""
+    """Return the parameters by the executable that has them, those of several first."""
     own = {
         'perception': PERCEPTION_SETTINGS,
         'learner': learner,
@@ -68,7 +68,7 @@ def parts_of(learner: Settings) -> Mapping[str, Settings]:
 
 
 def parameter_file(name: str) -> str:
-    """The parameters of all nodes for a task, at their defaults."""
+    """Return the parameters of all nodes for a task, at their defaults."""
     task = load_task(name)
     lines = [
         f'# Parameters of all nodes for the task {name}, at their defaults.',
@@ -93,25 +93,25 @@ def parameter_file(name: str) -> str:
 
 
 def commented(text: str, comment: str) -> Iterator[str]:
-    """The lines of a parameter with its comment beside it."""
+    """Return the lines of a parameter with its comment beside it."""
     column = max(COMMENT_COLUMN, len(text) + 2)
     for beside, line in zip_longest([text], textwrap.wrap(comment, LINE_LENGTH - column - 2), fillvalue=''):
         yield f'{beside:<{column}}# {line}'
 
 
 def yaml_of(value: object) -> str:
-    """A default as it stands in a parameter file."""
+    """Return a default as it stands in a parameter file."""
     return str(value).lower() if isinstance(value, bool) else str(value) or '""'
 
 
 def table(*rows: Iterable[str]) -> str:
-    """A table of Markdown; its first row is the head."""
+    """Return a table of Markdown; its first row is the head."""
     head, *others = (f'| {" | ".join(cell.replace("|", chr(92) + "|") for cell in row)} |' for row in rows)
     return '\n'.join([head, re.sub('[^|]+', '---', head.replace(chr(92) + '|', '')), *others])
 
 
 def parameters_page() -> str:
-    """The parameters of every node."""
+    """Return the tables of the parameters of every node."""
     parts = ['# Parameters', NOTE, PARAMETERS]
     for part, settings in parts_of(LEARNER_SETTINGS).items():
         parts += [f'## {part}', *([ABOVE[part]] if part in ABOVE else [])]
@@ -121,13 +121,13 @@ def parameters_page() -> str:
 
 
 def parameter_row(each: Setting[Any]) -> tuple[str, ...]:
-    """The cells of a parameter."""
+    """Return the cells of a parameter."""
     kind = f'double or `{each.word}`' if each.word else TYPES[type(each.default)]
     return f'`{each.name}`', kind, f'`{yaml_of(each.default)}`', each.limits, each.unit, each.description
 
 
 def commands_page() -> str:
-    """The options of every executable."""
+    """Return the tables of the options of every executable."""
     parts = ['# Commands', NOTE, '`ros2 run al_questioner NAME ...`, or with pip `python -m al_questioner NAME ...`.']
     for name, (parse, _, description) in EXECUTABLES.items():
         module = importlib.import_module(parse.partition(':')[0])
@@ -143,7 +143,7 @@ def commands_page() -> str:
 
 
 def option_row(action: argparse.Action) -> tuple[str, ...]:
-    """The cells of an option."""
+    """Return the cells of an option."""
     value = str(action.metavar or action.dest.upper())
     value = {'+': f'{value} ...', '*': f'[{value} ...]', 0: ''}.get(action.nargs, value)
     option = ' '.join(filter(None, [*action.option_strings, value]))
@@ -155,7 +155,7 @@ def option_row(action: argparse.Action) -> tuple[str, ...]:
 
 
 def range_of(action: argparse.Action) -> str:
-    """What an option accepts, if there are limits."""
+    """Return what an option accepts, if there are limits."""
     if action.choices:
         return ', '.join(f'`{choice}`' for choice in action.choices)
     kind = action.type

@@ -113,7 +113,7 @@ def _validator(kind: str) -> jsonschema.protocols.Validator:
 
 
 def settings_members(settings: EpisodeSettings) -> Document:
-    """What an `episode` document tells of the settings of its episode."""
+    """Return what an `episode` document tells of the settings of its episode."""
     return {name: getattr(settings, name) for name in _SETTINGS} | {
         'symbols': list(settings.symbols),
         'costs': asdict(settings.costs),
@@ -122,7 +122,7 @@ def settings_members(settings: EpisodeSettings) -> Document:
 
 
 def settings_of(document: Document) -> EpisodeSettings:
-    """The settings that a checked `episode` document tells of; what an earlier version did not tell had its default.
+    """Return the settings that a checked `episode` document tells of; what an earlier one did not tell had its default.
 
     Raises:
         SettingsError: a value outside its range.

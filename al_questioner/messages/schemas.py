@@ -44,7 +44,7 @@ def _record(required: JsonSchema, optional: JsonSchema | None = None) -> JsonSch
 
 
 def _member(setting: Setting[Any]) -> JsonSchema:
-    """A member that tells what a setting is."""
+    """Return the schema of the member that holds a setting."""
     limits = {'minimum': setting.lower, 'maximum': setting.upper}
     number = {
         'type': 'integer' if type(setting.default) is int else 'number',

@@ -39,7 +39,7 @@ def teacher(arguments: Sequence[str]) -> list[str]:
 
 
 def help_text(description: str, settings: Settings) -> str:
-    """What `--help` of a node prints: what it does, and its parameters with their defaults."""
+    """Return what `--help` of a node prints: what it does, and its parameters with their defaults."""
     width = max(len(setting.name) for setting in settings)
     lines = (f'  {each.name:<{width}}  {each.described} (default {json.dumps(each.default)})' for each in settings)
     return '\n'.join([description, '', 'parameters (--ros-args -p NAME:=VALUE):', *lines])

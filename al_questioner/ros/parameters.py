@@ -25,7 +25,7 @@ _TYPES = {
 
 
 def checked(setting: Setting[Any], value: object) -> Value:
-    """A value in the type of its parameter.
+    """Return a value in the type of its parameter.
 
     Raises:
         InputError: another type, not finite, or outside the range.

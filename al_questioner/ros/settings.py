@@ -89,7 +89,7 @@ ALL_NAMES = frozenset(
 
 
 def learner_settings(task: Task) -> Settings:
-    """The learner's parameters, with the task's values as defaults."""
+    """Return the learner's parameters, with the task's values as defaults."""
     defaults = {
         STRATEGY.name: task.episode.strategy,
         BUDGET.name: task.episode.budget,

@@ -32,7 +32,7 @@ def setting(reader: Reader, default: Any = MISSING) -> Any:
 
 
 def declared(each: Setting[Any]) -> Any:
-    """A dataclass field for a number that is declared as a setting."""
+    """Make the dataclass field of a number that is declared as a setting."""
     if type(each.default) is int:
         return setting(whole(int(each.lower), int(each.largest)), each.default)
     return setting(number(each.lower, each.largest), each.default)

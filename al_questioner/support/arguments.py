@@ -42,7 +42,7 @@ class NumberWithin:
     upper: float
 
     def __call__(self, text: str) -> float:
-        """The number that the text stands for."""
+        """Return the number that the text stands for."""
         value = self.kind(text)
         if not self.lower <= value <= self.upper:
             raise argparse.ArgumentTypeError(f'must be at least {self.lower:g} and at most {self.upper:g}, not {text}')

@@ -57,7 +57,7 @@ It declares their names as its attribute `weight_names`, and is handed no others
 
 
 def weight_names(factory: StrategyFactory) -> tuple[str, ...] | None:
-    """The names of the weights and constants that a strategy declares; None if it declares none."""
+    """Return the names of the weights and constants that a strategy declares; None if it declares nothing."""
     return getattr(factory, 'weight_names', None)
 
 

@@ -49,7 +49,7 @@ def known_strategies() -> tuple[str, ...]:
 
 
 def make_strategy(name: str, weights: Mapping[str, float]) -> Strategy:
-    """The strategy of this name; other packages are searched only for a name that is not in `STRATEGIES`.
+    """Make the strategy of this name; other packages are searched only for a name that is not in `STRATEGIES`.
 
     Args:
         name: one of `known_strategies()`.
