@@ -43,6 +43,7 @@ COMMON = 'all of them'
 PARAMETERS = """\
 A node reads its parameters once, when it starts: `--ros-args -p NAME:=VALUE`, or `--ros-args --params-file FILE`.
 For each task that ships, `config/params` has a file with all parameters of all nodes at their defaults."""
+COMMANDS = 'After `ros2 run al_questioner`, or with pip `python -m al_questioner`, comes the name, then the options.'
 ABOVE = {
     COMMON: """\
 Perception, learner and teacher have these, and must have the same `task`, `dataset`, `seed` and `sample`.""",
@@ -128,7 +129,7 @@ def parameter_row(each: Setting[Any]) -> tuple[str, ...]:
 
 def commands_page() -> str:
     """Return the tables of the options of every executable."""
-    parts = ['# Commands', NOTE, '`ros2 run al_questioner NAME ...`, or with pip `python -m al_questioner NAME ...`.']
+    parts = ['# Commands', NOTE, COMMANDS]
     for name, (parse, _, description) in EXECUTABLES.items():
         module = importlib.import_module(parse.partition(':')[0])
         parts += [f'## {name}', f'{description[0].upper()}{description[1:]}.']
