@@ -62,7 +62,7 @@ class ConceptLearner:
     def __init__(
         self,
         symbols: Sequence[str],
-        amplitude: float = 4.0,
+        amplitude: float,
         length_scale: float | None = None,
         selector: Selector | None = None,
         view_tolerance: float = VIEW_TOLERANCE,

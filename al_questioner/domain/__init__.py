@@ -14,6 +14,7 @@ from al_questioner.domain.errors import (
     SettingsError,
 )
 from al_questioner.domain.query import (
+    DECISION_FEATURES,
     NO_SYMBOL,
     SAYABLE_OUTCOMES,
     Action,
@@ -27,16 +28,18 @@ from al_questioner.domain.query import (
 )
 from al_questioner.domain.random_streams import random_stream
 from al_questioner.domain.scene import Camera, FloatArray, Observation, Scene, View, group_of
+from al_questioner.domain.setting import Setting
 from al_questioner.domain.settings import (
     AMPLITUDE,
-    AMPLITUDE_RANGE,
     AUTO,
-    DECISION_FEATURES,
-    LARGEST_AMOUNT,
-    LENGTH_SCALE_RANGE,
-    VALUE_CONSTANTS,
-    VALUE_FEATURES,
-    WEIGHED,
+    BUDGET,
+    CHANGE_INTERVAL,
+    COSTS,
+    LARGEST_TURN,
+    LENGTH_SCALE,
+    SAME_VIEW,
+    TUNE_EVERY,
+    TURNS,
     Costs,
     EpisodeSettings,
     ViewTolerance,
@@ -44,16 +47,18 @@ from al_questioner.domain.settings import (
 
 __all__ = [
     'AMPLITUDE',
-    'AMPLITUDE_RANGE',
     'AUTO',
+    'BUDGET',
+    'CHANGE_INTERVAL',
+    'COSTS',
     'DECISION_FEATURES',
-    'LARGEST_AMOUNT',
-    'LENGTH_SCALE_RANGE',
+    'LARGEST_TURN',
+    'LENGTH_SCALE',
     'NO_SYMBOL',
+    'SAME_VIEW',
     'SAYABLE_OUTCOMES',
-    'VALUE_CONSTANTS',
-    'VALUE_FEATURES',
-    'WEIGHED',
+    'TUNE_EVERY',
+    'TURNS',
     'Action',
     'Answer',
     'AnswerError',
@@ -73,6 +78,7 @@ __all__ = [
     'QueryRecord',
     'Scene',
     'SceneError',
+    'Setting',
     'SettingsError',
     'View',
     'ViewTolerance',

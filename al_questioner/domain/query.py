@@ -110,6 +110,18 @@ class QueryRecord:
     answered_in: int | None = None
 
 
+DECISION_FEATURES = (
+    'discriminability',
+    'class_uniformity',
+    'instance_variation',
+    'prediction_margin',
+    'budget_consumption',
+    'remaining_time',
+    'non_query_time',
+)
+"""The seven decision features of the paper, in the order in which every decision tells them."""
+
+
 @dataclass(frozen=True, eq=False)
 class Decision:
     """What the questioner weighed in a turn, and what it chose.

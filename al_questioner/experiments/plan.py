@@ -83,7 +83,7 @@ class Variation:
     selector: str = 'anova'
     repeats: bool = True
     unknown_rate: float = 0.0
-    amplitude: float = AMPLITUDE
+    amplitude: float = AMPLITUDE.default
     repeat_shown: bool = False
 
     def strategy(self, name: str) -> Strategy | None:

@@ -16,7 +16,7 @@ from al_questioner.experiments.plan import (
     Plan,
     Variation,
 )
-from al_questioner.questioning import IROS_FEATURES, TASK_FEATURES
+from al_questioner.questioning import DtIros, DtTask
 
 MOST_SAMPLES = 10
 ENDS = (PAPER_CONDITIONS['C1'], PAPER_CONDITIONS['C4'])
@@ -84,13 +84,13 @@ def _plan(
 
 
 def _weights_iros(base: Variation, samples: tuple[int, ...]) -> Study:
-    vectors = [dict(zip(IROS_FEATURES, (1 - share, share), strict=True)) for share in IROS_UNIFORMITY]
+    vectors = [dict(zip(DtIros.weight_names, (1 - share, share), strict=True)) for share in IROS_UNIFORMITY]
     return Study(
         'weights_iros',
         'The weights of dt_iros, set by hand',
         'Weights of discriminability and class uniformity; the paper does not tell its own.',
-        _numbers(base.weights['dt_iros'], IROS_FEATURES),
-        dict(_with_weights(base, samples, 'dt_iros', vectors, IROS_FEATURES)),
+        _numbers(base.weights['dt_iros'], DtIros.weight_names),
+        dict(_with_weights(base, samples, 'dt_iros', vectors, DtIros.weight_names)),
     )
 
 
@@ -99,14 +99,14 @@ def _weights_task(base: Variation, samples: tuple[int, ...]) -> Study:
     for uniformity, margin in TASK_WEIGHTS:
         rest = 1 - uniformity - margin
         shared = (DISCRIMINABILITY_SHARE * rest, uniformity, (1 - DISCRIMINABILITY_SHARE) * rest, margin)
-        vectors.append(dict(zip(TASK_FEATURES, shared, strict=True)))
+        vectors.append(dict(zip(DtTask.weight_names, shared, strict=True)))
     return Study(
         'weights_task',
         'The weights of dt_task, set by hand',
         'Weights of discriminability, class uniformity, instance variation and prediction margin; the paper does not'
         ' tell its own.',
-        _numbers(base.weights['dt_task'], TASK_FEATURES),
-        dict(_with_weights(base, samples, 'dt_task', vectors, TASK_FEATURES)),
+        _numbers(base.weights['dt_task'], DtTask.weight_names),
+        dict(_with_weights(base, samples, 'dt_task', vectors, DtTask.weight_names)),
     )
 
 

@@ -8,13 +8,14 @@ from __future__ import annotations
 
 import json
 from collections.abc import Mapping
-from dataclasses import asdict, fields
+from dataclasses import asdict
 from functools import cache
 from typing import Any, NoReturn
 
 import jsonschema
 
 from al_questioner.domain import (
+    COSTS,
     Action,
     Answer,
     Costs,
@@ -29,7 +30,8 @@ from al_questioner.messages.schemas import SCHEMAS
 
 Document = dict[str, Any]
 
-_COSTS = tuple(field.name for field in fields(Costs))
+_SETTINGS = [name for name in SCHEMAS['episode']['properties'] if name in EpisodeSettings.__dataclass_fields__]
+"""Members of an `episode` document that are attributes of `EpisodeSettings`, in the order of the document."""
 
 EARLIER_AMPLITUDE = 4.0
 """Of the learners whose `episode` documents do not tell it."""
@@ -111,39 +113,25 @@ def _validator(kind: str) -> jsonschema.protocols.Validator:
 
 
 def settings_members(settings: EpisodeSettings) -> Document:
-    """What an `episode` document tells of the settings of its episode."""
-    return {
+    """Return what an `episode` document tells of the settings of its episode."""
+    return {name: getattr(settings, name) for name in _SETTINGS} | {
         'symbols': list(settings.symbols),
-        'budget': settings.budget,
-        'turns': settings.turns,
-        'change_interval': settings.change_interval,
         'costs': asdict(settings.costs),
-        'strategy': settings.strategy,
         'weights': dict(settings.weights),
-        'tune_every': settings.tune_every,
-        'amplitude': settings.amplitude,
-        'length_scale': settings.length_scale,
     }
 
 
 def settings_of(document: Document) -> EpisodeSettings:
-    """The settings that a checked `episode` document tells of; what an earlier version did not tell had its default.
+    """Return the settings that a checked `episode` document tells of; what an earlier one did not tell had its default.
 
     Raises:
         SettingsError: a value outside its range.
     """
-    return EpisodeSettings(
-        symbols=tuple(document['symbols']),
-        budget=float(document['budget']),
-        turns=document['turns'],
-        strategy=document['strategy'],
-        weights={name: float(weight) for name, weight in document['weights'].items()},
-        change_interval=document['change_interval'],
-        costs=Costs(**{name: float(document['costs'][name]) for name in _COSTS if name in document['costs']}),
-        tune_every=document.get('tune_every', 0),
-        amplitude=document.get('amplitude', EARLIER_AMPLITUDE),
-        length_scale=document.get('length_scale'),
-    )
+    told = {name: document[name] for name in _SETTINGS if name in document}
+    told['budget'] = float(document['budget'])
+    told['weights'] = {name: float(weight) for name, weight in document['weights'].items()}
+    told['costs'] = Costs(**{name: float(document['costs'][name]) for name in COSTS if name in document['costs']})
+    return EpisodeSettings(**{'amplitude': EARLIER_AMPLITUDE, **told})
 
 
 def query_members(query: Query) -> Document:

@@ -23,8 +23,8 @@ from al_questioner.ros.nodes.learner import LearnerNode
 from al_questioner.ros.nodes.observer import ObserverNode, StateWatcher
 from al_questioner.ros.nodes.perception import PerceptionNode
 from al_questioner.ros.nodes.teacher import TeacherNode
+from al_questioner.ros.parameters import Value
 from al_questioner.ros.running import Spinner
-from al_questioner.ros.setting import Value
 from al_questioner.support.files import make_folder
 
 NODES: Mapping[str, Callable[..., QuestionerNode]] = {

@@ -2,18 +2,19 @@
 
 from __future__ import annotations
 
+import json
 from collections.abc import Iterator, Sequence
 
 from al_questioner.domain import InputError
-from al_questioner.ros.setting import Setting, help_text
 from al_questioner.ros.settings import (
-    DEFAULT_TASK,
     PERCEPTION_SETTINGS,
     TEACHER_SETTINGS,
     WORLD_SETTINGS,
+    Settings,
     learner_settings,
 )
 from al_questioner.simulation import load_task
+from al_questioner.simulation.world_spec import TASK
 
 PERCEPTION = 'The perception node: looks at the simulated table whenever the learner begins a turn.'
 LEARNER = 'The learner node: an Episode between the topics of the robot and of the teacher.'
@@ -29,12 +30,19 @@ def perception(arguments: Sequence[str]) -> list[str]:
 
 def learner(arguments: Sequence[str]) -> list[str]:
     """The ROS arguments of the learner node."""
-    return read_node_arguments(arguments, LEARNER, (*WORLD_SETTINGS, *learner_settings(load_task(DEFAULT_TASK))))
+    return read_node_arguments(arguments, LEARNER, (*WORLD_SETTINGS, *learner_settings(load_task(TASK.default))))
 
 
 def teacher(arguments: Sequence[str]) -> list[str]:
     """The ROS arguments of the teacher node."""
     return read_node_arguments(arguments, TEACHER, (*WORLD_SETTINGS, *TEACHER_SETTINGS))
+
+
+def help_text(description: str, settings: Settings) -> str:
+    """Return what `--help` of a node prints: what it does, and its parameters with their defaults."""
+    width = max(len(setting.name) for setting in settings)
+    lines = (f'  {each.name:<{width}}  {each.described} (default {json.dumps(each.default)})' for each in settings)
+    return '\n'.join([description, '', 'parameters (--ros-args -p NAME:=VALUE):', *lines])
 
 
 def check_ros_arguments(arguments: Sequence[str]) -> None:
@@ -47,7 +55,7 @@ def check_ros_arguments(arguments: Sequence[str]) -> None:
         raise InputError(f'unexpected argument {stray!r}; parameters are given as --ros-args -p NAME:=VALUE')
 
 
-def read_node_arguments(arguments: Sequence[str], description: str, settings: Sequence[Setting]) -> list[str]:
+def read_node_arguments(arguments: Sequence[str], description: str, settings: Settings) -> list[str]:
     """The ROS arguments of a node; its help is printed if that is asked for.
 
     Raises:

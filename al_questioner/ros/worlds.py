@@ -11,8 +11,8 @@ from rclpy.node import Node
 from al_questioner.domain import InputError
 from al_questioner.messages.documents import Document
 from al_questioner.ros.parameters import declare
-from al_questioner.ros.settings import WORLD_SETTINGS
 from al_questioner.simulation import WorldSpec, load_task
+from al_questioner.simulation.world_spec import DATASET, SAMPLE, SEED, TASK
 
 
 def declare_world(node: Node) -> WorldSpec:
@@ -21,10 +21,9 @@ def declare_world(node: Node) -> WorldSpec:
     Raises:
         InputError: an unknown task, or a value out of range.
     """
-    *most, sample_setting = WORLD_SETTINGS
-    given = declare(node, most)
+    given = declare(node, (TASK, DATASET, SEED))
     seed = int(given['seed'])
-    sample = declare(node, [dataclasses.replace(sample_setting, default=seed)])
+    sample = declare(node, [dataclasses.replace(SAMPLE, default=seed)])
     dataset = Path(str(given['dataset'])).expanduser() if given['dataset'] else None
     return WorldSpec(load_task(str(given['task'])), seed, int(sample['sample']), dataset)
 

@@ -8,7 +8,25 @@ from itertools import takewhile
 
 import numpy as np
 
-from al_questioner.domain import NO_SYMBOL, Answer, Content, Outcome, Query, QueryKind, SettingsError, random_stream
+from al_questioner.domain import (
+    NO_SYMBOL,
+    Answer,
+    Content,
+    Outcome,
+    Query,
+    QueryKind,
+    Setting,
+    SettingsError,
+    random_stream,
+)
+
+WRONG_RATE = Setting('wrong_rate', 0.0, 'share of wrong answers', '', 0, 1)
+UNKNOWN_RATE = Setting(
+    'unknown_rate', 0.0, 'share of queries answered by "I do not know"; with wrong_rate at most 1', '', 0, 1
+)
+REPEAT_SHOWN = Setting(
+    'repeat_shown', False, 'the scripted teacher shows also what is known when other things of the symbol are there'
+)
 
 
 @dataclass(frozen=True)
@@ -35,20 +53,18 @@ class ScriptedTeacher:
     symbols: Sequence[str]
     relevant_groups: Sequence[str]
     seed: int
-    wrong_rate: float = 0.0
-    unknown_rate: float = 0.0
+    wrong_rate: float = WRONG_RATE.default
+    unknown_rate: float = UNKNOWN_RATE.default
     teacher_id: str = 'scripted'
-    repeat_shown: bool = False
+    repeat_shown: bool = REPEAT_SHOWN.default
     _named: dict[str, int] = field(default_factory=dict, init=False, repr=False, compare=False)
     """Object that was named, by query, in the order of the queries."""
 
     def __post_init__(self) -> None:
         if not self.teacher_id:
             raise SettingsError('teacher_id must not be empty')
-        for name in ('wrong_rate', 'unknown_rate'):
-            rate = getattr(self, name)
-            if not 0.0 <= rate <= 1.0:
-                raise SettingsError(f'{name} must lie in [0, 1], not {rate}')
+        WRONG_RATE.check(self.wrong_rate)
+        UNKNOWN_RATE.check(self.unknown_rate)
         if self.wrong_rate + self.unknown_rate > 1.0:
             raise SettingsError(
                 f'wrong_rate and unknown_rate add up to {self.wrong_rate + self.unknown_rate}, more than 1'

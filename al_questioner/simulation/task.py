@@ -7,12 +7,14 @@ from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from types import MappingProxyType
 
-from al_questioner.domain import LARGEST_AMOUNT, NO_SYMBOL, Costs, InputError
+from al_questioner.domain import BUDGET, NO_SYMBOL, TURNS, Costs, InputError
 from al_questioner.domain.names import suggestion
+from al_questioner.questioning.strategies.names import STRATEGY
 from al_questioner.simulation.task_reading import (
     Interval,
     choice,
     costs,
+    declared,
     defaults_of,
     interval,
     names_of,
@@ -43,9 +45,9 @@ class EpisodeDefaults:
         costs: of each kind of query, and the shares of them that are charged for what is not answered.
     """
 
-    budget: float = setting(number(0, LARGEST_AMOUNT), 25.0)
-    turns: int = setting(whole(1, 10_000), 40)
-    strategy: str = setting(strategy, 'value_per_cost')
+    budget: float = declared(BUDGET)
+    turns: int = declared(TURNS)
+    strategy: str = setting(strategy, STRATEGY.default)
     costs: Costs = setting(unless_empty(costs, Costs()), Costs())
 
 

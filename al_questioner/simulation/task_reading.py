@@ -8,7 +8,7 @@ from dataclasses import MISSING, field, fields
 from types import MappingProxyType
 from typing import Any, NamedTuple, TypeVar
 
-from al_questioner.domain import LARGEST_AMOUNT, Costs, InputError, QueryKind, SettingsError
+from al_questioner.domain import COSTS, Costs, InputError, Setting, SettingsError
 from al_questioner.domain.names import check_names, suggestion
 from al_questioner.domain.spelling import composed
 from al_questioner.questioning.strategies.names import check_strategy
@@ -29,6 +29,13 @@ def setting(reader: Reader, default: Any = MISSING) -> Any:
     if isinstance(default, Mapping):
         return field(default_factory=lambda: default, metadata={'reader': reader})
     return field(default=default, metadata={'reader': reader})
+
+
+def declared(each: Setting[Any]) -> Any:
+    """Make the dataclass field of a number that is declared as a setting."""
+    if type(each.default) is int:
+        return setting(whole(int(each.lower), int(each.largest)), each.default)
+    return setting(number(each.lower, each.largest), each.default)
 
 
 def read_section(section: type[Section], content: Any, where: str) -> Section:
@@ -168,18 +175,12 @@ def table_of(reader: Reader) -> Reader:
 
 def costs(value: Any, where: str) -> Costs:
     """Accepts some of the members of `Costs`: prices of kinds of queries, and shares that are charged of them."""
-    kinds = {kind.value for kind in QueryKind}
     members = mapping(value, where)
-    known = [member.name for member in fields(Costs)]
     for name in members:
-        if name not in known:
-            raise InputError(f'{where}: unknown key {name!r}; known: {", ".join(known)}{suggestion(name, known)}')
-    return Costs(
-        **{
-            name: number(0, LARGEST_AMOUNT if name in kinds else 1)(given, f'{where}: {name}')
-            for name, given in members.items()
-        }
-    )
+        if name not in COSTS:
+            raise InputError(f'{where}: unknown key {name!r}; known: {", ".join(COSTS)}{suggestion(name, COSTS)}')
+    readers = {name: number(price.lower, price.largest) for name, price in COSTS.items()}
+    return Costs(**{name: readers[name](given, f'{where}: {name}') for name, given in members.items()})
 
 
 def strategy(value: Any, where: str) -> str:

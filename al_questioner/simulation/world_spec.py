@@ -4,9 +4,20 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from pathlib import Path
+from typing import TYPE_CHECKING
 
+from al_questioner.domain import Setting
 from al_questioner.simulation.task import Task
-from al_questioner.simulation.world import World
+
+if TYPE_CHECKING:
+    from al_questioner.simulation.world import World
+
+TASK = Setting('task', 'kitchen_table', 'a name in config/tasks, or the path of a YAML file')
+DATASET = Setting('dataset', '', 'root of a directory of RGB-D crops, for tasks that read one')
+SEED = Setting('seed', 0, 'seed of everything that is drawn at random', lower=0)
+SAMPLE = Setting(
+    'sample', 0, 'sample of observations that the scenes are drawn from; unless set, that of the seed', lower=0
+)
 
 
 @dataclass(frozen=True)

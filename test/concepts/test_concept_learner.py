@@ -23,7 +23,7 @@ def scene():
 
 @pytest.fixture
 def taught(scene):
-    concepts = ConceptLearner(SYMBOLS)
+    concepts = ConceptLearner(SYMBOLS, 4.0)
     concepts.observe(scene)
     concepts.label(0, scene.features[0], 'snack', turn=1)
     concepts.label(1, scene.features[1], 'fruit', turn=2)
@@ -51,7 +51,7 @@ def test_told_groups_are_the_only_features_in_use(taught, scene):
 
 def test_same_view_counts_once_in_the_statistics(scene):
     """A scene that stays for ten turns is one observation of each object, not ten."""
-    once, often = ConceptLearner(SYMBOLS), ConceptLearner(SYMBOLS)
+    once, often = ConceptLearner(SYMBOLS, 4.0), ConceptLearner(SYMBOLS, 4.0)
     once.observe(scene)
     for _ in range(10):
         often.observe(scene)
@@ -68,10 +68,10 @@ def test_what_stays_beside_something_new_is_not_counted_again():
     """On a table where half of the things stay, the statistics would lean towards those that stay longest."""
     rng = np.random.default_rng(4)
     old, new = rng.normal(size=(6, 4)), rng.normal(loc=9, size=(2, 4))
-    gradually = ConceptLearner(SYMBOLS)
+    gradually = ConceptLearner(SYMBOLS, 4.0)
     gradually.observe(scene_of(old))
     gradually.observe(scene_of(np.concatenate([old[:4], new]), object_ids=(0, 1, 2, 3, 6, 7)))
-    at_once = ConceptLearner(SYMBOLS)
+    at_once = ConceptLearner(SYMBOLS, 4.0)
     at_once.observe(scene_of(np.concatenate([old, new])))
     probe = scene_of(rng.normal(size=(5, 4)))
     for concepts in (gradually, at_once):
@@ -83,7 +83,7 @@ def test_what_stays_beside_something_new_is_not_counted_again():
 
 def test_looking_at_the_models_leaves_no_trace(scene):
     """A learner that is watched must stay equal to one that is not, the version of its models included."""
-    plain, watched = ConceptLearner(SYMBOLS), ConceptLearner(SYMBOLS)
+    plain, watched = ConceptLearner(SYMBOLS, 4.0), ConceptLearner(SYMBOLS, 4.0)
     for turn in range(3):
         for concepts in (plain, watched):
             concepts.observe(scene)
@@ -155,7 +155,7 @@ def test_view_tolerance_forgives_the_noise_of_a_camera(scene):
     """Tolerances are in standard deviations of the features."""
     noisy = scene_of(scene.features + 0.05 * scene.features.std(axis=0))
     for tolerance, same in ((0.0, False), (0.2, True)):
-        concepts = ConceptLearner(SYMBOLS, view_tolerance=tolerance)
+        concepts = ConceptLearner(SYMBOLS, 4.0, view_tolerance=tolerance)
         concepts.observe(scene)
         concepts.label(0, scene.features[0], 'snack', 1)
         assert concepts.is_labelled(noisy)[0] == same
@@ -175,7 +175,7 @@ def test_computational_selection_follows_the_labels(scene):
     table = rng.normal(size=(8, 30))
     table[:, 7] = [0, 0, 0, 0, 9, 9, 9, 9]
     many = scene_of(table, names=names)
-    concepts = ConceptLearner(SYMBOLS, selector=select_features)
+    concepts = ConceptLearner(SYMBOLS, 4.0, selector=select_features)
     concepts.observe(many)
     for i, symbol in [(0, 'snack'), (4, 'fruit')]:
         concepts.label(i, many.features[i], symbol, 1)
@@ -191,7 +191,7 @@ def test_distance_to_the_nearest_labelled_view(taught, scene):
     height = scene.features[:, 2].astype(np.float64)
     expected = np.abs(height[:, None] - height[None, :3]).min(axis=1) / height.std()
     np.testing.assert_allclose(taught.distance_to_labelled(scene), expected, atol=1e-12)
-    empty = ConceptLearner(SYMBOLS)
+    empty = ConceptLearner(SYMBOLS, 4.0)
     empty.observe(scene)
     assert (empty.distance_to_labelled(scene) == 0).all()
 
@@ -221,7 +221,7 @@ def test_what_cannot_be_told(taught, scene):
     with pytest.raises(InputError, match='no feature group'):
         taught.restrict_to_groups(())
     with pytest.raises(InputError, match='view_tolerance'):
-        ConceptLearner(SYMBOLS, view_tolerance=-1)
+        ConceptLearner(SYMBOLS, 4.0, view_tolerance=-1)
 
 
 def test_tuned_kernel_is_that_of_the_labels_and_used_everywhere(taught, scene):
@@ -258,7 +258,7 @@ def test_events_after_tuning_keep_the_tuned_kernel_on_any_features():
     table[:, 7] = [0, 9, 0, 9, 0, 9, 0, 9]
     many = scene_of(table, names=tuple(f'{"colour" if i < 10 else "noise"}_{i}' for i in range(30)))
     labels = ['snack', 'fruit', 'snack', 'fruit', 'snack']
-    concepts = ConceptLearner(SYMBOLS)
+    concepts = ConceptLearner(SYMBOLS, 4.0)
     concepts.observe(many)
     for i, label in enumerate(labels):
         if i == 3:
@@ -308,7 +308,7 @@ def test_tuning_moves_from_the_length_scale_that_was_configured(scene):
 def test_labels_of_a_scene_at_once_are_labels_one_by_one(scene):
     """The ceiling that is told everything would know something else than a learner that asked for it."""
     said = {0: 'snack', 3: 'fruit', 5: NO_SYMBOL}
-    at_once, one_by_one = ConceptLearner(SYMBOLS), ConceptLearner(SYMBOLS)
+    at_once, one_by_one = ConceptLearner(SYMBOLS, 4.0), ConceptLearner(SYMBOLS, 4.0)
     for concepts in (at_once, one_by_one):
         concepts.observe(scene)
     at_once.label_scene(scene, said, turn=4)
@@ -334,7 +334,7 @@ def test_predictions_after_labels_are_those_of_having_learnt_each(taught, scene)
     foreseen = taught.predict_after_each(scene.features[rows], symbols, scene.features)
     np.testing.assert_array_equal(taught.predict_proba(scene.features), before)
     for row, symbol, after in zip(rows, symbols, foreseen, strict=True):
-        oracle = ConceptLearner(SYMBOLS)
+        oracle = ConceptLearner(SYMBOLS, 4.0)
         oracle.observe(scene)
         oracle.restrict_to_groups(('colour', 'size'))
         oracle.label_scene(scene, {0: 'snack', 1: 'fruit', 2: NO_SYMBOL}, 1)

@@ -50,7 +50,7 @@ class ToyWorld:
 
 def context(told: Mapping[int, str], spent: float = 2.0, **changes: object) -> TurnContext:
     scene = ToyWorld.scene_now
-    concepts = ConceptLearner(SYMBOLS)
+    concepts = ConceptLearner(SYMBOLS, 4.0)
     concepts.observe(scene)
     for object_id, label in told.items():
         concepts.label(object_id, scene.features[object_id], label, 1)

@@ -7,11 +7,12 @@ import pytest
 import yaml
 
 from al_questioner.commands.train_weights.pictures import draw_training
-from al_questioner.domain import DECISION_FEATURES, VALUE_FEATURES, InputError
+from al_questioner.domain import DECISION_FEATURES, InputError
 from al_questioner.imitation.demonstration import UnknownWorld, demonstrate
 from al_questioner.imitation.settings import MatchingSettings, TrainingSettings
 from al_questioner.imitation.training import check_alike, expected_gap, train, validation_text, weights_document
 from al_questioner.questioning import FEATURE_SETS, make_strategy, read_weights
+from al_questioner.questioning.strategies.value_per_cost import VALUE_FEATURES
 from al_questioner.simulation import ScriptedTeacher, WorldSpec, episode_settings, load_task
 
 QUICK = MatchingSettings(iterations=3, rollouts=2)

@@ -22,7 +22,7 @@ def shown(symbol, object_id, turn=2, outcome=Outcome.ANSWERED):
 def context_of(toy, labels=(), table=None, history=(), scene_turn=1):
     """Six objects, of which the first ones were labelled so."""
     scene = toy.scene(np.random.default_rng(3).normal(size=(6, 5)) if table is None else table)
-    concepts = ConceptLearner(toy.symbols)
+    concepts = ConceptLearner(toy.symbols, 4.0)
     concepts.observe(scene)
     for row, label in enumerate(labels):
         concepts.label(scene.object_ids[row], scene.features[row], label, 1)

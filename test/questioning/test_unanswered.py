@@ -195,7 +195,7 @@ def test_a_late_answer_never_exceeds_the_budget(start, toy, scene):
 @pytest.mark.parametrize('outcome', ['unknown', 'skip', 'unanswered'])
 def test_a_share_is_between_none_and_all(toy, outcome, share):
     """A question could earn budget, or cost more than it was said to."""
-    with pytest.raises(SettingsError, match=f'outcome {outcome} must be in'):
+    with pytest.raises(SettingsError, match=rf'costs\.{outcome} must '):
         toy.settings('random_fsq', costs=Costs(**{outcome: share}))
 
 

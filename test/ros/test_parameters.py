@@ -9,12 +9,13 @@ import pytest
 from rcl_interfaces.srv import SetParameters
 from rclpy.parameter import Parameter
 
-from al_questioner.domain import InputError
+from al_questioner.domain import InputError, Setting
+from al_questioner.ros.node_arguments import help_text
 from al_questioner.ros.nodes.learner import LearnerNode
 from al_questioner.ros.nodes.perception import PerceptionNode
 from al_questioner.ros.nodes.recorder import RecorderNode
 from al_questioner.ros.nodes.teacher import TeacherNode
-from al_questioner.ros.setting import Setting, help_text
+from al_questioner.ros.parameters import checked
 from al_questioner.ros.settings import (
     PERCEPTION_SETTINGS,
     RECORDER_SETTINGS,
@@ -63,10 +64,10 @@ def test_numbers_are_checked_and_integers_taken_for_floats(value: object, taken:
     setting = Setting('share', 0.1, 'a share', lower=0.0, upper=1.0)
     if taken is None:
         with pytest.raises(InputError, match='parameter share'):
-            setting.checked(value)
+            checked(setting, value)
     else:
-        assert setting.checked(value) == taken
-        assert isinstance(setting.checked(value), float)
+        assert checked(setting, value) == taken
+        assert isinstance(checked(setting, value), float)
 
 
 @pytest.mark.parametrize(
@@ -77,16 +78,16 @@ def test_a_number_can_have_a_word_in_its_place(value: object, taken: object) -> 
     setting = Setting('view_tolerance', 'auto', 'a change', lower=0.0, word='auto')
     if taken is None:
         with pytest.raises(InputError, match='parameter view_tolerance'):
-            setting.checked(value)
+            checked(setting, value)
     else:
-        assert setting.checked(value) == taken
+        assert checked(setting, value) == taken
 
 
 @pytest.mark.parametrize(('default', 'value'), [(3, True), (3, 2.0), ('a', 3), (False, 1)])
 def test_other_types_are_refused(default: object, value: object) -> None:
     """A truth value would be taken for a number, or a number for a name."""
     with pytest.raises(InputError, match='must be of type'):
-        Setting('thing', default, 'a thing').checked(value)
+        checked(Setting('thing', default, 'a thing'), value)
 
 
 def test_help_names_every_parameter() -> None:
@@ -124,9 +125,9 @@ def test_misspelt_parameters_are_refused(graph: Any) -> None:
         ({'weights_file': '/no/such/file.yaml'}, 'no/such/file'),
         ({'amplitude': 0.0}, 'amplitude must lie in'),
         ({'length_scale': 1e200}, r'length_scale must lie in \[0, 1000\] standard deviations, not 1e\+200'),
-        ({'length_scale': 1e-200}, r'length_scale must lie in \[0.001, 1000\], not 1e-200'),
+        ({'length_scale': 1e-200}, r'length_scale must lie in \[0.001, 1000\] standard deviations, not 1e-200'),
         ({'budget': 1e308}, r'budget must lie in \[0, 1e\+12\], not 1e\+308'),
-        ({'cost_label': 1e308}, r'the cost of a label query must lie in \[0, 1e\+12\]'),
+        ({'cost_label': 1e308}, r'parameter cost_label must lie in \[0, 1e\+12\], not 1e\+308'),
         ({'tune_every': -1}, 'tune_every must lie in'),
         ({'tune_every': 2.5}, 'tune_every must be of type int'),
     ],

@@ -9,7 +9,6 @@ import pytest
 from al_questioner.domain import (
     AMPLITUDE,
     DECISION_FEATURES,
-    VALUE_FEATURES,
     Answer,
     Costs,
     EpisodeSettings,
@@ -17,6 +16,7 @@ from al_questioner.domain import (
     QueryKind,
 )
 from al_questioner.questioning import STRATEGIES
+from al_questioner.questioning.strategies.value_per_cost import VALUE_FEATURES
 from al_questioner.simulation import (
     EpisodeResult,
     PerceivedWorld,
@@ -75,7 +75,7 @@ def test_playing_tunes_at_the_turns_that_are_due() -> None:
     assert plain.accuracy == never_due.accuracy
     assert plain.kernel == never_due.kernel
     assert often.accuracy != plain.accuracy
-    assert often.kernel.amplitude != plain.kernel.amplitude == AMPLITUDE
+    assert often.kernel.amplitude != plain.kernel.amplitude == AMPLITUDE.default
 
 
 def test_episodes_on_an_open_world_are_those_on_a_new_one() -> None:

@@ -26,7 +26,7 @@ from al_questioner.experiments.running import run
 from al_questioner.experiments.statistics import mean_and_deviation
 from al_questioner.experiments.storing import Store
 from al_questioner.experiments.studies import STUDIES, Study, make_studies
-from al_questioner.questioning import FEATURE_SETS, Weights, make_strategy, read_weights
+from al_questioner.questioning import FEATURE_SETS, STRATEGIES, Weights, make_strategy, read_weights, weight_names
 from al_questioner.simulation import WorldSpec, load_task
 from al_questioner.support.files import write_text
 from al_questioner.support.text import number_of
@@ -94,8 +94,9 @@ def _strategy_of(weights: Weights, strategies: Sequence[str]) -> str:
     Raises:
         SettingsError: they are for none of these, or do not fit it.
     """
-    for name, feature_set in FEATURE_SETS.items():
-        if name in strategies and any(each in (*feature_set.names, *feature_set.constants) for each in weights.values):
+    for name in FEATURE_SETS:
+        declared = weight_names(STRATEGIES[name]) or ()
+        if name in strategies and any(each in declared for each in weights.values):
             make_strategy(name, weights.values)
             return name
     raise SettingsError('--weights-file holds no weights for any of the strategies')
@@ -130,7 +131,7 @@ def _varied(given: argparse.Namespace) -> str:
         'share of wrong answers {}': given.wrong_rate or None,
         'share of questions without an answer {}': given.unknown_rate or None,
         'the teacher shows also what is known': given.repeat_shown or None,
-        'amplitude {:g}': given.amplitude if given.amplitude != AMPLITUDE else None,
+        'amplitude {:g}': given.amplitude if given.amplitude != AMPLITUDE.default else None,
     }
     return ', '.join(text.format(value) for text, value in parts.items() if value is not None)
 

@@ -22,13 +22,13 @@ Queries = list[tuple[QueryRecord, ...]]
 
 def warn_of_amplitudes(demonstrations: Sequence[Demonstration]) -> str:
     """That some were recorded with another amplitude than learners have unless told otherwise; empty if none was."""
-    found = sorted({demonstration.settings.amplitude for demonstration in demonstrations} - {AMPLITUDE})
+    found = sorted({demonstration.settings.amplitude for demonstration in demonstrations} - {AMPLITUDE.default})
     if not found:
         return ''
-    count = sum(demonstration.settings.amplitude != AMPLITUDE for demonstration in demonstrations)
+    count = sum(demonstration.settings.amplitude != AMPLITUDE.default for demonstration in demonstrations)
     of = f'{count} of {number_of(len(demonstrations), "demonstration")}'
     return (
-        f'{of} recorded with amplitude {_listed(found)}; learners have {AMPLITUDE:g} unless told otherwise'
+        f'{of} recorded with amplitude {_listed(found)}; learners have {AMPLITUDE.default:g} unless told otherwise'
         ' (parameter amplitude), and the weights need not suit both'
     )
 
@@ -82,8 +82,9 @@ def tell_eagerness(demonstrations: Sequence[Demonstration], in_place: Queries | 
     else:
         amplitudes = {demonstration.settings.amplitude for demonstration in demonstrations}
         asked = {f'with amplitude {_listed(amplitudes)}, as in the demonstrations': _count(free.play())}
-        if amplitudes != {AMPLITUDE}:
-            asked[f'with {AMPLITUDE:g}, as learners have unless told otherwise'] = _count(free.play(AMPLITUDE))
+        if amplitudes != {AMPLITUDE.default}:
+            usual = f'with {AMPLITUDE.default:g}, as learners have unless told otherwise'
+            asked[usual] = _count(free.play(AMPLITUDE.default))
         told = ', and '.join(f'{number_of(count, "question")} {how}' for how, count in asked.items())
         yield f'by itself, taking the best candidate, the learner asks {told}; the expert asked {by_expert}'
     timid = [how for how, count in asked.items() if count < TIMID * by_expert]

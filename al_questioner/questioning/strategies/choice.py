@@ -50,7 +50,15 @@ class Strategy(Protocol):
 
 
 StrategyFactory: TypeAlias = Callable[[Mapping[str, float]], Strategy]
-"""Makes a strategy from weights by decision feature, which are empty if none are given."""
+"""Makes a strategy from weights and constants by name, which are empty if none are given.
+
+It declares their names as its attribute `weight_names`, and is handed no others. One that declares none is handed all.
+"""
+
+
+def weight_names(factory: StrategyFactory) -> tuple[str, ...] | None:
+    """Return the names of the weights and constants that a strategy declares; None if it declares nothing."""
+    return getattr(factory, 'weight_names', None)
 
 
 def nothing_considered(context: TurnContext) -> NDArray[np.float64]:

@@ -10,10 +10,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from al_questioner.concepts import Selector
-from al_questioner.domain import DECISION_FEATURES, VALUE_CONSTANTS, VALUE_FEATURES
+from al_questioner.domain import DECISION_FEATURES
 from al_questioner.questioning.strategies.choice import Choice, Strategy
 from al_questioner.questioning.strategies.expected_utility import expected_features
-from al_questioner.questioning.strategies.value_per_cost import is_worthless, value_features
+from al_questioner.questioning.strategies.value_per_cost import VALUE_FEATURES, is_worthless, value_features
 from al_questioner.questioning.turn_context import TurnContext
 
 
@@ -29,14 +29,12 @@ class FeatureSet:
         strategy: its name.
         names: names of the F features.
         of: function that returns the (C, F) features of the candidates of a turn.
-        constants: names of the constants that a weights file may set beside the weights.
         is_worthless: function that returns, for (C, F) features, (C,) booleans: the candidates never to consider.
     """
 
     strategy: str
     names: tuple[str, ...]
     of: Callable[[TurnContext], NDArray[np.float64]]
-    constants: tuple[str, ...] = ()
     is_worthless: Callable[[NDArray[np.float64]], NDArray[np.bool_]] = _never
 
 
@@ -44,7 +42,7 @@ FEATURE_SETS: Mapping[str, FeatureSet] = {
     feature_set.strategy: feature_set
     for feature_set in (
         FeatureSet('dt_task_env', DECISION_FEATURES, expected_features),
-        FeatureSet('value_per_cost', VALUE_FEATURES, value_features, VALUE_CONSTANTS, is_worthless),
+        FeatureSet('value_per_cost', VALUE_FEATURES, value_features, is_worthless),
     )
 }
 """Feature sets by the name of the strategy."""

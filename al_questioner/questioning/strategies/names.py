@@ -8,7 +8,7 @@ from __future__ import annotations
 import logging
 from importlib.metadata import EntryPoint, entry_points
 
-from al_questioner.domain import SettingsError
+from al_questioner.domain import Setting, SettingsError
 from al_questioner.domain.names import suggestion
 
 SHIPPED = (
@@ -25,6 +25,11 @@ SHIPPED = (
     'human',
 )
 """Those of `questioning.STRATEGIES`: whoever reads a name need not load them."""
+STRATEGY = Setting(
+    'strategy',
+    'value_per_cost',
+    f'questioning strategy: {", ".join(sorted(SHIPPED))}, or one that an installed package contributes',
+)
 GROUP = 'al_questioner.strategies'
 
 _LOGGER = logging.getLogger(__name__)

@@ -3,16 +3,18 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
-from functools import partial
+from itertools import chain
 
-from al_questioner.domain import DECISION_FEATURES
-from al_questioner.questioning.strategies.choice import Strategy, StrategyFactory
-from al_questioner.questioning.strategies.decision_theoretic import IROS_FEATURES, TASK_FEATURES, decision_theoretic
+from al_questioner.domain import SettingsError
+from al_questioner.questioning.strategies.choice import Strategy, StrategyFactory, weight_names
+from al_questioner.questioning.strategies.dt_iros import DtIros
+from al_questioner.questioning.strategies.dt_task import DtTask
+from al_questioner.questioning.strategies.dt_task_env import DtTaskEnv
 from al_questioner.questioning.strategies.expert import ScriptedExpert
 from al_questioner.questioning.strategies.farthest import Farthest
 from al_questioner.questioning.strategies.human import Human
 from al_questioner.questioning.strategies.names import contribution, contributions
-from al_questioner.questioning.strategies.plug_ins import contributed_factory
+from al_questioner.questioning.strategies.plug_ins import ContributedFactory
 from al_questioner.questioning.strategies.random_label import RandomLabel
 from al_questioner.questioning.strategies.rarest_demonstration import RarestDemonstration
 from al_questioner.questioning.strategies.uncertain_unlabelled import UncertainUnlabelled
@@ -27,9 +29,9 @@ def _unweighted(strategy: Callable[[], Strategy]) -> StrategyFactory:
 
 STRATEGIES: Mapping[str, StrategyFactory] = {
     'u_sampling': _unweighted(UncertaintySampling),
-    'dt_iros': partial(decision_theoretic, 'dt_iros', IROS_FEATURES),
-    'dt_task': partial(decision_theoretic, 'dt_task', TASK_FEATURES),
-    'dt_task_env': partial(decision_theoretic, 'dt_task_env', DECISION_FEATURES),
+    'dt_iros': DtIros,
+    'dt_task': DtTask,
+    'dt_task_env': DtTaskEnv,
     'value_per_cost': ValuePerCost,
     'u_sampling_fsq': _unweighted(UncertainUnlabelled),
     'random_fsq': _unweighted(RandomLabel),
@@ -46,25 +48,23 @@ def known_strategies() -> tuple[str, ...]:
     return (*STRATEGIES, *contributions())
 
 
-def strategy_factory(name: str) -> StrategyFactory:
-    """What makes the strategy of this name; other packages are searched only for a name that is not in `STRATEGIES`.
-
-    Raises:
-        SettingsError: an unknown name, or a contributed strategy that cannot be imported.
-    """
-    if name in STRATEGIES:
-        return STRATEGIES[name]
-    return contributed_factory(contribution(name))
-
-
 def make_strategy(name: str, weights: Mapping[str, float]) -> Strategy:
-    """The strategy of this name.
+    """Make the strategy of this name; other packages are searched only for a name that is not in `STRATEGIES`.
 
     Args:
         name: one of `known_strategies()`.
-        weights: by feature; of the strategies that ship only the decision-theoretic ones and value_per_cost use them.
+        weights: weights and constants by name. A strategy that declares some takes no others, but with weight 0 those
+            that others declare; one that ships and declares none leaves them aside.
 
     Raises:
         SettingsError: an unknown name, weights that do not fit the strategy, or a contributed one that cannot be made.
     """
-    return strategy_factory(name)(weights)
+    factory = STRATEGIES[name] if name in STRATEGIES else ContributedFactory(contribution(name))
+    declared = weight_names(factory)
+    if declared is not None:
+        of_others = set(chain.from_iterable(weight_names(other) or () for other in STRATEGIES.values()))
+        for each, weight in weights.items():
+            if each not in declared and (weight != 0 or each not in of_others):
+                uses = ', '.join(declared) or 'none'
+                raise SettingsError(f'strategy {name} does not use {each!r}; it uses {uses}')
+    return factory(weights)

@@ -14,7 +14,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from al_questioner.domain import VALUE_CONSTANTS, VALUE_FEATURES, Outcome, QueryKind, SettingsError
+from al_questioner.domain import Outcome, QueryKind, SettingsError
 from al_questioner.questioning.beliefs import class_beliefs, with_labels
 from al_questioner.questioning.candidates import BUDGET_ROUNDING
 from al_questioner.questioning.strategies.choice import TIE, Choice, choose_best, rows_of
@@ -26,6 +26,8 @@ LEAST = 1e-6
 LEAST_PRICE = 1e-2
 """Cheapest question, as a share of the dearest: what costs nothing is not worth infinitely much per cost."""
 
+VALUE_FEATURES = ('gain', 'chance', 'price', 'ahead', 'silence')
+"""The features of what a question is worth, in the order of every weight vector of theirs."""
 GAIN, CHANCE, PRICE, AHEAD, SILENCE = range(len(VALUE_FEATURES))
 
 
@@ -50,8 +52,7 @@ class Constants:
     pace: float = 0.5
 
     def __post_init__(self) -> None:
-        for name in VALUE_CONSTANTS:
-            value = getattr(self, name)
+        for name, value in vars(self).items():
             if not (np.isfinite(value) and value >= LEAST):
                 raise SettingsError(
                     f'strategy value_per_cost: {name} must be a number of {LEAST:g} or more, not {value}'
@@ -59,6 +60,8 @@ class Constants:
 
 
 DEFAULTS = Constants()
+CONSTANTS = tuple(vars(DEFAULTS))
+"""What a weights file may set beside the weights."""
 
 BY_DERIVATION: Mapping[str, float] = {'gain': 1.0, 'chance': 1.0, 'price': -1.0, 'ahead': 1e6, 'silence': -10.0}
 """Weights with which the features add up to the logarithm of a value; that of being ahead makes the pace a rule."""
@@ -72,18 +75,15 @@ class ValuePerCost:
             of the `Constants` that are not to have their default.
 
     Raises:
-        SettingsError: a weight for another feature, or a constant out of its range.
+        SettingsError: a constant out of its range.
     """
 
     selector = None
+    weight_names = (*VALUE_FEATURES, *CONSTANTS)
 
     def __init__(self, weights: Mapping[str, float]) -> None:
-        known = (*VALUE_FEATURES, *VALUE_CONSTANTS)
-        for name, weight in weights.items():
-            if name not in known and weight != 0:
-                raise SettingsError(f'strategy value_per_cost does not use {name!r}; it uses {", ".join(known)}')
         self.weights = np.array([float(weights.get(name, BY_DERIVATION[name])) for name in VALUE_FEATURES])
-        self.constants = Constants(**{name: float(weights[name]) for name in VALUE_CONSTANTS if name in weights})
+        self.constants = Constants(**{name: float(weights[name]) for name in CONSTANTS if name in weights})
 
     def choose(self, context: TurnContext, rng: np.random.Generator) -> Choice:
         """The best of the candidates that are worth anything; the utility is the logarithm of the value."""

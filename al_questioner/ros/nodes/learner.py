@@ -41,7 +41,7 @@ from al_questioner.ros.one_shot_timer import OneShotTimer
 from al_questioner.ros.parameters import declare, refuse_unknown
 from al_questioner.ros.retransmitter import PATIENT, Retransmitter
 from al_questioner.ros.running import spin_node
-from al_questioner.ros.settings import all_names, learner_settings
+from al_questioner.ros.settings import ALL_NAMES, learner_settings
 from al_questioner.ros.stale_scenes import StaleScenes
 from al_questioner.ros.turn_stamps import TurnStamps
 from al_questioner.ros.types import CLOUD_TYPES, MARKER_TYPES, header
@@ -77,7 +77,7 @@ class LearnerNode(QuestionerNode):
         self._settings = settings_of(world.task, self._given)
         # What cannot be used is to be said before anything is published, and before a log is begun.
         make_strategy(self._settings.strategy, self._settings.weights)
-        refuse_unknown(self, all_names())
+        refuse_unknown(self, ALL_NAMES)
         self._world = world_members(world)
         self._session = session_of(self._settings, world, self._given)
         self.episode_id = self._session.begun.episode_id

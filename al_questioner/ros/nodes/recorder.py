@@ -25,7 +25,7 @@ from al_questioner.messages import documents
 from al_questioner.ros import qos
 from al_questioner.ros.node import RECORDER, QuestionerNode
 from al_questioner.ros.parameters import declare, refuse_unknown
-from al_questioner.ros.settings import RECORDER_SETTINGS, all_names
+from al_questioner.ros.settings import ALL_NAMES, RECORDER_SETTINGS
 
 CLASSES = {STRING: String, CLOUD: PointCloud2}
 EVENTS = ('answer', 'answer_ack', 'decision')
@@ -50,7 +50,7 @@ class RecorderNode(QuestionerNode):
     def __init__(self, **node_arguments: Any) -> None:
         super().__init__(RECORDER, **node_arguments)
         given = declare(self, RECORDER_SETTINGS)
-        refuse_unknown(self, all_names())
+        refuse_unknown(self, ALL_NAMES)
         self.done = False
         self.failure: EpisodeError | BagError | None = None
         self.until_done = bool(given['until_done'])

@@ -87,7 +87,7 @@ def test_progress_and_summary_are_printed(tmp_path: Path, capsys: pytest.Capture
         (['--budget', 'much'], '--budget'),
         (['--turns', '0'], 'turns'),
         (['--seed', '-1'], 'seed'),
-        (['--wrong-rate', '2'], 'wrong_rate'),
+        (['--wrong-rate', '2'], '--wrong-rate: must be at least 0 and at most 1, not 2'),
         (['--task', 'tabletop'], 'needs a dataset'),
         (['--task', 'tabletop', '--dataset', '/no/such/folder'], '/no/such/folder'),
         (['--dataset', '/tmp'], 'takes no dataset'),

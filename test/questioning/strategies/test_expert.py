@@ -88,7 +88,7 @@ def test_the_rarest_class_is_what_it_asks_about(toy):
     table = np.zeros((8, 5))
     table[:, 0] = [0, 5, 5, 10, 10, 0.2, 5.2, 10.2]
     scene = toy.scene(table)
-    concepts = ConceptLearner(toy.symbols)
+    concepts = ConceptLearner(toy.symbols, 4.0)
     concepts.observe(scene)
     for row, label in enumerate(['main_dish', 'snack', 'snack', 'fruit', 'fruit']):
         concepts.label(row, scene.features[row], label, 1)
@@ -106,7 +106,7 @@ def test_asks_for_a_demonstration_of_a_class_that_stays_without_example(toy):
     from al_questioner.questioning import TurnContext, make_strategy
 
     scene = toy.scene(np.random.default_rng(0).normal(size=(6, 5)))
-    concepts = ConceptLearner(toy.symbols)
+    concepts = ConceptLearner(toy.symbols, 4.0)
     concepts.observe(scene)
     for row, label in enumerate(['snack', 'snack', 'fruit', NO_SYMBOL]):
         concepts.label(row, scene.features[row], label, 1)

@@ -23,7 +23,7 @@ SYMBOLS = ('main_dish', 'snack', 'soup')
 
 def context_of(toy: Any, **changes: Any) -> TurnContext:
     scene = toy.scene(np.random.default_rng(0).normal(size=(7, 5)), range(20, 27))
-    concepts = ConceptLearner(SYMBOLS)
+    concepts = ConceptLearner(SYMBOLS, 4.0)
     concepts.observe(scene)
     concepts.label(21, scene.features[1], 'snack', 1)
     values = {
@@ -111,7 +111,7 @@ def test_a_line_that_names_none_is_explained(toy: Any, line: str, changes: dict[
 )
 def test_what_is_exactly_a_symbol_is_that_symbol(toy: Any, symbols: tuple[str, ...], line: str, action: Action) -> None:
     """A symbol that the menu lists could not be asked for, or another question would be paid for."""
-    concepts = ConceptLearner(symbols)
+    concepts = ConceptLearner(symbols, 4.0)
     context = context_of(toy)
     concepts.observe(context.scene)
     context = context_of(toy, concepts=concepts)
@@ -160,7 +160,7 @@ def test_help_is_the_table_of_inputs(toy: Any) -> None:
     assert context.candidates[index].object_id == 23
     assert screen.getvalue().count(HELP_TABLE) == 2
     assert 'no question' not in screen.getvalue()
-    concepts = ConceptLearner(('hot', 'cold'))
+    concepts = ConceptLearner(('hot', 'cold'), 4.0)
     concepts.observe(context.scene)
     hot = context_of(toy, concepts=concepts)
     found = pick_from_menu(hot, io.StringIO('h\n'), io.StringIO())

@@ -19,6 +19,7 @@ import pytest
 
 from al_questioner.cli import main
 from al_questioner.domain import QueryKind, SettingsError, random_stream
+from al_questioner.messages.documents import read, settings_members, settings_of, write
 from al_questioner.questioning import STRATEGIES, Choice, Episode, TurnContext, known_strategies, make_strategy
 from al_questioner.questioning.strategies import names as strategy_names
 from al_questioner.questioning.strategies.names import SHIPPED, check_strategy
@@ -32,6 +33,10 @@ class Weighted:
     def __init__(self, weights): self.weights = weights
     def choose(self, context, rng): raise NotImplementedError
 class Another(Weighted): pass
+class Declaring(Weighted):
+    weight_names = ('margin', 'novelty')
+class Vague(Weighted):
+    weight_names = 'margin'
 class Failing(Weighted):
     def __init__(self, weights): raise ValueError('it needs\\nmore memory')
 class Halfway:
@@ -84,6 +89,22 @@ def test_a_weights_file_reaches_a_contributed_strategy(contribute: Contribute, t
     assert episode_settings(task, 'mine').weights == {}
 
 
+def test_a_contributed_strategy_declares_weights_of_its_own(contribute: Contribute, tmp_path: Path) -> None:
+    """An idea that weighs something else than the paper could not be tuned, nor told of on a topic or in a log."""
+    contribute('pack', mine='contributed_module:Declaring')
+    path = tmp_path / 'weights.yaml'
+    path.write_text('weights: {margin: 0.5}', encoding='utf-8')
+    settings = episode_settings(load_task('prepare_lunch'), 'mine', weights_file=str(path))
+    assert settings.weights == {'margin': 0.5}
+    assert make_strategy('mine', settings.weights).weights == {'margin': 0.5}
+    told = {**settings_members(settings), 'feature_names': [], 'seed': 0, 'world': None}
+    assert settings_of(read('episode', write('episode', 'e', told))) == settings
+    path.write_text('weights: {margin: 0.5, novelyt: 0}', encoding='utf-8')
+    with pytest.raises(SettingsError) as error:
+        episode_settings(load_task('prepare_lunch'), 'mine', weights_file=str(path))
+    assert one_line(error) == f"{path}: strategy mine does not use 'novelyt'; it uses margin, novelty"
+
+
 def test_our_own_strategies_do_not_wait_for_a_search(monkeypatch: pytest.MonkeyPatch, toy: SimpleNamespace) -> None:
     """Every start would read the metadata of all installed packages."""
     monkeypatch.setattr(strategy_names, 'contributions', lambda: pytest.fail('searched'))
@@ -121,6 +142,7 @@ def test_of_two_with_one_name_it_is_always_the_same(contribute: Contribute, capl
         ('contributed_module:Failing', 'makes no strategy (ValueError: it needs more memory)'),
         ('contributed_module:__doc__', "makes no strategy (TypeError: 'NoneType' object is not callable)"),
         ('contributed_module:Halfway', 'makes a Halfway, which is no Strategy'),
+        ('contributed_module:Vague', "declares weight_names 'margin', which is no list of names"),
     ],
 )
 def test_a_broken_strategy_is_refused_in_one_line(contribute: Contribute, value: str, reason: str) -> None:

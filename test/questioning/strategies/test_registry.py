@@ -19,7 +19,7 @@ def context_of(toy, labels=(), features=None, **changes):
     """Turn 3 of 20 in a scene of six objects, of which the first ones carry the labels given."""
     table = np.random.default_rng(0).normal(size=(6, 5)) if features is None else features
     scene = toy.scene(table)
-    concepts = ConceptLearner(toy.symbols)
+    concepts = ConceptLearner(toy.symbols, 4.0)
     concepts.observe(scene)
     for row, label in enumerate(labels):
         concepts.label(row, scene.features[row], label, 1)
@@ -241,6 +241,7 @@ def test_unknown_strategy_is_named_with_the_known_ones():
     ('name', 'weights', 'reason'),
     [
         ('dt_task', {}, 'dt_task needs weights'),
+        ('dt_iros', {'beauty': 1}, "dt_iros does not use 'beauty'; it uses discriminability, class_uniformity$"),
         ('dt_iros', {'discriminability': 1, 'budget_consumption': -1}, "dt_iros does not use 'budget_consumption'"),
         ('dt_task', {'discriminability': 1, 'non_query_time': -1}, "dt_task does not use 'non_query_time'"),
     ],

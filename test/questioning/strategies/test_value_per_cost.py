@@ -8,7 +8,6 @@ import pytest
 from al_questioner.concepts import ConceptLearner
 from al_questioner.domain import (
     NO_SYMBOL,
-    VALUE_FEATURES,
     Costs,
     Outcome,
     QueryKind,
@@ -30,6 +29,7 @@ from al_questioner.questioning.strategies.value_per_cost import (
     BY_DERIVATION,
     DEFAULTS,
     LEAST,
+    VALUE_FEATURES,
     Constants,
     example_gains,
     later_answers,
@@ -52,7 +52,7 @@ def context_of(toy, labels=(), seed=3, table=None, **changes):
     """Six objects, of which the first ones were labelled so; the budget is short unless it is changed."""
     features = np.random.default_rng(seed).normal(size=(6, 5)) if table is None else table
     scene = changes.pop('scene', None) or toy.scene(features)
-    concepts = ConceptLearner(toy.symbols)
+    concepts = ConceptLearner(toy.symbols, 4.0)
     concepts.observe(scene)
     for row, label in enumerate(labels):
         concepts.label(scene.object_ids[row], scene.features[row], label, 1)
@@ -267,7 +267,7 @@ def test_the_order_of_the_objects_does_not_matter(toy):
     table = np.random.default_rng(0).normal(size=(6, 5))
     order = np.array([4, 2, 0, 5, 1, 3])
     plain, shuffled = toy.scene(table), toy.scene(table[order], object_ids=tuple(map(int, order)))
-    concepts = ConceptLearner(toy.symbols)
+    concepts = ConceptLearner(toy.symbols, 4.0)
     concepts.observe(plain)
     concepts.label(2, plain.features[2], 'snack', 1)
     rows = []
@@ -301,7 +301,7 @@ def test_whole_episodes_keep_the_rules(toy, costs, budget):
 
 def test_two_symbols_are_enough(toy):
     scene = toy.scene(np.random.default_rng(0).normal(size=(4, 5)))
-    concepts = ConceptLearner(('cup', 'plate'))
+    concepts = ConceptLearner(('cup', 'plate'), 4.0)
     concepts.observe(scene)
     context = dataclasses.replace(context_of(toy, scene=scene), concepts=concepts)
     assert value_features(context).shape == (2 + 4 + 2, len(VALUE_FEATURES))
@@ -312,6 +312,7 @@ def test_two_symbols_are_enough(toy):
     ('weights', 'reason'),
     [
         ({'gain': 1, 'discriminability': 1}, "does not use 'discriminability'"),
+        ({'gian': 0}, "does not use 'gian'; it uses gain, chance, price, ahead, silence, reach, doubt, decline, pace$"),
         ({'gain': 1, 'reach': 0.0}, 'reach must be a number of 1e-06 or more, not 0.0'),
         ({'gain': 1, 'doubt': np.inf}, 'doubt must be a number of 1e-06 or more, not inf'),
         ({'gain': 1, 'decline': np.nan}, 'decline must be a number of 1e-06 or more, not nan'),
@@ -358,6 +359,7 @@ def test_features_stay_finite(toy, labels, constants):
 
 
 def test_zero_weights_of_others_do_not_matter():
+    """Weights that were learnt for one strategy could not be cut down to those of another."""
     make_strategy('value_per_cost', {'gain': 1, 'discriminability': 0})
 
 

@@ -31,7 +31,6 @@ def test_shipped_weights(name, strategy, provenance):
 @pytest.mark.parametrize(
     ('text', 'reason'),
     [
-        ('weights: {cleverness: 1}', "unknown decision feature 'cleverness'"),
         ('weights:\n  gain: 1e6', "line 2: 1e6 is a text in YAML 1.1 .*; write 1000000.0 or '1e6'"),
         ('weights: {gain: 1}\nreach: 0.5', "unknown member 'reach'; a weights file has weights, provenance, training"),
         ('weights: {discriminability: .nan}', 'must be a finite number, not nan'),
