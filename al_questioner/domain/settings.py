@@ -1,4 +1,4 @@
-"""What is given to the learner before it asks."""
+"""Settings of an episode."""
 
 from __future__ import annotations
 
@@ -45,14 +45,14 @@ COSTS: Mapping[str, Setting[float]] = {
     'skip': Setting('charge_skip', 1.0, 'share that is charged if the teacher skips the query', '', 0, 1),
     'unanswered': Setting('charge_unanswered', 0.0, 'share that is charged if it is withdrawn unanswered', '', 0, 1),
 }
-"""By the names of the attributes of `Costs`."""
+"""Declarations of the costs, by the names of the attributes of `Costs`."""
 
 
 AUTO: Final = 'auto'
 """The view tolerance that is found from the looks themselves."""
 
 ViewTolerance = float | Literal['auto']
-"""When two looks at a thing are the same view: see `questioning.Episode`."""
+"""Difference up to which two looks at a thing are the same view: see `questioning.Episode`."""
 SAME_VIEW = Setting(
     'view_tolerance',
     AUTO,
@@ -65,7 +65,7 @@ SAME_VIEW = Setting(
 
 @dataclass(frozen=True)
 class Costs:
-    """What a query takes from the budget; asking nothing is free (section 4.2 of the paper).
+    """Prices of queries, as parts of the budget; asking nothing is free (section 4.2 of the paper).
 
     Attributes:
         label: price of a label query.
@@ -94,7 +94,7 @@ class Costs:
 
 @dataclass(frozen=True)
 class EpisodeSettings:
-    """What is given to the learner before it asks.
+    """Settings of an episode, fixed before it begins.
 
     Attributes:
         symbols: the concepts to ground, at least two. Any names will do here; of those of a task, which people are to
@@ -146,5 +146,5 @@ class EpisodeSettings:
             WEIGHT.check(weight, f'the weight of {name}')
 
     def tunes_after(self, turn: int) -> bool:
-        """Whether amplitude and length scale are re-optimised at the end of this turn."""
+        """Return whether amplitude and length scale are re-optimised at the end of this turn."""
         return self.tune_every > 0 and turn > 0 and turn % self.tune_every == 0

@@ -1,4 +1,4 @@
-"""What the documents `episode` and `learner_state`, and a node's diagnostics, tell of an episode."""
+"""Members of the documents `episode` and `learner_state`, and texts for a node's diagnostics."""
 
 from __future__ import annotations
 
@@ -55,7 +55,7 @@ def state_members(episode: Episode, beliefs: NDArray[np.float64]) -> Document:
 
 
 def noise_text(noise: Mapping[str, float]) -> str:
-    """What the sensors' noise is, for people.
+    """Describe the sensors' noise for people.
 
     Args:
         noise: of each feature by its name, as share of its spread among things.
@@ -68,7 +68,7 @@ def noise_text(noise: Mapping[str, float]) -> str:
 
 
 def _last_answer(episode: Episode) -> Document | None:
-    """What somebody who comes back may want to take back."""
+    """Return the last answer, which somebody who comes back may want to correct."""
     if episode.answers.last is None:
         return None
     query, answer = episode.answers.last

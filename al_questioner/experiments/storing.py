@@ -64,7 +64,7 @@ class Store:
         write_text(manifest, json.dumps(document, indent=1) + '\n')
 
     def load(self, cell: Cell) -> Played | None:
-        """What was stored of a cell; None if nothing usable was."""
+        """Load what was stored of a cell; return None if nothing usable was."""
         try:
             document = json.loads(self._path(cell).read_text(encoding='utf-8'))
             return Played(cell, document['episode'], tuple(document['turns']))
@@ -72,11 +72,11 @@ class Store:
             return None
 
     def finished(self) -> int:
-        """How many cells of the plan are stored."""
+        """Count the stored cells of the plan."""
         return sum(self.load(cell) is not None for cell in self.plan.cells())
 
     def missing(self) -> list[tuple[Cell, ...]]:
-        """The cells that nothing is stored of, together those that share a world."""
+        """Return the cells that nothing is stored of, together those that share a world."""
         groups = (tuple(cell for cell in group if self.load(cell) is None) for group in self.plan.groups())
         return [group for group in groups if group]
 
@@ -129,7 +129,7 @@ def _check_same(folder: Path, before: Mapping[str, Any], now: Mapping[str, Any])
 
 
 def _machine() -> dict[str, Any]:
-    """Where and when it was run, for people."""
+    """Describe where and when it was run, for people."""
     return {
         'python': platform.python_version(),
         'numpy': np.__version__,

@@ -21,7 +21,7 @@ from al_questioner.support.arrays import Array
 
 
 def balance_kinds(steps: Sequence[Step]) -> Array:
-    """(N,) importance of each step, mean 1: every kind of query, asking nothing included, matters the same in total.
+    """Weigh the N steps, with mean 1, so that every kind of query, asking nothing included, counts the same in total.
 
     Without it the most frequent choice, to ask nothing, would outweigh the one feature subset query of an episode.
     """
@@ -58,7 +58,7 @@ def fit_choices(
     importance: NDArray[np.float64] | None = None,
     ridge: float = RIDGE,
 ) -> Array:
-    """(F,) weights under which the expert's choices are most probable.
+    """Find the (F,) weights under which the expert's choices are most probable.
 
     Args:
         demonstrations: one or more.

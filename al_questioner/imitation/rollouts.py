@@ -63,7 +63,7 @@ class Rollout:
 
     @property
     def feature_counts(self) -> Array:
-        """(F,) mean over the turns: phi_L of equation 6, per turn."""
+        """Feature counts of the learner, (F,), mean over the turns: phi_L of equation 6."""
         return np.asarray(self.features.mean(axis=0))
 
 
@@ -146,7 +146,7 @@ class _Stage:
 
 
 _STAGES: list[_Stage] = []
-"""Of the simulator that this process works for."""
+"""Stages of the simulator that this process works for."""
 
 
 def _inherit(stages: Sequence[_Stage]) -> None:

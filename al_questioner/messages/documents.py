@@ -34,7 +34,7 @@ _SETTINGS = [name for name in SCHEMAS['episode']['properties'] if name in Episod
 """Members of an `episode` document that are attributes of `EpisodeSettings`, in the order of the document."""
 
 EARLIER_AMPLITUDE = 4.0
-"""Of the learners whose `episode` documents do not tell it."""
+"""Amplitude of learners whose `episode` documents do not tell it."""
 
 MAXIMAL_LENGTH = 4_000_000
 """Characters; a longer text is refused unread."""
@@ -45,12 +45,12 @@ class DocumentError(InputError):
 
 
 def schema_name(kind: str) -> str:
-    """The `schema` member of a kind of document."""
+    """Return the `schema` member of a kind of document."""
     return f'al_questioner/{kind}/1'
 
 
 def write(kind: str, episode_id: str, members: Mapping[str, Any]) -> str:
-    """The JSON text of a document; what it says in words stands first, where tools that cut a message still show it.
+    """Write a document as JSON; its text for people stands first, where tools that cut a message still show it.
 
     Raises:
         ValueError: a member is NaN or infinite, which JSON cannot say.
@@ -61,7 +61,7 @@ def write(kind: str, episode_id: str, members: Mapping[str, Any]) -> str:
 
 
 def read(kind: str, text: str) -> Document:
-    """The document that a text holds.
+    """Read and check the document that a text holds.
 
     Raises:
         DocumentError: too long, no JSON, another schema, or a member that is missing or of the wrong form.
@@ -153,7 +153,7 @@ def query_members(query: Query) -> Document:
 
 
 def query_of(document: Document) -> Query:
-    """The query that a checked `query` document tells of."""
+    """Return the query that a checked `query` document describes."""
     known = document.get('known')
     return Query(
         query_id=document['query_id'],
@@ -183,7 +183,7 @@ def answer_members(answer: Answer) -> Document:
 
 
 def answer_of(document: Document) -> Answer:
-    """The answer that a checked `answer` document tells of."""
+    """Return the answer that a checked `answer` document describes."""
     content = document.get('content')
     return Answer(
         query_id=document['query_id'],
@@ -196,7 +196,7 @@ def answer_of(document: Document) -> Answer:
 
 
 def record_members(record: QueryRecord) -> Document:
-    """A query and what came of it, as it stands in `learner_state` and in an episode's JSON."""
+    """Return a query and its outcome as they stand in `learner_state` and in an episode's JSON."""
     members = {
         'turn': record.turn,
         'kind': record.kind.value,
@@ -210,7 +210,7 @@ def record_members(record: QueryRecord) -> Document:
 
 
 def record_of(members: Document) -> QueryRecord:
-    """The inverse of `record_members`."""
+    """Return the record that `record_members` wrote."""
     return QueryRecord(
         turn=members['turn'],
         kind=QueryKind(members['kind']),

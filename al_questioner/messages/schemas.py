@@ -39,7 +39,7 @@ _SHARE: JsonSchema = {'type': 'number', 'minimum': 0, 'maximum': 1}
 
 
 def _record(required: JsonSchema, optional: JsonSchema | None = None) -> JsonSchema:
-    """A mapping; members beyond those named are let through, so that later versions may add some."""
+    """Return the schema of a mapping; it accepts other members, so that later versions may add some."""
     return {'type': 'object', 'properties': {**required, **(optional or {})}, 'required': list(required)}
 
 

@@ -1,4 +1,4 @@
-"""What a learner knows before anybody has told it anything."""
+"""The concept learner at the beginning of an episode."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ from al_questioner.questioning.strategies.registry import make_strategy
 def new_concept_learner(
     settings: EpisodeSettings, view_tolerance: float = VIEW_TOLERANCE, strategy: Strategy | None = None
 ) -> ConceptLearner:
-    """What a learner with these settings knows before the first turn.
+    """Make the concept learner of these settings, as it is before the first turn.
 
     Args:
         settings: of the episode.

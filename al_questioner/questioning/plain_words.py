@@ -1,4 +1,4 @@
-"""What a person types or sends with nothing but `ros2 topic pub`, read as an answer to the pending query."""
+"""Answers in plain words, as people type them or send them with `ros2 topic pub`."""
 
 from __future__ import annotations
 
@@ -12,11 +12,11 @@ from al_questioner.domain.reserved_words import SKIP_WORDS, UNKNOWN_WORDS
 from al_questioner.domain.spelling import composed
 
 OUTCOMES = {**dict.fromkeys(UNKNOWN_WORDS, Outcome.UNKNOWN), **dict.fromkeys(SKIP_WORDS, Outcome.SKIP)}
-"""What words say that are no answer, at every question."""
+"""Words that mean an outcome other than an answer, at every question."""
 
 
 def read_plain_answer(text: str, query: Query, teacher_id: str = 'plain', others: Collection[str] = ()) -> Answer:
-    """The answer that a plain word gives.
+    """Read the answer that a plain word gives.
 
     `snack` answers a label query, `7`, `#7` or `object 7` a demonstration query, `colour,weight` a feature subset
     query; `none` says that a thing belongs to no symbol, or that no such thing is here; `?` is unknown, `skip` skips.
@@ -39,7 +39,7 @@ def read_plain_answer(text: str, query: Query, teacher_id: str = 'plain', others
 
 
 def respelt(answer: Answer, names: Collection[str]) -> Answer:
-    """The answer of a document with its names in the form of Unicode in which the learner has them."""
+    """Return the answer with its names in the learner's form of Unicode."""
     content = answer.content
     if isinstance(content, str):
         return dataclasses.replace(answer, content=_known(content, names))
@@ -66,7 +66,7 @@ def _content(text: str, query: Query, others: Collection[str]) -> Content | Outc
 
 
 def _words(query: Query) -> tuple[str, ...]:
-    """What can be said to a query in one word."""
+    """Return the words that answer a query."""
     return (*query.choices, *_other_words(query))
 
 
@@ -76,7 +76,7 @@ def _other_words(query: Query) -> tuple[str, ...]:
 
 
 def _only(text: str, found: list[str], query: Query, others: Collection[str]) -> str:
-    """The one thing that a text means."""
+    """Return the one name that a text means."""
     word = quoted(text.strip())
     if len(found) > 1:
         raise AnswerError(f'{word} could be {" or ".join(found)}: write it exactly so')
@@ -88,7 +88,7 @@ def _only(text: str, found: list[str], query: Query, others: Collection[str]) ->
 
 
 def _parts(text: str, query: Query) -> list[str]:
-    """The groups that a text names, parted by commas; a name may hold one itself."""
+    """Split a text into the groups that it names, at commas; a name may hold one itself."""
     parts = parted(text) or [text]
     if '"' in text or not any(',' in choice for choice in query.choices):
         return parts

@@ -1,4 +1,4 @@
-"""What every teacher does, simulated or human."""
+"""The interface of every teacher, simulated or human."""
 
 from __future__ import annotations
 

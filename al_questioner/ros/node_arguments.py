@@ -24,17 +24,17 @@ mode:=scripted answers with the truth of the simulated world; mode:=terminal sho
 
 
 def perception(arguments: Sequence[str]) -> list[str]:
-    """The ROS arguments of the perception node."""
+    """Read the ROS arguments of the perception node."""
     return read_node_arguments(arguments, PERCEPTION, (*WORLD_SETTINGS, *PERCEPTION_SETTINGS))
 
 
 def learner(arguments: Sequence[str]) -> list[str]:
-    """The ROS arguments of the learner node."""
+    """Read the ROS arguments of the learner node."""
     return read_node_arguments(arguments, LEARNER, (*WORLD_SETTINGS, *learner_settings(load_task(TASK.default))))
 
 
 def teacher(arguments: Sequence[str]) -> list[str]:
-    """The ROS arguments of the teacher node."""
+    """Read the ROS arguments of the teacher node."""
     return read_node_arguments(arguments, TEACHER, (*WORLD_SETTINGS, *TEACHER_SETTINGS))
 
 
@@ -56,7 +56,7 @@ def check_ros_arguments(arguments: Sequence[str]) -> None:
 
 
 def read_node_arguments(arguments: Sequence[str], description: str, settings: Settings) -> list[str]:
-    """The ROS arguments of a node; its help is printed if that is asked for.
+    """Read the ROS arguments of a node; print its help if that is asked for.
 
     Raises:
         InputError: an argument that nobody would read.

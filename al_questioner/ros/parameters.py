@@ -44,7 +44,7 @@ def checked(setting: Setting[Any], value: object) -> Value:
 
 
 def descriptor(setting: Setting[Any]) -> ParameterDescriptor:
-    """What `ros2 param describe` shows."""
+    """Make the descriptor that `ros2 param describe` shows."""
     kind = type(setting.default)
     described = ParameterDescriptor(
         name=setting.name,

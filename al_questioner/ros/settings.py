@@ -26,7 +26,7 @@ from al_questioner.simulation.world_spec import DATASET, SAMPLE, SEED, TASK
 Settings: TypeAlias = Sequence[Setting[Any]]
 
 WORLD_SETTINGS: Settings = (TASK, DATASET, SEED, SAMPLE)
-"""What perception, learner and teacher must agree on to speak of the same world."""
+"""Settings of the simulated world, on which perception, learner and teacher must agree."""
 
 WAIT_FOR_RECORDER = Setting('wait_for_recorder', False, 'do nothing before a node named recorder listens')
 

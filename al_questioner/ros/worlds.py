@@ -1,4 +1,4 @@
-"""Which simulated world a node speaks of: the parameters that perception, learner and teacher must share."""
+"""Parameters of the simulated world, which perception, learner and teacher must share."""
 
 from __future__ import annotations
 
@@ -29,12 +29,12 @@ def declare_world(node: Node) -> WorldSpec:
 
 
 def new_episode_id(world: WorldSpec) -> str:
-    """An id that no other episode has."""
+    """Make an id that no other episode has."""
     return f'{world.task.name}-{world.seed}-{uuid.uuid4().hex[:8]}'
 
 
 def world_members(world: WorldSpec) -> Document:
-    """The `world` member of the documents `episode` and `turn`."""
+    """Return the `world` member of the documents `episode` and `turn`."""
     return {
         'task': world.task.name,
         'seed': world.seed,

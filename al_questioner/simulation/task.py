@@ -36,7 +36,7 @@ _EMPTY: Mapping[str, float] = MappingProxyType({})
 
 @dataclass(frozen=True)
 class EpisodeDefaults:
-    """What an episode of the task gets unless the user says otherwise.
+    """Settings of an episode of the task, unless the user chooses others.
 
     Attributes:
         budget: query budget, in units of a label query.
@@ -53,7 +53,7 @@ class EpisodeDefaults:
 
 @dataclass(frozen=True)
 class SceneParameters:
-    """What lies on the table, and how it changes.
+    """Number of things on the table, and their changes over time.
 
     Attributes:
         objects: things on the table at once.
@@ -89,11 +89,11 @@ class SceneParameters:
 
 @dataclass(frozen=True)
 class AppearanceParameters:
-    """How much two views of things of one kind differ.
+    """Differences between views of things of one kind.
 
     Attributes:
         catalogue: which kinds of things there are; empty for one that holds those of the symbols.
-        kinds_per_symbol: kinds of things of each symbol, drawn anew for each sample; 0 for all of the catalogue.
+        kinds_per_symbol: kinds of things of each symbol, drawn for each sample; 0 for all of the catalogue.
         kinds_of_clutter: kinds of things of no symbol, likewise.
         size_spread: relative standard deviation of a thing's size.
         hue_spread: standard deviation of the shift of its colours around the colour wheel, in degrees.
@@ -176,7 +176,7 @@ class SensorParameters:
 
 @dataclass(frozen=True)
 class DatasetParameters:
-    """How a directory of real RGB-D crops becomes a world.
+    """Parameters of a world of real RGB-D crops.
 
     Attributes:
         categories: symbol, or 'none' for clutter, by category; other categories are left out.
@@ -221,7 +221,7 @@ class Task:
     variety: Variety | None = None
 
     def of_sample(self, sample: int) -> Task:
-        """The task as the sample of this number has it: the same for every seed of the scenes."""
+        """Return the task as the sample of this number has it: the same for every seed of the scenes."""
         if self.variety is None:
             return self
         scenes = replace(self.scenes, **self.variety.draw(self.symbols, sample))
@@ -235,7 +235,7 @@ class Task:
 
 
 def load_task(name_or_path: str) -> Task:
-    """The task of a name that ships in `config/tasks`, or of a YAML file.
+    """Load the task of a name that ships in `config/tasks`, or of a YAML file.
 
     Raises:
         InputError: no such task, or a file that is not a valid task; the text names the file and the key.

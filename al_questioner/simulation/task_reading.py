@@ -25,7 +25,7 @@ class Interval(NamedTuple):
 
 
 def setting(reader: Reader, default: Any = MISSING) -> Any:
-    """A dataclass field that `read_section` fills: `reader(value, where)` returns the value or raises InputError."""
+    """Make a field for `read_section`: `reader(value, where)` returns the value or raises InputError."""
     if isinstance(default, Mapping):
         return field(default_factory=lambda: default, metadata={'reader': reader})
     return field(default=default, metadata={'reader': reader})
@@ -39,7 +39,7 @@ def declared(each: Setting[Any]) -> Any:
 
 
 def read_section(section: type[Section], content: Any, where: str) -> Section:
-    """An instance of the dataclass `section` from the mapping that a YAML file holds.
+    """Make an instance of the dataclass `section` from the mapping that a YAML file holds.
 
     Args:
         section: a frozen dataclass all of whose fields were made by `setting`.
@@ -61,7 +61,7 @@ def read_section(section: type[Section], content: Any, where: str) -> Section:
 
 
 def mapping(content: Any, where: str) -> Mapping[str, Any]:
-    """The content, if it is a mapping with names as keys.
+    """Return the content, if it is a mapping with names as keys.
 
     Raises:
         InputError: it is none.
@@ -197,5 +197,5 @@ def section_of(section: type[Any]) -> Reader:
 
 
 def defaults_of(section: type[Any]) -> Any:
-    """A dataclass field for a section of a file that may be left out, or left empty; each key of it has a default."""
+    """Make a dataclass field for a section of a file that may be left out or empty; each of its keys has a default."""
     return setting(unless_empty(section_of(section), section()), section())

@@ -10,7 +10,7 @@ from typing import Any, NoReturn
 from al_questioner.domain import InputError, Setting
 
 DEFAULT = '%(default)s'
-"""What argparse replaces by the default in the help of an option."""
+"""Placeholder that argparse replaces by the default of an option."""
 
 JOBS = Setting('jobs', 1, 'local processes', lower=1, upper=1024)
 
@@ -50,7 +50,7 @@ class NumberWithin:
 
     @property
     def __name__(self) -> str:
-        """What argparse calls it where a text is no number."""
+        """Name that argparse gives it where a text is no number."""
         return self.kind.__name__
 
 

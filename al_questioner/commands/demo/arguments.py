@@ -17,7 +17,7 @@ from al_questioner.support.configuration import shipped_names
 
 
 def parser() -> Parser:
-    """The arguments of `demo`."""
+    """Make the parser of `demo`."""
     result = Parser(prog='demo', description='Play one learning episode, show how it goes, and draw how it went.')
     add_option(result, TASK, help=f'{", ".join(shipped_names("tasks"))}, or a YAML file ({DEFAULT})')
     add_option(result, DATASET, type=Path, default=None, help=DATASET.description)
@@ -45,7 +45,7 @@ def parser() -> Parser:
 
 
 def parse(arguments: Sequence[str]) -> argparse.Namespace:
-    """What the arguments ask for.
+    """Parse the arguments.
 
     Raises:
         InputError: they do not go together, or a bag is there already.

@@ -1,4 +1,4 @@
-"""What is asked and answered, live, above a bar that shows how far the episode is."""
+"""Questions and answers of an episode as they come, above a progress bar."""
 
 from __future__ import annotations
 
@@ -62,7 +62,7 @@ class ProgressView:
 
 
 def answer_text(record: QueryRecord) -> str:
-    """What the teacher said, in plain English."""
+    """Return the teacher's answer in plain English."""
     if record.outcome is Outcome.UNKNOWN:
         return 'I do not know.'
     if record.outcome is Outcome.SKIP:

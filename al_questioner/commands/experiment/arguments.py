@@ -27,7 +27,7 @@ from al_questioner.support.configuration import shipped_names
 
 
 def condition(text: str) -> Condition:
-    """An argument type: C1 to C4, or BUDGET/TURNS."""
+    """Read a condition, C1 to C4 or BUDGET/TURNS, for argparse."""
     if text in PAPER_CONDITIONS:
         return PAPER_CONDITIONS[text]
     budget, _, turns = text.partition('/')
@@ -43,7 +43,7 @@ def condition(text: str) -> Condition:
 
 
 def parser() -> Parser:
-    """The arguments of `experiment`."""
+    """Make the parser of `experiment`."""
     result = Parser(prog='experiment', description="Play the paper's comparison, test it, draw it, and write it down.")
     result.add_argument('--out', type=Path, default=Path('out/experiment'), help='folder of the tables (%(default)s)')
     task_help = f'{", ".join(shipped_names("tasks"))}, or YAML files (%(default)s)'
@@ -89,7 +89,7 @@ def parser() -> Parser:
 
 
 def parse(arguments: Sequence[str]) -> argparse.Namespace:
-    """What the arguments ask for, and as `words` the arguments themselves.
+    """Parse the arguments; `words` holds the arguments themselves.
 
     Raises:
         InputError: they do not go together, or name an unknown task or strategy.
@@ -105,7 +105,7 @@ def parse(arguments: Sequence[str]) -> argparse.Namespace:
 
 
 def plan_of(given: argparse.Namespace, weights: Mapping[str, Mapping[str, float]]) -> Plan:
-    """The comparison that the arguments name.
+    """Return the comparison that the arguments name.
 
     Args:
         given: the arguments.

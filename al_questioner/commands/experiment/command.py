@@ -89,7 +89,7 @@ def main(given: argparse.Namespace) -> int:
 
 
 def _strategy_of(weights: Weights, strategies: Sequence[str]) -> str:
-    """Which of the strategies that can be trained the weights are for.
+    """Return the strategy, of those that can be trained, that the weights are for.
 
     Raises:
         SettingsError: they are for none of these, or do not fit it.
@@ -103,7 +103,7 @@ def _strategy_of(weights: Weights, strategies: Sequence[str]) -> str:
 
 
 def _variant_stores(study: Study, given: argparse.Namespace) -> dict[str, Store]:
-    """Where the variants of a study are kept, by label."""
+    """Return the stores of a study's variants, by label."""
     folder = given.out / 'studies' / study.name
     names = {label: re.sub('[^a-z0-9.]+', '_', label.lower()).strip('_') for label in study.plans}
     return {label: Store(folder / names[label], plan, given.dataset) for label, plan in study.plans.items()}
@@ -124,7 +124,7 @@ def _check_worlds(plans: Sequence[Plan], given: argparse.Namespace) -> None:
 
 
 def _varied(given: argparse.Namespace) -> str:
-    """What the arguments change in the tasks and the teacher, in words."""
+    """Describe what the arguments change in the tasks and the teacher."""
     parts = {
         'the scene changes every {} turns': given.change_interval,
         'synchrony {}': given.synchrony,
@@ -137,7 +137,7 @@ def _varied(given: argparse.Namespace) -> str:
 
 
 def _failures(failed: Sequence[Played]) -> list[str]:
-    """A line for each reason, with its first episode: a thousand may fail for one."""
+    """Return a line for each reason, with its first episode: a thousand episodes may fail for one reason."""
     by_reason: dict[str, list[Cell]] = {}
     for played in failed:
         by_reason.setdefault(played.error, []).append(played.cell)

@@ -10,11 +10,11 @@ from al_questioner.support.arguments import NumberWithin, Parser
 from al_questioner.support.configuration import named_bag
 
 KEYS = 'space: pause · right or n: a turn · s: a message · up, down: rate · q: quit'
-"""Of `replay`."""
+"""Help for the keys of `replay`."""
 
 
 def parser() -> Parser:
-    """The arguments of `replay`; ROS arguments may follow."""
+    """Make the parser of `replay`; ROS arguments may follow."""
     result = Parser(
         prog='replay',
         description='Play a bag on the topics it was recorded from, with its timing.',
@@ -39,7 +39,7 @@ def parser() -> Parser:
 
 
 def parse(arguments: Sequence[str]) -> argparse.Namespace:
-    """What the arguments ask for, and as `ros` the ROS arguments.
+    """Parse the arguments; `ros` holds the ROS arguments.
 
     Raises:
         InputError: an option that means nothing beside another one, or there is no such bag.

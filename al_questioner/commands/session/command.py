@@ -99,7 +99,7 @@ def _row(said: StatedAnswer) -> tuple[str, ...]:
 
 
 def _said(answer: Answer) -> str:
-    """A content, or what was said in the place of one; a symbol that is called so is put in quotes."""
+    """Return a content, or the outcome in its place; a symbol of the same name is put in quotes."""
     content = spoken(answer.content)
     return quoted(content) if content in [outcome.value for outcome in Outcome] else content or answer.outcome.value
 

@@ -97,7 +97,7 @@ def write_tables(account: SessionSummary, folder: Path) -> list[Path]:
 
 
 def spoken(content: Content) -> str:
-    """A content in one cell; groups are parted by commas, those that hold one in quotes."""
+    """Return a content as one cell; groups are parted by commas, those that hold one in quotes."""
     if content is None:
         return ''
     return joined(content) if isinstance(content, tuple) else str(content)

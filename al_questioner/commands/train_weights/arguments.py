@@ -17,11 +17,11 @@ from al_questioner.support.configuration import named_bag
 MOST = 10_000
 
 FORMATS = ('.png', '.pdf', '.svg')
-"""Of the picture."""
+"""Formats of the picture."""
 
 
 def parser() -> Parser:
-    """The arguments of `train_weights`."""
+    """Make the parser of `train_weights`."""
     defaults = MatchingSettings()
     result = Parser(
         prog='train_weights',
@@ -60,7 +60,7 @@ def parser() -> Parser:
 
 
 def parse(arguments: Sequence[str]) -> argparse.Namespace:
-    """What the arguments ask for.
+    """Parse the arguments.
 
     Raises:
         InputError: the picture has no name that it can have, or there is no such bag.

@@ -26,7 +26,7 @@ from al_questioner.support.files import check_writable, write_text
 from al_questioner.support.text import number_of
 
 ITERATIONS_OF_A_LINE = 5
-"""Where there is no terminal to show a bar."""
+"""Iterations between two lines of progress, without a terminal to show a bar."""
 
 
 def main(given: argparse.Namespace) -> int:
@@ -108,7 +108,7 @@ def _check_replaceable(out: Path) -> None:
 
 
 def _without_other_files(paths: Sequence[Path]) -> list[Path]:
-    """The paths without files that are no bags, such as a README that `bags/*` names too; all if nothing is left."""
+    """Drop files that are no bags, such as a README that `bags/*` names too; keep all if nothing is left."""
     kept = [path for path in paths if not path.is_file() or path.suffix in (*STORAGE_SUFFIXES.values(), '.bag')]
     return kept or list(paths)
 

@@ -1,4 +1,4 @@
-"""How much a learner with learnt weights asks beside the expert, in words: what agrees on average may hardly ask."""
+"""Number of queries that learnt weights ask beside the expert: weights that agree on average may hardly ask."""
 
 from __future__ import annotations
 
@@ -17,11 +17,11 @@ TIMID = 0.5
 """Share of the expert's questions below which learnt weights are warned of."""
 
 Queries = list[tuple[QueryRecord, ...]]
-"""Of each episode."""
+"""Numbers of queries, one for each episode."""
 
 
 def warn_of_amplitudes(demonstrations: Sequence[Demonstration]) -> str:
-    """That some were recorded with another amplitude than learners have unless told otherwise; empty if none was."""
+    """Return a warning of demonstrations recorded with another amplitude than the default; empty if there are none."""
     found = sorted({demonstration.settings.amplitude for demonstration in demonstrations} - {AMPLITUDE.default})
     if not found:
         return ''
@@ -56,7 +56,7 @@ class FreePlay:
             self.hindrance = str(error)
 
     def play(self, amplitude: float | None = None) -> Queries:
-        """What it asks with classifiers of this amplitude, or of that of each demonstration."""
+        """Play with classifiers of this amplitude, or of that of each demonstration, and count the queries."""
         if amplitude not in self._played:
             pairs = zip(self._demonstrations, self._worlds, strict=True)
             self._played[amplitude] = [imitate(self._weights, *pair, amplitude).queries for pair in pairs]

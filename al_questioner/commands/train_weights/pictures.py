@@ -1,4 +1,4 @@
-"""What training looked like: how the gap closed, and when the expert and the learner asked what."""
+"""Pictures of a training: the gap of the feature counts, and the queries of expert and learner over time."""
 
 from __future__ import annotations
 

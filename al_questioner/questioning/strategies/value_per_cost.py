@@ -1,4 +1,4 @@
-"""What a question is worth: the features of `value_per_cost`, and the value that they add up to.
+"""The strategy `value_per_cost`: the features of a question's value, and the value that they add up to.
 
 A question is worth what its answer would gain if it is an example of a symbol, times the chance that it is one; where
 the budget is short of the turns it is judged by that value per cost. The features are the logarithms of these factors,
@@ -33,7 +33,7 @@ GAIN, CHANCE, PRICE, AHEAD, SILENCE = range(len(VALUE_FEATURES))
 
 @dataclass(frozen=True)
 class Constants:
-    """What the value of a question depends on otherwise than by a weight.
+    """Constants of the value of a question, beside its weights.
 
     Attributes:
         reach: how far a label tells what things are, in standard deviations of a feature, root mean square.
@@ -61,7 +61,7 @@ class Constants:
 
 DEFAULTS = Constants()
 CONSTANTS = tuple(vars(DEFAULTS))
-"""What a weights file may set beside the weights."""
+"""Constants that a weights file may set beside the weights."""
 
 BY_DERIVATION: Mapping[str, float] = {'gain': 1.0, 'chance': 1.0, 'price': -1.0, 'ahead': 1e6, 'silence': -10.0}
 """Weights with which the features add up to the logarithm of a value; that of being ahead makes the pace a rule."""
@@ -86,13 +86,13 @@ class ValuePerCost:
         self.constants = Constants(**{name: float(weights[name]) for name in CONSTANTS if name in weights})
 
     def choose(self, context: TurnContext, rng: np.random.Generator) -> Choice:
-        """The best of the candidates that are worth anything; the utility is the logarithm of the value."""
+        """Choose the best of the candidates that are worth anything; the utility is the logarithm of the value."""
         features = value_features(context, self.constants)
         return choose_best(context, np.where(is_worthless(features), np.nan, features @ self.weights), rng)
 
 
 def value_features(context: TurnContext, constants: Constants = DEFAULTS) -> Array:
-    """(C, 5) of each candidate, in the order of `VALUE_FEATURES`; all finite.
+    """Return the (C, 5) features of the candidates, in the order of `VALUE_FEATURES`; all finite.
 
     They are the logarithms of the gain, the chance and the price, and, of asking nothing, how far the spending is ahead
     of its pace, and 1.
@@ -126,12 +126,12 @@ def value_features(context: TurnContext, constants: Constants = DEFAULTS) -> Arr
 
 
 def is_worthless(features: Array) -> NDArray[np.bool_]:
-    """(C,) whether candidates with these features, (C, 5), would gain nothing."""
+    """Return (C,) whether candidates with these features, (C, 5), would gain nothing."""
     return np.asarray(features[:, GAIN] <= np.log(LEAST))
 
 
 def example_gains(context: TurnContext, decline: float) -> Array:
-    """(|X|, |Y|) what an object would gain as an example of a symbol, as a share of the first example's gain.
+    """Return the (|X|, |Y|) gains of objects as examples of a symbol, as shares of the first example's gain.
 
     That is nothing where the classifiers call it so already, and where its view is labelled; else (1 + n)^-decline
     beside n examples of the symbol. Among symbols that are equally probable each is called with an equal share.
@@ -144,7 +144,7 @@ def example_gains(context: TurnContext, decline: float) -> Array:
 
 
 def called_shares(probabilities: Array) -> Array:
-    """(n, |Y|) 1 for the symbol that the classifiers call a thing, 0 for others; of a tie, equal shares.
+    """Return (n, |Y|) 1 for the symbol that the classifiers call a thing, 0 for others; of a tie, equal shares.
 
     Args:
         probabilities: (n, |Y|) q_y(x).
@@ -164,7 +164,7 @@ def later_answers(context: TurnContext) -> float:
 
 
 def scarcity(context: TurnContext) -> float:
-    """How much the budget, rather than the time, limits what can be asked.
+    """Return how much the budget, rather than the time, limits what can be asked.
 
     1 if it pays for no more than the cheaper of label and demonstration in each turn that is left, 0 if it pays for the
     dearer, and in proportion between.
@@ -179,7 +179,7 @@ def scarcity(context: TurnContext) -> float:
 
 
 def log_prices(context: TurnContext) -> Array:
-    """(C,) logarithm of what each candidate costs, as a share of the dearest, as far as the budget is short."""
+    """Return the (C,) logarithms of the prices, as shares of the largest, as far as the budget is short."""
     costs = np.array([context.costs.price(action.kind) for action in context.candidates])
     dearest = max(context.costs.label, context.costs.demonstration, context.costs.feature_subset)
     if dearest == 0:

@@ -13,7 +13,7 @@ from al_questioner.support.configuration import config_dir, named_file, read_yam
 WEIGHTS_FILE = Setting('weights_file', '', 'YAML file with weights of the strategy; empty: those in config/weights')
 
 MEMBERS = ('weights', 'provenance', 'training')
-"""Of a weights file; how the weights were learnt is for people."""
+"""Members of a weights file; the one on how the weights were learnt is for people."""
 
 
 @dataclass(frozen=True)
@@ -30,13 +30,13 @@ class Weights:
 
 
 def shipped_file(strategy: str) -> Path | None:
-    """The file of the weights that ship for a strategy; None if there is none."""
+    """Return the file of the weights that ship for a strategy; None if there is none."""
     path = config_dir() / 'weights' / f'{strategy}.yaml'
     return path if path.is_file() else None
 
 
 def load_weights(name_or_path: str) -> dict[str, float]:
-    """The weights that ship under a name, such as that of a strategy, or those of a YAML file: for `EpisodeSettings`.
+    """Load the weights that ship under a name, such as that of a strategy, or those of a YAML file.
 
     Raises:
         InputError: there are none, or the file cannot be used.

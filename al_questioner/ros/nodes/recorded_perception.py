@@ -16,7 +16,7 @@ from al_questioner.ros.node import QuestionerNode
 from al_questioner.ros.types import header
 
 WORLD = ('task', 'seed', 'sample')
-"""What makes up a simulated world."""
+"""Members of a document that describe a simulated world."""
 
 
 class RecordedPerceptionNode(QuestionerNode):

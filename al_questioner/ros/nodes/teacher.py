@@ -58,7 +58,7 @@ class TeacherNode(QuestionerNode):
 
     @property
     def failure(self) -> Exception | None:
-        """Why a person can answer no more."""
+        """Error after which a person can answer no more."""
         return self._teacher.failure
 
     def destroy_node(self) -> None:
