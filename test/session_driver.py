@@ -17,10 +17,11 @@ from collections.abc import Callable
 from functools import cache, lru_cache
 from pathlib import Path
 
-from al_questioner.domain import Answer, LateAnswerError, Outcome, Query, Scene
+from al_questioner.domain import Answer, Outcome, Query, Scene
 from al_questioner.event_log.durable_episode import DurableEpisode
 from al_questioner.event_log.events import EpisodeStarted, SceneObserved
 from al_questioner.event_log.log import SessionLog, read_log
+from al_questioner.questioning import Receipt
 from al_questioner.simulation import PerceivedWorld, ScriptedTeacher, WorldSpec, episode_settings, load_task
 
 TASK = load_task('prepare_lunch')
@@ -67,11 +68,8 @@ def play(folder: Path, acknowledge: Callable[[Answer], None], at_write_point: Ca
             session.time_out()
         elif episode.awaited is not None:
             for answer in said(episode.awaited):
-                try:
-                    session.take(answer)
+                if session.take(answer) is not Receipt.LATE:
                     acknowledge(answer)
-                except LateAnswerError:
-                    pass
         session.tune()
         if episode.done:
             break

@@ -25,10 +25,10 @@ from al_questioner.questioning import (
     Episode,
     FeatureRecorder,
     FeatureSet,
-    Human,
     ReplayedPicks,
     Strategy,
     TurnContext,
+    make_strategy,
 )
 
 ROUNDING = 1e-8
@@ -58,7 +58,7 @@ def first_divergence(session: RecordedEpisode) -> Divergence | None:
         InputError: the strategy of the session, or its weights, do not exist.
     """
     choices = ReplayedPicks()
-    strategy = Human(choices) if session.settings.strategy == 'human' else None
+    strategy = make_strategy(session.settings.strategy, session.settings.weights, choices)
     episode = Episode(session.settings, random_stream(session.seed, 'learner'), session.view_tolerance, strategy)
     for recorded in chain(_turns(session, episode), [session.begun] if session.begun else []):
         choices.action = recorded.decision.candidates[recorded.decision.chosen]
@@ -121,7 +121,7 @@ def _turns(session: RecordedEpisode, episode: Episode) -> Iterator[RecordedTurn]
         for record in (record for record in recorded.told if record.turn in queries):
             corrected = answers.get(record.turn)
             answers[record.turn] = answer = _answer(record, queries[record.turn], corrected)
-            (episode.tell if corrected is None else episode.correct)(answer)
+            episode.tell(answer)
         if episode.awaits_answer:
             episode.time_out()
         episode.tune()

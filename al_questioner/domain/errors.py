@@ -19,9 +19,5 @@ class AnswerError(InputError):
     """An answer that does not fit the question that is pending."""
 
 
-class LateAnswerError(AnswerError):
-    """An answer to a query that another answer has settled before."""
-
-
 class EpisodeError(RuntimeError):
     """An episode that did not reach its end, through no fault of the input; its text is one line."""

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import dataclasses
 
-from al_questioner.domain import Answer, Decision, InputError, Query, random_stream
+from al_questioner.domain import Decision, InputError, Query, random_stream
 from al_questioner.event_log.events import (
     ActionChosen,
     AnswerAccepted,
@@ -16,7 +16,7 @@ from al_questioner.event_log.events import (
     TurnTimedOut,
     kind_of,
 )
-from al_questioner.questioning import Episode, Human, ReplayedPicks
+from al_questioner.questioning import Episode, ReplayedPicks, make_strategy
 
 
 class ReplayError(InputError):
@@ -40,7 +40,7 @@ class Replay:
 
     def __init__(self, begun: EpisodeStarted) -> None:
         self._choices = ReplayedPicks()
-        strategy = Human(self._choices) if begun.settings.strategy == 'human' else None
+        strategy = make_strategy(begun.settings.strategy, begun.settings.weights, self._choices)
         rng = random_stream(begun.seed, 'learner')
         self.episode = Episode(begun.settings, rng, begun.view_tolerance, strategy)
         self.seen: SceneObserved | None = None
@@ -72,7 +72,7 @@ class Replay:
         elif isinstance(event, ActionChosen):
             self._decide(event)
         elif isinstance(event, AnswerAccepted):
-            learn(self.episode, event.answer)
+            self.episode.tell(event.answer)
         elif isinstance(event, LateAnswerKept):
             self.episode.answers.keep_late(event.answer)
         elif isinstance(event, TurnTimedOut):
@@ -115,15 +115,3 @@ def _is_same_query(query: Query | None, recorded: Query | None) -> bool:
     if query is not None and recorded is not None and recorded.known is None:
         query = dataclasses.replace(query, known=None)
     return query == recorded
-
-
-def learn(episode: Episode, answer: Answer) -> None:
-    """Tell an episode an answer, or correct it by one that replaces another.
-
-    Raises:
-        AnswerError: it is refused.
-    """
-    if answer.replaces is None:
-        episode.tell(answer)
-    else:
-        episode.correct(answer)

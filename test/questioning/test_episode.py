@@ -342,7 +342,7 @@ def test_answer_to_another_query_is_refused(scripted, toy):
         episode.tell(toy.reply(query, 'snack', query_id='q7'))
     episode.tell(toy.reply(query, 'snack'))
     with pytest.raises(AnswerError, match='no query is pending'):
-        episode.tell(toy.reply(query, 'snack'))
+        episode.tell(toy.reply(query, 'snack', query_id='q7'))
 
 
 def test_object_that_has_gone_cannot_be_shown(scripted, toy):

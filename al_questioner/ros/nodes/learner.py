@@ -22,7 +22,6 @@ from al_questioner.domain import (
     Decision,
     EpisodeError,
     InputError,
-    LateAnswerError,
     Query,
     Scene,
 )
@@ -33,7 +32,7 @@ from al_questioner.messages.clouds import cloud_of_decision, scene_of_cloud
 from al_questioner.messages.documents import Document
 from al_questioner.messages.pictures import markers
 from al_questioner.messages.stamps import nanoseconds, stamp_members
-from al_questioner.questioning import make_strategy, read_plain_answer, respelt
+from al_questioner.questioning import Receipt, make_strategy, read_plain_answer, respelt
 from al_questioner.ros import qos
 from al_questioner.ros.learner_session import session_of, settings_of
 from al_questioner.ros.node import QuestionerNode
@@ -220,20 +219,21 @@ class LearnerNode(QuestionerNode):
         if not self._session.is_ready:
             return
         answer, episode = None, self._session.episode
-        waited, late_before = episode.awaits_answer, len(episode.answers.late)
+        waited = episode.awaits_answer
         try:
             answer = self._read_answer(message.data)
-            is_new = self._session.take(answer)
+            receipt = self._session.take(answer)
         except InputError as error:
-            if not isinstance(error, LateAnswerError):
-                self._session.note_refused(message.data, str(error))
+            self._session.note_refused(message.data, str(error))
             self._acknowledge(answer, accepted=False, reason=str(error))
-            if len(episode.answers.late) > late_before:
-                # It was kept all the same, for how far its teacher can be relied on.
-                self._tell_state()
             raise
-        self._acknowledge(answer, accepted=True, reason='' if is_new else 'already taken')
-        if not is_new:
+        reason = episode.answers.why_not(answer, receipt)
+        self._acknowledge(answer, accepted=receipt is not Receipt.LATE, reason=reason)
+        if receipt is Receipt.LATE:
+            self.reject('answer', reason)
+            # It is kept all the same, for how far its teacher can be relied on.
+            self._tell_state()
+        if receipt is not Receipt.ACCEPTED:
             return
         told = _spoken(answer.outcome.value if answer.content is None else answer.content)
         now = '' if answer.replaces is None else 'now '
