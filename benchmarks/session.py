@@ -34,7 +34,8 @@ from rclpy.parameter import Parameter
 from std_msgs.msg import String
 
 from al_questioner.domain import Answer, Outcome
-from al_questioner.event_log.events import ActionChosen, AnswerAccepted, Encoder, SceneObserved, decoded
+from al_questioner.event_log.encoding import Encoder, decoded
+from al_questioner.event_log.events import ActionChosen, AnswerAccepted, SceneObserved
 from al_questioner.event_log.log import SessionLog, read_log
 from al_questioner.messages import documents
 from al_questioner.ros import qos

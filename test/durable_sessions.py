@@ -7,7 +7,8 @@ from pathlib import Path
 
 from al_questioner.domain import Answer, Decision
 from al_questioner.event_log.durable_episode import DurableEpisode
-from al_questioner.event_log.events import EpisodeStarted, SceneObserved, decoded
+from al_questioner.event_log.encoding import decoded
+from al_questioner.event_log.events import EpisodeStarted, SceneObserved
 from al_questioner.event_log.log import SessionLog, read_log
 from al_questioner.questioning import Receipt
 from al_questioner.simulation import PerceivedWorld, ScriptedTeacher, episode_settings, load_task

@@ -5,18 +5,17 @@ from __future__ import annotations
 import contextlib
 
 from al_questioner.domain import AUTO, Answer, Decision
+from al_questioner.event_log.encoding import Encoder, decoded
 from al_questioner.event_log.events import (
     ActionChosen,
     AnswerAccepted,
-    Encoder,
+    EpisodeEvent,
     EpisodeStarted,
     InputRejected,
     KernelTuned,
     LateAnswerKept,
     SceneObserved,
-    SessionEvent,
     TurnTimedOut,
-    decoded,
 )
 from al_questioner.event_log.log import LogContents, LogWriteError, SessionLog, SessionLogError
 from al_questioner.event_log.replay import Replay
@@ -49,7 +48,7 @@ class DurableEpisode:
     def __init__(self, wanted: EpisodeStarted, log: SessionLog | None = None) -> None:
         self._log = log
         self._encoder = Encoder()
-        self._events: list[SessionEvent] = []
+        self._events: list[EpisodeEvent] = []
         self._replay: Replay | None = None
         self._last_refused: InputRejected | None = None
         self._throttle = RateLimiter(REFUSED_KEPT, REFUSED_PERIOD)
@@ -122,7 +121,7 @@ class DurableEpisode:
             self.episode.commit(prepared)
         return prepared.receipt
 
-    def _event_of(self, prepared: PreparedAnswer) -> SessionEvent:
+    def _event_of(self, prepared: PreparedAnswer) -> EpisodeEvent:
         answer, receipt = prepared.answer, prepared.receipt
         if receipt is Receipt.LATE:
             return LateAnswerKept(answer, self.episode.answers.why_not(answer, receipt))
@@ -187,12 +186,12 @@ class DurableEpisode:
             raise RuntimeError('the episode has not been started')
         return self._replay
 
-    def _write(self, *events: SessionEvent) -> None:
+    def _write(self, *events: EpisodeEvent) -> None:
         if self._log is not None:
             self._log.append(*map(self._encoder.encode, events))
 
 
-def _same_episode(log: SessionLog, first: SessionEvent, wanted: EpisodeStarted) -> EpisodeStarted:
+def _same_episode(log: SessionLog, first: EpisodeEvent, wanted: EpisodeStarted) -> EpisodeStarted:
     """The episode that a log begins with, if it is the one that is wanted."""
     if not isinstance(first, EpisodeStarted):
         raise SessionLogError(f'{log.folder}: its first event is not the beginning of an episode')

@@ -10,12 +10,13 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 from numpy.typing import NDArray
 
-from al_questioner.imitation.demonstration import Demonstration, feature_scale
-from al_questioner.imitation.identifiability import identify
+from al_questioner.imitation.demonstration import Demonstration
+from al_questioner.imitation.identifiability import Identifiability
 from al_questioner.imitation.rollouts import Rollout, Simulator
 from al_questioner.imitation.settings import MatchingSettings
 from al_questioner.support.arrays import Array
@@ -74,22 +75,27 @@ class Matching:
     gap: Array
     validation_gap: Array
 
-    @property
-    def smallest_validation_gap(self) -> float:
-        """Length of the mean gap of the window that was kept: the smallest of all."""
-        return float(mean_gaps(self.iterations, self.kept)[1])
+    @cached_property
+    def validation_gaps(self) -> dict[str, float]:
+        """Length of the gap over the validation demonstrations: before, after, and the smallest mean of a window."""
+        return {
+            'before': float(np.linalg.norm(self.iterations[0].validation_gap)),
+            'after': float(np.linalg.norm(self.validation_gap)),
+            'smallest': float(mean_gaps(self.iterations, self.kept)[1]),
+        }
 
     @property
     def validation_failed(self) -> bool:
         """Whether the validation gap of the weights is as large as before, or much larger than it was on the way."""
-        before, after = (float(np.linalg.norm(gap)) for gap in (self.iterations[0].validation_gap, self.validation_gap))
-        return after > min(before, TOO_LARGE * self.smallest_validation_gap)
+        gaps = self.validation_gaps
+        return gaps['after'] > min(gaps['before'], TOO_LARGE * gaps['smallest'])
 
 
 def match_features(
     training: Sequence[Demonstration],
     validation: Sequence[Demonstration],
     settings: MatchingSettings,
+    free: Identifiability,
     watch: Callable[[int, Iteration], None] | None = None,
 ) -> Matching:
     """Find the weights.
@@ -98,14 +104,14 @@ def match_features(
         training: demonstrations whose feature counts are matched, each in its own world.
         validation: those that choose among the iterations; empty: the training ones.
         settings: how.
+        free: what all these demonstrations tell nothing about.
         watch: called after each iteration with its number, from 1.
 
     Raises:
         InputError: a demonstration took place in no simulated world.
     """
-    scale = feature_scale([*training, *validation])
+    scale = free.scale
     varies = scale > 0
-    free = identify([*training, *validation])
     scaled = np.zeros(len(scale))
     jacobian = None
     iterations: list[Iteration] = []

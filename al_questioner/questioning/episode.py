@@ -25,7 +25,7 @@ from al_questioner.domain import (
 from al_questioner.questioning.answers import AnswerHistory, PreparedAnswer, Receipt, content_of
 from al_questioner.questioning.candidates import choices, question_text
 from al_questioner.questioning.concept_history import ConceptHistory
-from al_questioner.questioning.query_status import QueryBook
+from al_questioner.questioning.query_status import QueryBook, query_id
 from al_questioner.questioning.reliability import TeacherRecord, teacher_records
 from al_questioner.questioning.strategies.choice import Strategy, ask_nothing
 from al_questioner.questioning.strategies.registry import make_strategy
@@ -269,7 +269,7 @@ class Episode:
         was asked since stays asked. An answer is replaced once; what replaced it can be replaced in turn.
 
         Raises:
-            AnswerError: there is no such query, the answer does not fit it, another answer of the same ids was taken, or
+            AnswerError: there is no such query, the answer does not fit it, another one of the same ids was taken, or
                 the one that it replaces was not, or was replaced already.
         """
         receipt = self.answers.receipt_for(answer)
@@ -349,7 +349,7 @@ class Episode:
             return None
         cost = self.settings.costs.price(action.kind)
         return Query(
-            query_id=f'q{len(self._queries.by_id) + 1}',
+            query_id=query_id(len(self._queries.by_id) + 1),
             turn=self.turn,
             action=action,
             choices=choices(action, scene, self.settings.symbols, self.concepts.groups),

@@ -25,6 +25,11 @@ PENDING = (QueryStatus.AWAITED, QueryStatus.TIMED_OUT)
 """The statuses of a query that is still put to the teacher."""
 
 
+def query_id(number: int) -> str:
+    """Return the id of the query of this number in its episode, 1 for the first."""
+    return f'q{number}'
+
+
 class QueryBook:
     """The queries of an episode in the order in which they were asked; no more than the last one is pending.
 

@@ -14,10 +14,10 @@ import pytest
 
 from al_questioner.domain import Answer, AnswerError, Outcome
 from al_questioner.event_log.durable_episode import DurableEpisode
+from al_questioner.event_log.encoding import Encoder
 from al_questioner.event_log.events import (
     ActionChosen,
     AnswerAccepted,
-    Encoder,
     InputRejected,
     KernelTuned,
     LateAnswerKept,

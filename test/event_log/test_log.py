@@ -15,16 +15,15 @@ from hypothesis import strategies as st
 from hypothesis.extra import numpy as st_numpy
 
 from al_questioner.domain import Action, Answer, Costs, EpisodeSettings, Outcome, Query, QueryKind, Scene
+from al_questioner.event_log.encoding import Encoder, decoded
 from al_questioner.event_log.events import (
     ActionChosen,
     AnswerAccepted,
-    Encoder,
     EpisodeStarted,
     InputRejected,
     KernelTuned,
     LateAnswerKept,
     SceneObserved,
-    decoded,
 )
 from al_questioner.event_log.log import (
     DATABASE,

@@ -15,7 +15,8 @@ import pytest
 
 from al_questioner.bags import BagError, deserialize, read_bag, repair
 from al_questioner.bags.storages import storage_files
-from al_questioner.event_log.events import AnswerAccepted, decoded
+from al_questioner.event_log.encoding import decoded
+from al_questioner.event_log.events import AnswerAccepted
 from al_questioner.event_log.log import read_log
 from al_questioner.messages import documents
 from al_questioner.ros import qos

@@ -14,7 +14,8 @@ from typing import Any
 
 import pytest
 
-from al_questioner.event_log.events import ActionChosen, AnswerAccepted, EpisodeStarted, decoded
+from al_questioner.event_log.encoding import decoded
+from al_questioner.event_log.events import ActionChosen, AnswerAccepted, EpisodeStarted
 from al_questioner.event_log.log import KILL_VARIABLE, SessionLogError, read_log
 from al_questioner.ros import qos
 from al_questioner.ros.nodes.perception import PerceptionNode

@@ -10,7 +10,8 @@ import pytest
 from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus
 from std_msgs.msg import String
 
-from al_questioner.event_log.events import AnswerAccepted, InputRejected, LateAnswerKept, decoded
+from al_questioner.event_log.encoding import decoded
+from al_questioner.event_log.events import AnswerAccepted, InputRejected, LateAnswerKept
 from al_questioner.event_log.log import SessionLogError, read_log
 from al_questioner.messages.stamps import stamp_of
 from al_questioner.ros import qos

@@ -15,14 +15,15 @@ import numpy as np
 import pytest
 
 from al_questioner.bags import of_session, read_episodes
-from al_questioner.bags.rerun import decisions_anew, first_divergence
 from al_questioner.cli import main
 from al_questioner.domain import Answer, EpisodeSettings, Outcome, Scene, random_stream
 from al_questioner.event_log import log as session_log
 from al_questioner.event_log.durable_episode import DurableEpisode
-from al_questioner.event_log.events import Encoder, EpisodeStarted, SceneObserved, decoded
+from al_questioner.event_log.encoding import Encoder, decoded
+from al_questioner.event_log.events import EpisodeStarted, SceneObserved
 from al_questioner.event_log.log import DATABASE, SessionLog, read_log
-from al_questioner.imitation.bags import read_demonstrations
+from al_questioner.event_log.replay import first_divergence
+from al_questioner.imitation.bags import decisions_anew, read_demonstrations
 from al_questioner.questioning import (
     FEATURE_SETS,
     Choice,
@@ -91,7 +92,7 @@ def test_a_teacher_who_was_away_leaves_a_session_like_any_other(
     assert ('unanswered, withdrawn' in capsys.readouterr().out) != comes_back
     (recorded,) = read_episodes(tmp_path / 'bag')
     assert recorded.records == asked
-    assert first_divergence(recorded) is None
+    assert first_divergence(recorded.begun, recorded.events) is None
     (demonstration,) = read_demonstrations([tmp_path / 'bag'])
     assert len(demonstration.steps) < demonstration.turns == BEGUN.settings.turns
     assert [q['outcome'] for q in json.loads((tmp_path / 'json').read_text())['queries']] == [
@@ -138,9 +139,9 @@ def test_a_session_as_a_bag_leads_to_the_same_decisions(tmp_path: Path, world: P
     """What people said could not be replayed, looked at in Foxglove, or learnt weights from."""
     write_session(tmp_path / 'log', world)
     assert main(['session', str(tmp_path / 'log'), '--bag', str(tmp_path / 'bag')]) == 0
-    (session,) = read_episodes(tmp_path / 'bag')
-    assert (session.episode_id, session.settings, len(session.turns)) == ('e1', BEGUN.settings, 7)
-    assert first_divergence(session) is None
+    (episode,) = read_episodes(tmp_path / 'bag')
+    assert (episode.begun.episode_id, episode.begun.settings, len(episode.turns)) == ('e1', BEGUN.settings, 7)
+    assert first_divergence(episode.begun, episode.events) is None
     (demonstration,) = read_demonstrations([tmp_path / 'bag'])
     assert len(demonstration.steps) == 7
     assert main(['session', str(tmp_path / 'log'), '--bag', str(tmp_path / 'bag')]) == 2, 'a bag is never overwritten'
@@ -207,8 +208,8 @@ def test_names_that_tasks_may_not_have_any_more_stay_readable(
         contents = [row['content'] for row in csv.DictReader(file)]
     assert contents == ['size,"bbox[0,1]"', *symbols, 'none']
     (recorded,) = read_episodes(Path(paths[2]))
-    assert recorded.settings.symbols == symbols
-    assert first_divergence(recorded) is None
+    assert recorded.begun.settings.symbols == symbols
+    assert first_divergence(recorded.begun, recorded.events) is None
 
 
 @pytest.mark.parametrize('corrected', [False, True])
@@ -226,9 +227,9 @@ def test_a_clock_that_was_put_back_hides_nothing_of_a_session(
     write_session(tmp_path / 'log', world, corrected)
     assert next(ticks) > 18
     assert main(['session', str(tmp_path / 'log'), '--bag', str(tmp_path / 'bag')]) == 0
-    (session,) = read_episodes(tmp_path / 'bag')
-    assert len(session.turns) == 7
-    assert first_divergence(session) is None
+    (episode,) = read_episodes(tmp_path / 'bag')
+    assert len(episode.turns) == 7
+    assert first_divergence(episode.begun, episode.events) is None
 
 
 @pytest.mark.parametrize('name', FEATURE_SETS)
