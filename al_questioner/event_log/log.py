@@ -7,39 +7,29 @@ left out or moved unseen. `session.head` names the last event outside of the dat
 from __future__ import annotations
 
 import contextlib
-import errno
 import fcntl
 import hashlib
 import os
 import shutil
-import signal
 import sqlite3
 import tempfile
 import threading
 import time
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
 from al_questioner.domain import EpisodeError, InputError
+from al_questioner.event_log.storage import DATABASE, HEAD, SqliteStorage, StorageFactory, write_anew
 from al_questioner.support.files import make_folder, sync_to_disk
 
-DATABASE, HEAD, LOCK = 'session.sqlite3', 'session.head', 'session.lock'
+LOCK = 'session.lock'
 BROKEN = 'broken-'
 """Before the names of the files that a repair keeps as they were."""
-KILL_VARIABLE = 'AL_QUESTIONER_KILL_AT_WRITE'
-"""Environment variable for tests: the number of the write point at which the process is to kill itself."""
 
 _JOURNALS = ('-wal', '-shm')
-_TABLE = (
-    'CREATE TABLE IF NOT EXISTS events'
-    ' (number INTEGER PRIMARY KEY, kind TEXT, stamp INTEGER, content BLOB, checksum BLOB)'
-)
 _START = hashlib.sha256(b'al_questioner/session/1').digest()
 """What the first event's checksum is chained to."""
-
-WritePoint = Callable[[str], None]
-"""Called at every point of writing at which a process could end: 'begun', 'written', 'committed', 'noted'."""
 
 
 class SessionLogError(InputError):
@@ -90,16 +80,14 @@ class SessionLog:
 
     Args:
         folder: of the log, made if it is not there.
-        synchronous: whether each append waits for the disk; only to measure what that costs.
-        at_write_point: for tests.
+        storage: writes it.
 
     Raises:
         SessionLogError: another process writes to it, it is damaged, or it cannot be written to.
     """
 
-    def __init__(self, folder: Path, synchronous: bool = True, at_write_point: WritePoint | None = None) -> None:
+    def __init__(self, folder: Path, storage: StorageFactory = SqliteStorage) -> None:
         self.folder = folder
-        self._at_write_point = at_write_point or _killer()
         self._failure = ''
         # A node may close it while its worker is about to write.
         self._in_use = threading.Lock()
@@ -115,18 +103,8 @@ class SessionLog:
             self.events: tuple[Event, ...] = () if contents is None else contents.events
             self._number = len(self.events)
             self._checksum = self.events[-1].checksum if self.events else _START
-            # The head first: a database without one has lost it.
-            self._head = os.open(folder / HEAD, os.O_RDWR | os.O_CREAT, 0o644)
-            stack.callback(os.close, self._head)
-            self._write_head()
-            os.fsync(self._head)
-            self._database = sqlite3.connect(folder / DATABASE, isolation_level=None, check_same_thread=False)
-            stack.callback(self._database.close)
-            self._database.execute('PRAGMA journal_mode=WAL')
-            self._database.execute(f'PRAGMA synchronous={"FULL" if synchronous else "OFF"}')
-            self._database.execute(_TABLE)
-            for path in (folder, folder.absolute().parent):
-                sync_to_disk(path)
+            self._storage = storage(folder, _head_of(self._number, self._checksum))
+            stack.callback(self._storage.close)
             self._open = stack.pop_all()
 
     def append(self, *entries: tuple[str, bytes]) -> None:
@@ -141,24 +119,18 @@ class SessionLog:
     def _append(self, entries: Sequence[tuple[str, bytes]]) -> None:
         if self._failure:
             raise LogWriteError(self._failure)
-        number, checksum = self._number, self._checksum
+        number, checksum, lines = self._number, self._checksum, []
+        for kind, content in entries:
+            number, stamp = number + 1, time.time_ns()
+            checksum = _chained(checksum, number, kind, stamp, content)
+            lines.append((number, kind, stamp, content, checksum))
         try:
-            self._at_write_point('begun')
-            self._database.execute('BEGIN IMMEDIATE')
-            for kind, content in entries:
-                number, stamp = number + 1, time.time_ns()
-                checksum = _chained(checksum, number, kind, stamp, content)
-                row = (number, kind, stamp, content, checksum)
-                self._database.execute('INSERT INTO events VALUES (?, ?, ?, ?, ?)', row)
-            self._at_write_point('written')
-            self._database.execute('COMMIT')
-            self._at_write_point('committed')
+            self._storage.write(lines)
+            self._storage.commit()
             self._number, self._checksum = number, checksum
-            self._write_head()
-            self._at_write_point('noted')
+            self._storage.note(_head_of(number, checksum))
         except (OSError, sqlite3.Error) as error:
-            with contextlib.suppress(sqlite3.Error):
-                self._database.execute('ROLLBACK')
+            self._storage.rollback()
             reason = (isinstance(error, OSError) and error.strerror) or str(error)
             self._failure = (
                 f'{self.folder}: the session log cannot be written ({reason}): nothing is asked or taken any more;'
@@ -177,12 +149,6 @@ class SessionLog:
 
     def __exit__(self, *_: object) -> None:
         self.close()
-
-    def _write_head(self) -> None:
-        """Note the last event. It is not waited for: a head that lags behind is still one of this log."""
-        head = _head_of(self._number, self._checksum)
-        if os.pwrite(self._head, head, 0) < len(head):
-            raise OSError(errno.ENOSPC, os.strerror(errno.ENOSPC))
 
 
 def read_log(folder: Path) -> LogContents:
@@ -229,7 +195,11 @@ def repair_log(folder: Path) -> LogContents:
         if database.exists() and kept.exists():
             raise SessionLogError(f'{kept}: exists already; move it away to repair once more')
         with tempfile.TemporaryDirectory(dir=folder, prefix='.repairing-') as made:
-            _write_anew(Path(made), contents.events)
+            last = contents.events[-1]
+            lines = [
+                (event.number, event.kind, event.stamp, event.content, event.checksum) for event in contents.events
+            ]
+            write_anew(Path(made), lines, _head_of(last.number, last.checksum))
             # The database first: as long as there is none, the repair is seen to be unfinished.
             for name in (DATABASE, *(DATABASE + suffix for suffix in _JOURNALS), HEAD):
                 if (folder / name).exists() and not (folder / f'{BROKEN}{name}').exists():
@@ -240,16 +210,6 @@ def repair_log(folder: Path) -> LogContents:
                 (Path(made) / name).replace(folder / name)
         sync_to_disk(folder)
     return contents
-
-
-def _write_anew(folder: Path, events: Sequence[Event]) -> None:
-    """A database and a head with these events; closed, so that there is no journal."""
-    with contextlib.closing(sqlite3.connect(folder / DATABASE)) as database:
-        database.execute(_TABLE)
-        rows = [(event.number, event.kind, event.stamp, event.content, event.checksum) for event in events]
-        database.executemany('INSERT INTO events VALUES (?, ?, ?, ?, ?)', rows)
-        database.commit()
-    (folder / HEAD).write_bytes(_head_of(events[-1].number, events[-1].checksum))
 
 
 def _read(folder: Path, live: bool) -> LogContents | None:
@@ -382,20 +342,6 @@ def _unusable(folder: Path) -> Iterator[None]:
         raise SessionLogError(f'{folder}: the session log cannot be used ({error.strerror})') from error
     except sqlite3.Error as error:
         raise SessionLogError(f'{folder}: the session log cannot be used ({_one_line(error)})') from error
-
-
-def _killer() -> WritePoint:
-    """Ends the process, as a crash would, at the write point that the environment names."""
-    last = int(os.environ.get(KILL_VARIABLE, 0))
-    count = 0
-
-    def reached(_: str) -> None:
-        nonlocal count
-        count += 1
-        if count == last:
-            os.kill(os.getpid(), signal.SIGKILL)
-
-    return reached
 
 
 def _one_line(error: Exception) -> str:

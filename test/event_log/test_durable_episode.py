@@ -239,7 +239,7 @@ def test_what_cannot_be_written_is_not_taken(tmp_path: Path, world: PerceivedWor
     play_turns(session, world, 2)
     ask(session, world)
     said = answer(session, world)
-    session._log._database.execute('PRAGMA query_only=1')
+    session._log._storage._database.execute('PRAGMA query_only=1')
     for _ in range(2):
         with pytest.raises(LogWriteError, match='cannot be written'):
             session.take(said)

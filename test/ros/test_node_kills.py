@@ -52,7 +52,7 @@ class Others:
             elif name == 'teacher':
                 parameters |= {**RATES, 'delay': delay}
             log = self._folder / f'{self._started}-{name}.log'
-            self._running[name] = self._graph.start_process(name, log, **parameters)
+            self._running[name] = self._graph.start_process(['-m', 'al_questioner', name], log, **parameters)
 
     def kill(self, names: Iterable[str]) -> None:
         for name in names:

@@ -90,8 +90,8 @@ def test_a_stream_of_nonsense_is_logged_once_a_second(graph: Any, capfd: pytest.
     """Ten warnings a second would hide all others."""
     learner = graph.start(LearnerNode, **graph.episode)
     for number in range(300):
-        learner.refuse('objects', f'feature colour_{number} of object {number} is not finite (nan)')
-        learner.refuse('objects', 'the cloud has no field object_id')
+        learner.reject('objects', f'feature colour_{number} of object {number} is not finite (nan)')
+        learner.reject('objects', 'the cloud has no field object_id')
     said = capfd.readouterr().err
     seconds = 1 + said.count('other refusals were only counted')
     assert said.count('is not finite') <= seconds
@@ -107,5 +107,5 @@ def test_refusals_that_were_not_logged_are_counted_in_english(
     """It would say that 1 other refusals were counted."""
     learner = graph.start(LearnerNode, **graph.episode)
     monkeypatch.setattr(learner, '_said', SimpleNamespace(passes=lambda _: True, held_back=lambda: count))
-    learner.refuse('objects', 'the cloud has no field object_id')
+    learner.reject('objects', 'the cloud has no field object_id')
     assert f'({said} only counted)' in capfd.readouterr().err

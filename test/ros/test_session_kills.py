@@ -16,11 +16,13 @@ import pytest
 
 from al_questioner.event_log.encoding import decoded
 from al_questioner.event_log.events import ActionChosen, AnswerAccepted, EpisodeStarted
-from al_questioner.event_log.log import KILL_VARIABLE, SessionLogError, read_log
+from al_questioner.event_log.log import SessionLogError, read_log
 from al_questioner.ros import qos
 from al_questioner.ros.nodes.perception import PerceptionNode
 from al_questioner.ros.nodes.teacher import TeacherNode
+from checkout import ROOT
 
+LEARNER = ROOT / 'test' / 'killed_learner.py'
 DEADLINE = 90.0
 EPISODE = {'task': 'prepare_lunch', 'seed': 4, 'budget': 7.0, 'turns': 6, 'strategy': 'random_fsq', 'tune_every': 2}
 WRITE_POINTS = 4 * (1 + 6 + 6 + 3)
@@ -40,10 +42,7 @@ class Learners:
 
     def start(self, session: Path, kill_at: int = 0) -> None:
         self._number += 1
-        kill_variable = {KILL_VARIABLE: str(kill_at)}
-        self._process = self.graph.start_process(
-            'learner', self.log_path, kill_variable, **EPISODE, session=str(session)
-        )
+        self._process = self.graph.start_process([LEARNER, kill_at], self.log_path, **EPISODE, session=str(session))
 
     @property
     def log_path(self) -> Path:

@@ -173,7 +173,7 @@ def test_a_disk_that_takes_no_more_stops_the_questions(graph: Any, tmp_path: Pat
     learner = graph.start(LearnerNode, **parameters)
     person.says(person.query(1), 'snack')
     query = person.query(2)
-    learner._session._log._database.execute('PRAGMA query_only=1')
+    learner._session._log._storage._database.execute('PRAGMA query_only=1')
     acks = len(person.acks)
     person.mouth.publish(String(data='snack'))
 

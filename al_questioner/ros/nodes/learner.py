@@ -27,6 +27,7 @@ from al_questioner.domain import (
 )
 from al_questioner.event_log.events import SceneObserved
 from al_questioner.event_log.reports import episode_members, noise_text, state_members
+from al_questioner.event_log.storage import SqliteStorage, StorageFactory
 from al_questioner.messages import documents
 from al_questioner.messages.clouds import cloud_of_decision, scene_of_cloud
 from al_questioner.messages.documents import Document
@@ -63,10 +64,11 @@ class LearnerNode(QuestionerNode):
 
     Args:
         yields: end the node's context when the episode is over and another learner begins one on the same topics.
+        storage: writes the session, if there is one.
         node_arguments: of the node.
     """
 
-    def __init__(self, yields: bool = False, **node_arguments: Any) -> None:
+    def __init__(self, yields: bool = False, storage: StorageFactory = SqliteStorage, **node_arguments: Any) -> None:
         super().__init__('learner', **node_arguments)
         self._yields = yields
         self._is_over = self._has_failed = False
@@ -78,7 +80,7 @@ class LearnerNode(QuestionerNode):
         make_strategy(self._settings.strategy, self._settings.weights)
         refuse_unknown(self, all_names())
         self._world = world_members(world)
-        self._session = session_of(self._settings, world, self._given)
+        self._session = session_of(self._settings, world, self._given, storage)
         self.episode_id = self._session.begun.episode_id
         self._stamps = TurnStamps()
         self._patience = OneShotTimer(self, self._go_on_without)

@@ -21,8 +21,9 @@ from al_questioner.event_log import log as session_log
 from al_questioner.event_log.durable_episode import DurableEpisode
 from al_questioner.event_log.encoding import Encoder, decoded
 from al_questioner.event_log.events import EpisodeStarted, SceneObserved
-from al_questioner.event_log.log import DATABASE, SessionLog, read_log
+from al_questioner.event_log.log import SessionLog, read_log
 from al_questioner.event_log.replay import first_divergence
+from al_questioner.event_log.storage import DATABASE
 from al_questioner.imitation.bags import decisions_anew, read_demonstrations
 from al_questioner.questioning import (
     FEATURE_SETS,
