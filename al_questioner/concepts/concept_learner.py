@@ -103,11 +103,6 @@ class ConceptLearner:
         return self._told_relevant is not None
 
     @property
-    def active_features(self) -> NDArray[np.bool_]:
-        """(m,) the features that the models use."""
-        return self._active.copy()
-
-    @property
     def kernel(self) -> Kernel:
         """The kernel of the models, for the features in use; its length scale is in standard deviations."""
         return Kernel(self._models.amplitude, self._models.length_scale_of(int(self._active.sum())))

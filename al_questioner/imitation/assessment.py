@@ -101,10 +101,3 @@ def predict_queries(weights: Array, demonstration: Demonstration) -> tuple[Query
             cost = demonstration.settings.costs.price(action.kind)
             found.append(QueryRecord(step.turn, action.kind, action.object_id, action.symbol, cost, Outcome.ANSWERED))
     return tuple(found)
-
-
-def count_gap(imitations: Sequence[Imitation], demonstrations: Sequence[Demonstration], scale: Array) -> Array:
-    """(F,) expert's minus learner's feature counts, means over the episodes, in units of the features' scale (F,)."""
-    expert = np.mean([demonstration.feature_counts for demonstration in demonstrations], axis=0)
-    learner = np.mean([imitation.feature_counts for imitation in imitations], axis=0)
-    return np.asarray(np.divide(expert - learner, scale, out=np.zeros_like(scale), where=scale > 0))
