@@ -10,15 +10,13 @@ from __future__ import annotations
 import sys
 from functools import partial
 
-from al_questioner.ros.nodes.learner import LearnerNode
-from al_questioner.ros.running import spin_nodes
+from al_questioner.ros.nodes import learner
 from storages import WatchedStorage, killer
 
 
-def main() -> int:
-    storage = partial(WatchedStorage, reached=killer(int(sys.argv[1])))
-    return spin_nodes([partial(LearnerNode, yields=True, storage=storage)], sys.argv[2:])
+def main() -> None:
+    sys.exit(learner.main(sys.argv[2:], partial(WatchedStorage, reached=killer(int(sys.argv[1])))))
 
 
 if __name__ == '__main__':
-    sys.exit(main())
+    main()

@@ -7,7 +7,7 @@ import signal
 from collections.abc import Callable, Sequence
 from pathlib import Path
 
-from al_questioner.event_log.storage import Line, SqliteStorage
+from al_questioner.event_log.storage import Event, SqliteStorage
 
 
 class WatchedStorage(SqliteStorage):
@@ -17,9 +17,9 @@ class WatchedStorage(SqliteStorage):
         super().__init__(folder, head)
         self._reached = reached
 
-    def write(self, lines: Sequence[Line]) -> None:
+    def write(self, events: Sequence[Event]) -> None:
         self._reached('begun')
-        super().write(lines)
+        super().write(events)
         self._reached('written')
 
     def commit(self) -> None:

@@ -22,7 +22,8 @@ from al_questioner.event_log.events import (
     TurnTimedOut,
     kind_of,
 )
-from al_questioner.event_log.log import Event, LogContents
+from al_questioner.event_log.log import LogContents
+from al_questioner.event_log.storage import Event
 from al_questioner.messages import documents
 from al_questioner.messages.documents import Document
 

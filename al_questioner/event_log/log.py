@@ -20,7 +20,7 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from al_questioner.domain import EpisodeError, InputError
-from al_questioner.event_log.storage import DATABASE, HEAD, SqliteStorage, StorageFactory, write_anew
+from al_questioner.event_log.storage import DATABASE, HEAD, Event, SqliteStorage, StorageFactory, write_anew
 from al_questioner.support.files import make_folder, sync_to_disk
 
 LOCK = 'session.lock'
@@ -38,25 +38,6 @@ class SessionLogError(InputError):
 
 class LogWriteError(EpisodeError):
     """An event that could not be brought to the disk."""
-
-
-@dataclass(frozen=True)
-class Event:
-    """One line of a log.
-
-    Attributes:
-        number: 1 for the first.
-        kind: of the event.
-        stamp: when it was written, nanoseconds since the epoch.
-        content: of the event.
-        checksum: SHA-256 over it and the checksum before.
-    """
-
-    number: int
-    kind: str
-    stamp: int
-    content: bytes
-    checksum: bytes
 
 
 @dataclass(frozen=True)
@@ -119,13 +100,13 @@ class SessionLog:
     def _append(self, entries: Sequence[tuple[str, bytes]]) -> None:
         if self._failure:
             raise LogWriteError(self._failure)
-        number, checksum, lines = self._number, self._checksum, []
+        number, checksum, events = self._number, self._checksum, []
         for kind, content in entries:
             number, stamp = number + 1, time.time_ns()
             checksum = _chained(checksum, number, kind, stamp, content)
-            lines.append((number, kind, stamp, content, checksum))
+            events.append(Event(number, kind, stamp, content, checksum))
         try:
-            self._storage.write(lines)
+            self._storage.write(events)
             self._storage.commit()
             self._number, self._checksum = number, checksum
             self._storage.note(_head_of(number, checksum))
@@ -196,10 +177,7 @@ def repair_log(folder: Path) -> LogContents:
             raise SessionLogError(f'{kept}: exists already; move it away to repair once more')
         with tempfile.TemporaryDirectory(dir=folder, prefix='.repairing-') as made:
             last = contents.events[-1]
-            lines = [
-                (event.number, event.kind, event.stamp, event.content, event.checksum) for event in contents.events
-            ]
-            write_anew(Path(made), lines, _head_of(last.number, last.checksum))
+            write_anew(Path(made), contents.events, _head_of(last.number, last.checksum))
             # The database first: as long as there is none, the repair is seen to be unfinished.
             for name in (DATABASE, *(DATABASE + suffix for suffix in _JOURNALS), HEAD):
                 if (folder / name).exists() and not (folder / f'{BROKEN}{name}').exists():

@@ -1,4 +1,4 @@
-"""Where a log is written: lines that are all there, or none of them, and a head that names the last one."""
+"""Where a log is written: events that are all there, or none of them, and a head that names the last one."""
 
 from __future__ import annotations
 
@@ -8,14 +8,11 @@ import os
 import sqlite3
 from collections.abc import Callable, Sequence
 from pathlib import Path
-from typing import Protocol
+from typing import NamedTuple, Protocol
 
 from al_questioner.support.files import sync_to_disk
 
 DATABASE, HEAD = 'session.sqlite3', 'session.head'
-
-Line = tuple[int, str, int, bytes, bytes]
-"""Number, kind, stamp, content and checksum of an event."""
 
 _TABLE = (
     'CREATE TABLE IF NOT EXISTS events'
@@ -23,11 +20,29 @@ _TABLE = (
 )
 
 
+class Event(NamedTuple):
+    """One line of a log.
+
+    Attributes:
+        number: 1 for the first.
+        kind: of the event.
+        stamp: when it was written, nanoseconds since the epoch.
+        content: of the event.
+        checksum: SHA-256 over it and the checksum before.
+    """
+
+    number: int
+    kind: str
+    stamp: int
+    content: bytes
+    checksum: bytes
+
+
 class Storage(Protocol):
     """Where a log is written; an OSError or sqlite3.Error says that it cannot be."""
 
-    def write(self, lines: Sequence[Line]) -> None:
-        """Write lines that do not count before they are committed."""
+    def write(self, events: Sequence[Event]) -> None:
+        """Write events that do not count before they are committed."""
         ...
 
     def commit(self) -> None:
@@ -78,10 +93,10 @@ class SqliteStorage:
                 sync_to_disk(path)
             self._open = stack.pop_all()
 
-    def write(self, lines: Sequence[Line]) -> None:
+    def write(self, events: Sequence[Event]) -> None:
         """See `Storage`."""
         self._database.execute('BEGIN IMMEDIATE')
-        self._database.executemany('INSERT INTO events VALUES (?, ?, ?, ?, ?)', lines)
+        self._database.executemany('INSERT INTO events VALUES (?, ?, ?, ?, ?)', events)
 
     def commit(self) -> None:
         """See `Storage`."""
@@ -105,10 +120,10 @@ class SqliteStorage:
             raise OSError(errno.ENOSPC, os.strerror(errno.ENOSPC))
 
 
-def write_anew(folder: Path, lines: Sequence[Line], head: bytes) -> None:
+def write_anew(folder: Path, events: Sequence[Event], head: bytes) -> None:
     """Write a database and a head in one piece, closed, so that there is no journal."""
     with contextlib.closing(sqlite3.connect(folder / DATABASE)) as database:
         database.execute(_TABLE)
-        database.executemany('INSERT INTO events VALUES (?, ?, ?, ?, ?)', lines)
+        database.executemany('INSERT INTO events VALUES (?, ?, ?, ?, ?)', events)
         database.commit()
     (folder / HEAD).write_bytes(head)

@@ -19,8 +19,6 @@ from al_questioner.questioning.strategies.decision_features import symbol_given_
 from al_questioner.questioning.strategies.expected_utility import expected_features
 from al_questioner.questioning.turn_context import TurnContext
 
-HUMAN = 'human'
-"""The name of the strategy."""
 HELP = 'a number asks what that object is, a symbol to be shown one, f which properties matter; Enter asks nothing'
 HELP_TABLE = """\
   12       asks what object 12 is

@@ -10,7 +10,7 @@ from al_questioner.questioning.strategies.choice import Strategy, StrategyFactor
 from al_questioner.questioning.strategies.decision_theoretic import IROS_FEATURES, TASK_FEATURES, decision_theoretic
 from al_questioner.questioning.strategies.expert import ScriptedExpert
 from al_questioner.questioning.strategies.farthest import Farthest
-from al_questioner.questioning.strategies.human import HUMAN, Human, Picker
+from al_questioner.questioning.strategies.human import Human, Picker
 from al_questioner.questioning.strategies.names import contribution, contributions
 from al_questioner.questioning.strategies.plug_ins import contributed_factory
 from al_questioner.questioning.strategies.random_label import RandomLabel
@@ -36,7 +36,7 @@ STRATEGIES: Mapping[str, StrategyFactory] = {
     'farthest_fsq': _unweighted(Farthest),
     'rarest_demo': _unweighted(RarestDemonstration),
     'expert': _unweighted(ScriptedExpert),
-    HUMAN: _unweighted(Human),
+    'human': _unweighted(Human),
 }
 """What makes each strategy that ships, by name."""
 
@@ -68,4 +68,4 @@ def make_strategy(name: str, weights: Mapping[str, float], pick: Picker | None =
     Raises:
         SettingsError: an unknown name, weights that do not fit the strategy, or a contributed one that cannot be made.
     """
-    return Human(pick) if name == HUMAN else strategy_factory(name)(weights)
+    return Human(pick) if name == 'human' else strategy_factory(name)(weights)

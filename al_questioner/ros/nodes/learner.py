@@ -350,6 +350,6 @@ def _spoken(content: Content) -> str:
     return ', '.join(content) if isinstance(content, tuple) else str(content)
 
 
-def main(arguments: Sequence[str]) -> int:
+def main(arguments: Sequence[str], storage: StorageFactory = SqliteStorage) -> int:
     """Run the node."""
-    return spin_nodes([partial(LearnerNode, yields=True)], arguments)
+    return spin_nodes([partial(LearnerNode, yields=True, storage=storage)], arguments)
