@@ -10,13 +10,10 @@ from __future__ import annotations
 import sys
 from functools import partial
 
+# First, as it says how many threads linear algebra has.
+from al_questioner import __main__  # noqa: F401
 from al_questioner.ros.nodes import learner
 from storages import WatchedStorage, killer
 
-
-def main() -> None:
-    sys.exit(learner.main(sys.argv[2:], partial(WatchedStorage, reached=killer(int(sys.argv[1])))))
-
-
 if __name__ == '__main__':
-    main()
+    sys.exit(learner.main(sys.argv[2:], partial(WatchedStorage, reached=killer(int(sys.argv[1])))))
