@@ -22,13 +22,14 @@ from al_questioner.support.arrays import Array
 os.environ.setdefault('OMP_NUM_THREADS', '1')
 
 import numpy as np
+from demonstrating import demonstrate
 from measuring import print_table
 
 from al_questioner.domain import DECISION_FEATURES, EpisodeSettings, QueryKind
-from al_questioner.imitation.assessment import agreement, count_gap, imitate
+from al_questioner.imitation.assessment import Imitation, agreement, imitate
 from al_questioner.imitation.bags import read_demonstrations
 from al_questioner.imitation.choice_likelihood import fit_temperature
-from al_questioner.imitation.demonstration import Demonstration, all_steps, demonstrate, feature_scale
+from al_questioner.imitation.demonstration import Demonstration, all_steps, feature_scale
 from al_questioner.imitation.settings import MatchingSettings, TrainingSettings
 from al_questioner.imitation.training import train
 from al_questioner.questioning import read_weights
@@ -87,6 +88,13 @@ def imitation_rows(
         likelihood = '-inf' if weights is NEVER else f'{found.log_likelihood:.2f}'
         rows.append([name, likelihood, f'{chosen.kind:.2f}', f'{chosen.ask:.2f}', f'{chosen.choice:.2f}', f'{gap:.1f}'])
     return rows
+
+
+def count_gap(imitations: Sequence[Imitation], demonstrations: Sequence[Demonstration], scale: Array) -> Array:
+    """Return expert's minus learner's feature counts, (F,), means over the episodes, in units of the scale (F,)."""
+    expert = np.mean([demonstration.feature_counts for demonstration in demonstrations], axis=0)
+    learner = np.mean([imitation.feature_counts for imitation in imitations], axis=0)
+    return np.asarray(np.divide(expert - learner, scale, out=np.zeros_like(scale), where=scale > 0))
 
 
 def condition_rows(policies: Mapping[str, Array], task_name: str, samples: int) -> list[list[str]]:

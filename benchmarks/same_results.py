@@ -23,7 +23,7 @@ from pathlib import Path
 from unittest import mock
 
 from al_questioner.cli import main as run
-from al_questioner.domain import Answer, LateAnswerError, Outcome
+from al_questioner.domain import Answer, Outcome
 from al_questioner.event_log.durable_episode import DurableEpisode
 from al_questioner.event_log.events import EpisodeStarted, SceneObserved
 from al_questioner.event_log.log import SessionLog
@@ -91,8 +91,7 @@ def write_session(folder: Path) -> None:
                 session.take(teacher.answer(query, world.truth(turn)))
                 session.take(teacher.answer(query, world.truth(turn)))
             session.tune()
-        with contextlib.suppress(LateAnswerError):
-            session.take(Answer('q1', 'b1', 'bert', Outcome.SKIP))
+        session.take(Answer('q1', 'b1', 'bert', Outcome.SKIP))
         session.take(Answer('q1', 'c1', 'scripted', Outcome.UNKNOWN, replaces='q1/scripted'))
         session.note_refused('pudding', 'it does not answer')
         session.close()

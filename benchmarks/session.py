@@ -34,17 +34,26 @@ from rclpy.parameter import Parameter
 from std_msgs.msg import String
 
 from al_questioner.domain import Answer, Outcome
-from al_questioner.event_log.events import ActionChosen, AnswerAccepted, Encoder, SceneObserved, decoded
+from al_questioner.event_log.encoding import Encoder, decoded
+from al_questioner.event_log.events import ActionChosen, AnswerAccepted, SceneObserved
 from al_questioner.event_log.log import SessionLog, read_log
+from al_questioner.event_log.storage import SqliteStorage, StorageFactory
 from al_questioner.messages import documents
 from al_questioner.ros import qos
-from al_questioner.ros.nodes import learner
+from al_questioner.ros.nodes.learner import LearnerNode
 from al_questioner.ros.nodes.perception import PerceptionNode
 
-KINDS: dict[str, Callable[[Path], SessionLog] | None] = {
+
+class UnwaitedStorage(SqliteStorage):
+    """Does not wait for the disk."""
+
+    synchronous = 'OFF'
+
+
+KINDS: dict[str, StorageFactory | None] = {
     'no log': None,
-    'synchronous OFF': partial(SessionLog, synchronous=False),
-    'synchronous FULL': SessionLog,
+    'synchronous OFF': UnwaitedStorage,
+    'synchronous FULL': SqliteStorage,
 }
 DEADLINE = 600.0
 
@@ -93,8 +102,7 @@ def spinning(context: Context) -> Iterator[SingleThreadedExecutor]:
 
 def over_topics(kind: str, answers: int, folder: Path) -> list[float]:
     """Seconds from each answer to its acknowledgement."""
-    make = KINDS[kind]
-    learner.SessionLog = make or SessionLog
+    storage = KINDS[kind]
     context, namespace = Context(), f'bench_{uuid.uuid4().hex[:8]}'
     context.init()
     world = {'task': 'kitchen_table', 'seed': 1}
@@ -107,7 +115,13 @@ def over_topics(kind: str, answers: int, folder: Path) -> list[float]:
     with spinning(context) as executor:
         client = Client(answers, namespace=namespace, context=context)
         nodes = [client, made(PerceptionNode, **world)]
-        nodes.append(made(learner.LearnerNode, **episode, session='' if make is None else str(folder)))
+        nodes.append(
+            made(
+                partial(LearnerNode, storage=storage or SqliteStorage),
+                **episode,
+                session=str(folder) if storage else '',
+            )
+        )
         for node in nodes:
             executor.add_node(node)
         if not client.done.wait(DEADLINE):
@@ -120,11 +134,11 @@ def over_topics(kind: str, answers: int, folder: Path) -> list[float]:
 
 def appends(kind: str, events: list[Any], folder: Path) -> tuple[list[float], list[float]]:
     """Seconds that writing each answer, and each scene with its decision, takes."""
-    make = KINDS[kind]
-    if make is None:
+    storage = KINDS[kind]
+    if storage is None:
         return [], []
     encoder, answers, turns = Encoder(), [], []
-    with make(folder) as log:
+    with SessionLog(folder, storage) as log:
         for first, second in itertools.pairwise(events):
             start = time.perf_counter()
             if isinstance(first, SceneObserved) and isinstance(second, ActionChosen):

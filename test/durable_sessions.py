@@ -7,8 +7,10 @@ from pathlib import Path
 
 from al_questioner.domain import Answer, Decision
 from al_questioner.event_log.durable_episode import DurableEpisode
-from al_questioner.event_log.events import EpisodeStarted, SceneObserved, decoded
+from al_questioner.event_log.encoding import decoded
+from al_questioner.event_log.events import EpisodeStarted, SceneObserved
 from al_questioner.event_log.log import SessionLog, read_log
+from al_questioner.questioning import Receipt
 from al_questioner.simulation import PerceivedWorld, ScriptedTeacher, episode_settings, load_task
 
 TASK = load_task('prepare_lunch')
@@ -44,7 +46,7 @@ def play_turns(session: DurableEpisode, world: PerceivedWorld, n: int) -> list[A
     for _ in range(n):
         if ask(session, world).query is not None:
             said.append(answer(session, world))
-            assert session.take(said[-1])
+            assert session.take(said[-1]) is Receipt.ACCEPTED
         session.tune()
     return said
 

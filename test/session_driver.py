@@ -14,14 +14,16 @@ import signal
 import sys
 import time
 from collections.abc import Callable
-from functools import cache, lru_cache
+from functools import cache, lru_cache, partial
 from pathlib import Path
 
-from al_questioner.domain import Answer, LateAnswerError, Outcome, Query, Scene
+from al_questioner.domain import Answer, Outcome, Query, Scene
 from al_questioner.event_log.durable_episode import DurableEpisode
 from al_questioner.event_log.events import EpisodeStarted, SceneObserved
 from al_questioner.event_log.log import SessionLog, read_log
+from al_questioner.questioning import Receipt
 from al_questioner.simulation import PerceivedWorld, ScriptedTeacher, WorldSpec, episode_settings, load_task
+from storages import WatchedStorage, killer
 
 TASK = load_task('prepare_lunch')
 SETTINGS = episode_settings(TASK, 'u_sampling_fsq', 6.0, 5, change_interval=2, tune_every=2)
@@ -58,7 +60,7 @@ def is_away(query: Query, turn: int) -> bool:
 
 def play(folder: Path, acknowledge: Callable[[Answer], None], at_write_point: Callable[[str], None]) -> None:
     """The episode to its end, from wherever its log is; the rules are those of the learner node."""
-    log = SessionLog(folder, at_write_point=at_write_point)
+    log = SessionLog(folder, partial(WatchedStorage, reached=at_write_point))
     session = DurableEpisode(BEGUN, log)
     session.start()
     episode = session.episode
@@ -67,11 +69,8 @@ def play(folder: Path, acknowledge: Callable[[Answer], None], at_write_point: Ca
             session.time_out()
         elif episode.awaited is not None:
             for answer in said(episode.awaited):
-                try:
-                    session.take(answer)
+                if session.take(answer) is not Receipt.LATE:
                     acknowledge(answer)
-                except LateAnswerError:
-                    pass
         session.tune()
         if episode.done:
             break
@@ -84,16 +83,12 @@ def run(folder: Path, kill_at: int = 0, kill_after: float | None = None) -> bool
     """Play in a child; whether it came to its end."""
     child = os.fork()
     if child == 0:
-        count = 0
         acknowledged = os.open(folder.with_suffix('.acks'), os.O_WRONLY | os.O_CREAT | os.O_APPEND)
 
-        def reached(_: str) -> None:
-            nonlocal count
-            count += 1
-            if count == kill_at:
-                os.kill(os.getpid(), signal.SIGKILL)
+        def acknowledge(answer: Answer) -> None:
+            os.write(acknowledged, f'{answer.query_id} {answer.answer_id}\n'.encode())
 
-        play(folder, lambda a: os.write(acknowledged, f'{a.query_id} {a.answer_id}\n'.encode()) and None, reached)
+        play(folder, acknowledge, killer(kill_at))
         os._exit(0)
     if kill_after is not None:
         time.sleep(kill_after)

@@ -14,53 +14,6 @@ from checkout import ROOT
 
 PACKAGE = 'al_questioner'
 
-UNREVISED: tuple[str, ...] = (
-    'bags.episodes',
-    'bags.of_session',
-    'bags.rerun',
-    'bags.runs',
-    'bags.scenes',
-    'cli',
-    'commands',
-    'domain.query',
-    'domain.settings',
-    'event_log',
-    'experiments.report',
-    'experiments.storing',
-    'imitation',
-    'messages.documents',
-    'messages.schemas',
-    'questioning.__init__',
-    'questioning.answers',
-    'questioning.episode',
-    'questioning.initial_concepts',
-    'questioning.plain_words',
-    'questioning.strategies.choice',
-    'questioning.strategies.decision_features',
-    'questioning.strategies.expected_utility',
-    'questioning.strategies.names',
-    'questioning.strategies.plug_ins',
-    'questioning.strategies.registry',
-    'questioning.strategies.value_per_cost',
-    'questioning.strategies.weights',
-    'questioning.teacher',
-    'ros.episode_launcher',
-    'ros.learner_session',
-    'ros.node',
-    'ros.node_arguments',
-    'ros.nodes',
-    'ros.parameter_files',
-    'ros.parameters',
-    'ros.setting',
-    'ros.settings',
-    'ros.worlds',
-    'simulation.settings',
-    'simulation.task',
-    'simulation.task_reading',
-    'support.arguments',
-)
-"""Modules, or folders of them, whose docstrings are not revised yet."""
-
 QUESTIONS = {'What', 'How', 'That', 'Which', 'Who', 'Whoever', 'Whose', 'When', 'Where', 'Whether', 'Why', 'If'}
 ARTICLES = {'The', 'A', 'An'}
 PREPOSITIONS = {
@@ -123,18 +76,11 @@ def fault(docstring: Docstring) -> str | None:
     return f'{quaint[0]!r} is not plain English' if quaint else None
 
 
-def is_revised(module: str) -> bool:
-    """Return whether the rules hold for a module already."""
-    return not any(module == one or module.startswith(f'{one}.') for one in UNREVISED)
-
-
 def test_the_docstrings_are_plain_english() -> None:
     found = []
     for path in sorted((ROOT / PACKAGE).rglob('*.py')):
-        module = '.'.join(path.relative_to(ROOT / PACKAGE).with_suffix('').parts)
-        if is_revised(module):
-            each = [(one, fault(one)) for one in docstrings(path.read_text(encoding='utf-8'))]
-            found += [f'{path}:{one.line}: {one.name}: {reason}' for one, reason in each if reason]
+        each = [(one, fault(one)) for one in docstrings(path.read_text(encoding='utf-8'))]
+        found += [f'{path}:{one.line}: {one.name}: {reason}' for one, reason in each if reason]
     assert not found, '\n'.join(found)
 
 

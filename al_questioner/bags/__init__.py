@@ -8,8 +8,9 @@ from typing import TYPE_CHECKING
 from al_questioner.support.lazy_names import lazy_names
 
 if TYPE_CHECKING:
-    from al_questioner.bags.episodes import LeftOut, RecordedEpisode, RecordedTurn, read_episodes
+    from al_questioner.bags.episodes import LeftOut, read_episodes
     from al_questioner.bags.reading import Bag, BagError, BagMessage, Topic, deserialize, digest, read_bag
+    from al_questioner.bags.recorded_episode import RecordedEpisode, RecordedTurn
     from al_questioner.bags.repairing import RepairReport, repair
     from al_questioner.bags.writing import BagWriter
 
@@ -39,8 +40,8 @@ _HOMES = {
     'digest': 'reading',
     'read_bag': 'reading',
     'LeftOut': 'episodes',
-    'RecordedTurn': 'episodes',
-    'RecordedEpisode': 'episodes',
+    'RecordedTurn': 'recorded_episode',
+    'RecordedEpisode': 'recorded_episode',
     'read_episodes': 'episodes',
     'RepairReport': 'repairing',
     'repair': 'repairing',

@@ -11,7 +11,7 @@ import numpy as np
 from al_questioner.bags.reading import BagError, Topic, typestore
 from al_questioner.bags.topics import CLOUD, STRING, TYPES
 from al_questioner.bags.writing import BagWriter
-from al_questioner.event_log.events import ActionChosen, AnswerAccepted, LateAnswerKept, SceneObserved, SessionEvent
+from al_questioner.event_log.events import ActionChosen, AnswerAccepted, EpisodeEvent, LateAnswerKept, SceneObserved
 from al_questioner.event_log.replay import Replay
 from al_questioner.event_log.reports import episode_members, state_members
 from al_questioner.event_log.summary import SessionSummary
@@ -62,7 +62,7 @@ class _Writing:
             lambda content: np.frombuffer(content, dtype=np.uint8),
         )
 
-    def write(self, stamp: int, event: SessionEvent) -> None:
+    def write(self, stamp: int, event: EpisodeEvent) -> None:
         """Write what was published because of an event."""
         if isinstance(event, SceneObserved):
             self.end_turn()

@@ -104,11 +104,6 @@ class ConceptLearner:
         return self._told_relevant is not None
 
     @property
-    def active_features(self) -> NDArray[np.bool_]:
-        """Features that the models use, (m,) booleans."""
-        return self._active.copy()
-
-    @property
     def kernel(self) -> Kernel:
         """Kernel of the models, for the features in use; its length scale is in standard deviations."""
         return Kernel(self._models.amplitude, self._models.length_scale_of(int(self._active.sum())))

@@ -9,7 +9,6 @@ from al_questioner.domain.errors import (
     AnswerError,
     EpisodeError,
     InputError,
-    LateAnswerError,
     SceneError,
     SettingsError,
 )
@@ -70,7 +69,6 @@ __all__ = [
     'EpisodeSettings',
     'FloatArray',
     'InputError',
-    'LateAnswerError',
     'Observation',
     'Outcome',
     'Query',

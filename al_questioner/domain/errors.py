@@ -19,9 +19,5 @@ class AnswerError(InputError):
     """An answer that does not fit the pending query."""
 
 
-class LateAnswerError(AnswerError):
-    """An answer to a query that has already been answered."""
-
-
 class EpisodeError(RuntimeError):
     """An episode that did not reach its end although the input was correct; its text is one line."""

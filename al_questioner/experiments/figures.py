@@ -67,20 +67,8 @@ def draw_figures(results: Results, change_intervals: Mapping[str, int], folder: 
             paths.append(_behaviour(results, task, change_intervals[task], folder / f'behaviour_{name}.png'))
             paths.append(_kinds(results, task, folder / f'queries_{name}.png'))
             paths.append(_budget(results, task, folder / f'budget_{name}.png'))
-            paths.append(_cost_curves(results, task, folder / f'accuracy_by_cost_{name}.png'))
+            paths.append(draw_cost_curves(results, task, folder))
     return paths
-
-
-def draw_cost_curves(results: Results, folder: Path) -> list[Path]:
-    """Write the accuracy by cost of the strategies of all tasks, and return the pictures' paths.
-
-    Raises:
-        InputError: a picture cannot be written.
-    """
-    with plt.rc_context(STYLE):
-        return [
-            _cost_curves(results, task, folder / f'accuracy_by_cost_{task_label(task)}.png') for task in results.tasks
-        ]
 
 
 def condition_name(condition: Condition) -> str:
@@ -211,17 +199,24 @@ def _budget(results: Results, task: str, path: Path) -> Path:
     return _finish(figure, 4, path)
 
 
-def _cost_curves(results: Results, task: str, path: Path) -> Path:
-    """Draw accuracy by cost, mean over the samples; a line ends at the mean of the final cost."""
-    figure, panels = _panels(results, task, 3.6, same_scale=True)
-    for panel, condition in panels:
-        for strategy in _askers(results):
-            curves, spent = results.curves(task, condition, strategy), _spent(results, task, condition, strategy)
-            if len(curves):
-                costs = np.linspace(0, spent[:, -1].mean(), 101)
-                panel.plot(costs, accuracy_by_cost(curves, spent, costs).mean(axis=0), **_line(strategy))
-        panel.set(xlabel='spent', ylabel='accuracy', ylim=(0, 1), xlim=(0, None))
-    return _finish(figure, 4, path)
+def draw_cost_curves(results: Results, task: str, folder: Path) -> Path:
+    """Write how accurate the strategies are for what they have spent, mean over the samples.
+
+    A line ends at the mean of what is spent in the end.
+
+    Raises:
+        InputError: the picture cannot be written.
+    """
+    with plt.rc_context(STYLE):
+        figure, panels = _panels(results, task, 3.6, same_scale=True)
+        for panel, condition in panels:
+            for strategy in _askers(results):
+                curves, spent = results.curves(task, condition, strategy), _spent(results, task, condition, strategy)
+                if len(curves):
+                    costs = np.linspace(0, spent[:, -1].mean(), 101)
+                    panel.plot(costs, accuracy_by_cost(curves, spent, costs).mean(axis=0), **_line(strategy))
+            panel.set(xlabel='spent', ylabel='accuracy', ylim=(0, 1), xlim=(0, None))
+        return _finish(figure, 4, folder / f'accuracy_by_cost_{task_label(task)}.png')
 
 
 def accuracy_by_cost(curves: np.ndarray, spent: np.ndarray, costs: np.ndarray) -> np.ndarray:

@@ -53,17 +53,6 @@ class Results:
     episodes: Sequence[EpisodeRow]
     turns: Sequence[TurnRow]
 
-    def beside(self, other: Results) -> Results:
-        """Return these results and those of another experiment.
-
-        Raises:
-            InputError: both hold an episode, which would count twice.
-        """
-        both = {row.cell for row in self.episodes} & {row.cell for row in other.episodes}
-        if both:
-            raise InputError(f'an episode is there twice: {min(both)}')
-        return Results([*self.episodes, *other.episodes], [*self.turns, *other.turns])
-
     def of_samples(self, samples: Collection[int]) -> Results:
         """Return the results of these samples."""
         return Results(
@@ -168,22 +157,6 @@ def read_results(folder: Path) -> Results:
     if not episodes:
         raise InputError(f'{folder}: no episode has been played yet')
     return Results(episodes, turns)
-
-
-def read_together(folders: Sequence[Path]) -> Results:
-    """Read the tables of several experiments as if they were one.
-
-    Raises:
-        InputError: a table is missing or is not one of an experiment, or a folder holds an episode of an earlier one.
-    """
-    together = Results([], [])
-    for folder in folders:
-        found = read_results(folder)
-        try:
-            together = together.beside(found)
-        except InputError as error:
-            raise InputError(f'{folder}: {error}') from error
-    return together
 
 
 def _rows(path: Path) -> list[dict[str, str]]:

@@ -10,12 +10,13 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 from numpy.typing import NDArray
 
-from al_questioner.imitation.demonstration import Demonstration, feature_scale
-from al_questioner.imitation.identifiability import identify
+from al_questioner.imitation.demonstration import Demonstration
+from al_questioner.imitation.identifiability import Identifiability
 from al_questioner.imitation.rollouts import Rollout, Simulator
 from al_questioner.imitation.settings import MatchingSettings
 from al_questioner.support.arrays import Array
@@ -58,7 +59,7 @@ class Iteration:
 
 @dataclass(frozen=True, eq=False)
 class Matching:
-    """What came of it.
+    """Result of a matching.
 
     Attributes:
         weights: (F,) mean over the window of iterations whose validation gap is smallest.
@@ -74,22 +75,27 @@ class Matching:
     gap: Array
     validation_gap: Array
 
-    @property
-    def smallest_validation_gap(self) -> float:
-        """Length of the mean gap of the window that was kept: the smallest of all."""
-        return float(mean_gaps(self.iterations, self.kept)[1])
+    @cached_property
+    def validation_gaps(self) -> dict[str, float]:
+        """Length of the gap over the validation demonstrations: before, after, and the smallest mean of a window."""
+        return {
+            'before': float(np.linalg.norm(self.iterations[0].validation_gap)),
+            'after': float(np.linalg.norm(self.validation_gap)),
+            'smallest': float(mean_gaps(self.iterations, self.kept)[1]),
+        }
 
     @property
     def validation_failed(self) -> bool:
-        """Whether the validation gap of the weights is as large as before, or much larger than it was on the way."""
-        before, after = (float(np.linalg.norm(gap)) for gap in (self.iterations[0].validation_gap, self.validation_gap))
-        return after > min(before, TOO_LARGE * self.smallest_validation_gap)
+        """True if the validation gap of the weights is as large as before, or much larger than it was on the way."""
+        gaps = self.validation_gaps
+        return gaps['after'] > min(gaps['before'], TOO_LARGE * gaps['smallest'])
 
 
 def match_features(
     training: Sequence[Demonstration],
     validation: Sequence[Demonstration],
     settings: MatchingSettings,
+    free: Identifiability,
     watch: Callable[[int, Iteration], None] | None = None,
 ) -> Matching:
     """Find the weights.
@@ -98,14 +104,14 @@ def match_features(
         training: demonstrations whose feature counts are matched, each in its own world.
         validation: those that choose among the iterations; empty: the training ones.
         settings: how.
+        free: what all these demonstrations tell nothing about.
         watch: called after each iteration with its number, from 1.
 
     Raises:
         InputError: a demonstration took place in no simulated world.
     """
-    scale = feature_scale([*training, *validation])
+    scale = free.scale
     varies = scale > 0
-    free = identify([*training, *validation])
     scaled = np.zeros(len(scale))
     jacobian = None
     iterations: list[Iteration] = []
@@ -144,19 +150,19 @@ def best_window(iterations: Sequence[Iteration]) -> int:
 
 
 def window_of(iterations: Sequence[Iteration], last: int) -> Sequence[Iteration]:
-    """The window of iterations that ends with this one."""
+    """Return the window of iterations that ends with this one."""
     return iterations[max(0, last + 1 - WINDOW) : last + 1]
 
 
 def mean_gaps(iterations: Sequence[Iteration], last: int) -> Array:
-    """(2,) length of the mean training and validation gap over the window that ends with an iteration."""
+    """Return the (2,) lengths of the mean training and validation gap over the window that ends with an iteration."""
     window = window_of(iterations, last)
     means = np.mean([[iteration.gap, iteration.validation_gap] for iteration in window], axis=0)
     return np.asarray(np.linalg.norm(means, axis=1))
 
 
 def jacobian_of_counts(rollouts: Sequence[Sequence[Rollout]], scale: Array) -> Array:
-    """(F, F) derivative of the expected feature counts by the weights, both in units of the features' scale.
+    """Return the (F, F) derivative of the expected feature counts by the weights, both in units of the features' scale.
 
     By the likelihood ratio: d E[phi_t] / dw = Cov(phi_t, sum_(s <= t) d log p(a_s) / dw) over the rollouts of each
     world; what is chosen after turn t does not change the features of turn t and would add but noise.
@@ -172,7 +178,7 @@ def jacobian_of_counts(rollouts: Sequence[Sequence[Rollout]], scale: Array) -> A
 
 
 def gauss_newton_step(jacobian: Array, gap: Array, varies: NDArray[np.bool_]) -> Array:
-    """(F,) damped Gauss-Newton step towards a gap of zero, of limited length.
+    """Return the (F,) damped Gauss-Newton step towards a gap of zero, of limited length.
 
     Args:
         jacobian: (F, F), see `jacobian_of_counts`.

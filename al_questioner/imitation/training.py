@@ -13,7 +13,7 @@ from al_questioner import __version__
 from al_questioner.domain import InputError
 from al_questioner.imitation.assessment import Agreement, agreement
 from al_questioner.imitation.choice_likelihood import fit_choices, fit_temperature
-from al_questioner.imitation.demonstration import Demonstration, all_steps, feature_scale
+from al_questioner.imitation.demonstration import Demonstration, all_steps
 from al_questioner.imitation.feature_matching import Iteration, Matching, match_features
 from al_questioner.imitation.identifiability import Identifiability, identify
 from al_questioner.imitation.settings import TrainingSettings
@@ -72,18 +72,20 @@ def train(
         InputError: demonstrations that do not fit together, or that the method cannot use.
     """
     check_alike(demonstrations)
-    free, scale = identify(demonstrations), feature_scale(demonstrations)
+    free = identify(demonstrations)
     matching, held_out = None, 0
     if settings.method == 'maxent':
         held_out = settings.held_out_of(len(demonstrations))
         split = len(demonstrations) - held_out
-        matching = match_features(demonstrations[:split], demonstrations[split:], settings.matching, watch)
+        matching = match_features(demonstrations[:split], demonstrations[split:], settings.matching, free, watch)
         found = matching.weights
         gap_before, gap_after = matching.iterations[0].gap, matching.gap
     else:
         found = fit_choices(demonstrations, ridge=settings.ridge)
-        gap_before, gap_after = (expected_gap(w, demonstrations, scale) for w in (np.zeros(len(scale)), found))
-    found = free.project(found, scale)
+        gap_before, gap_after = (
+            expected_gap(w, demonstrations, free.scale) for w in (np.zeros(len(free.scale)), found)
+        )
+    found = free.project(found)
     total = float(np.abs(found).sum())
     if total == 0:
         raise InputError('the demonstrations tell nothing about any weight')
@@ -103,7 +105,7 @@ def train(
 
 
 def expected_gap(weights: Array, demonstrations: Sequence[Demonstration], scale: Array) -> Array:
-    """(F,) chosen minus expected features at the expert's steps, mean, in units of the features' scale.
+    """Return the (F,) chosen minus expected features at the expert's steps, mean, in units of the features' scale.
 
     Args:
         weights: (F,) w of the softmax.
@@ -144,20 +146,11 @@ def check_alike(demonstrations: Sequence[Demonstration]) -> None:
             )
 
 
-def validation_gaps(matching: Matching) -> dict[str, float]:
-    """Length of the gap over the validation demonstrations: before, after, and the smallest mean of a window."""
-    return {
-        'before': float(np.linalg.norm(matching.iterations[0].validation_gap)),
-        'after': float(np.linalg.norm(matching.validation_gap)),
-        'smallest': matching.smallest_validation_gap,
-    }
-
-
 def validation_text(training: Training, matching: Matching) -> str:
-    """Whether the weights hold for demonstrations that they were not learnt from, in words; a warning in colour."""
+    """Say whether the weights hold for demonstrations that they were not learnt from; a warning is in colour."""
     if not training.validation:
         return 'no demonstration was held out, so nothing tells whether the weights hold for others'
-    gaps = validation_gaps(matching)
+    gaps = matching.validation_gaps
     found = (
         f'validation gap {gaps["before"]:.2f} before, {gaps["after"]:.2f} after,'
         f' {gaps["smallest"]:.2f} where it was smallest, up to iteration {matching.kept + 1}'
@@ -171,7 +164,7 @@ def validation_text(training: Training, matching: Matching) -> str:
 
 
 def weights_document(training: Training, count: int, bags: Sequence[Mapping[str, str]]) -> dict[str, Any]:
-    """What `train_weights` writes: the weights, and where they come from.
+    """Return the content of a weights file: the weights, and where they come from.
 
     Args:
         training: the weights.
@@ -189,7 +182,7 @@ def weights_document(training: Training, count: int, bags: Sequence[Mapping[str,
         }
         details['iterations'] = len(matching.iterations)
         details['kept_iteration'] = matching.kept + 1
-        details['validation_gap'] = {name: round(gap, 4) for name, gap in validation_gaps(matching).items()}
+        details['validation_gap'] = {name: round(gap, 4) for name, gap in matching.validation_gaps.items()}
     else:
         details['settings'] = {'ridge': settings.ridge}
     return {

@@ -1,5 +1,6 @@
-"""What to ask next, and what comes of it: the ask/tell episode, candidates, strategies, and answers in plain words."""
+"""The ask/tell episode, candidates, strategies, and answers in plain words."""
 
+from al_questioner.questioning.answers import PreparedAnswer, Receipt
 from al_questioner.questioning.episode import Episode
 from al_questioner.questioning.initial_concepts import new_concept_learner
 from al_questioner.questioning.plain_words import read_plain_answer, respelt
@@ -39,6 +40,8 @@ __all__ = [
     'FeatureRecorder',
     'FeatureSet',
     'Human',
+    'PreparedAnswer',
+    'Receipt',
     'ReplayedPicks',
     'Strategy',
     'Teacher',

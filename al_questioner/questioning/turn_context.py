@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
+from collections.abc import Callable
+from dataclasses import dataclass, field
 from functools import cached_property
 from itertools import takewhile
 
@@ -13,6 +14,20 @@ from numpy.typing import NDArray
 from al_questioner.concepts import ConceptLearner
 from al_questioner.domain import Action, Costs, Outcome, QueryKind, QueryRecord, Scene
 from al_questioner.questioning.candidates import candidates
+
+
+class LastResult:
+    """The last result of a costly computation: it is not repeated while what it is made from stays the same."""
+
+    def __init__(self) -> None:
+        self._made_from: tuple[object, ...] | None = None
+        self._result = np.empty(0)
+
+    def of(self, made_from: tuple[object, ...], compute: Callable[[], NDArray[np.float64]]) -> NDArray[np.float64]:
+        """Return the result for what it is made from, computed if that is not what it was the last time."""
+        if made_from != self._made_from:
+            self._result, self._made_from = compute(), made_from
+        return self._result
 
 
 @dataclass(frozen=True, eq=False)
@@ -33,6 +48,7 @@ class TurnContext:
         non_query_turns: consecutive turns before this one in which nothing was asked.
         scene_turn: turn in which the present scene was first seen.
         history: the queries so far, in order.
+        look_ahead: the look-ahead of the last turn that needed one, kept by the episode.
     """
 
     turn: int
@@ -46,6 +62,7 @@ class TurnContext:
     non_query_turns: int
     scene_turn: int
     history: tuple[QueryRecord, ...]
+    look_ahead: LastResult = field(default_factory=LastResult)
 
     @property
     def symbols(self) -> tuple[str, ...]:

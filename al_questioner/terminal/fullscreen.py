@@ -60,12 +60,12 @@ class FullScreen:
     """A screen with keys; `run` it in a thread of its own.
 
     Args:
-        session: the dialogue.
+        dialogue: the dialogue.
         stopped: ends it.
     """
 
     def __init__(self, dialogue: TeacherDialogue, stopped: threading.Event) -> None:
-        self._session = dialogue
+        self._dialogue = dialogue
         self._stopped = stopped
         self._look = detect_capabilities(Console())
         self._pad = Pad()
@@ -89,7 +89,7 @@ class FullScreen:
             while not self._stopped.is_set() and not self._nothing_left():
                 await asyncio.sleep(LOOK_PERIOD)
                 # No event tells that no reply has come.
-                waits = self._session.board().phase is Phase.SENDING
+                waits = self._dialogue.board().phase is Phase.SENDING
                 if waits or application.output.get_size() != self._size:
                     application.invalidate()
             if not application.is_done:
@@ -99,15 +99,15 @@ class FullScreen:
             application.create_background_task(end_in_time())
 
         self._application = application
-        self._session.on_change = application.invalidate
+        self._dialogue.on_change = application.invalidate
         try:
             with _held_back_errors():
                 application.run(pre_run=watch, set_exception_handler=False)
         finally:
-            self._session.on_change = lambda: None
+            self._dialogue.on_change = lambda: None
 
     def _nothing_left(self) -> bool:
-        view_state = self._session.board()
+        view_state = self._dialogue.board()
         return view_state.phase is Phase.OVER and not view_state.can_undo
 
     def _drawn(self) -> str:
@@ -115,7 +115,7 @@ class FullScreen:
         capabilities = Capabilities(
             size.columns, size.rows, self._look.colors, self._look.monochrome, self._look.unicode
         )
-        view_state = self._session.board()
+        view_state = self._dialogue.board()
         pad = self._pad if self._pad.about == about(view_state) else Pad()
         try:
             return capabilities.written(screen(view_state, pad, capabilities, self._in_help))
@@ -158,7 +158,7 @@ class FullScreen:
         if self._in_help:
             self._in_help = False
             return
-        self._pad, command = press(key, self._pad, self._session.board())
+        self._pad, command = press(key, self._pad, self._dialogue.board())
         if command is not None:
             self._follow(command)
 
@@ -172,9 +172,9 @@ class FullScreen:
         else:
             try:
                 if isinstance(command, Say):
-                    self._session.say(command.text)
+                    self._dialogue.say(command.text)
                 else:
-                    self._session.undo()
+                    self._dialogue.undo()
             except AnswerError as error:
                 self._explain(str(error))
 

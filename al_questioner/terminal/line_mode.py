@@ -71,7 +71,7 @@ class LineMode:
     """A conversation in lines: one question a line on `out`, all other text on `err`.
 
     Args:
-        session: the dialogue.
+        dialogue: the dialogue.
         lines: lines that the person types.
         out, err: files to write to.
         stopped: ends the conversation.
@@ -80,7 +80,7 @@ class LineMode:
     def __init__(
         self, dialogue: TeacherDialogue, lines: LineReader, out: TextIO, err: TextIO, stopped: threading.Event
     ) -> None:
-        self._session = dialogue
+        self._dialogue = dialogue
         self._lines = lines
         self._out = out
         self._err = err
@@ -92,7 +92,7 @@ class LineMode:
         """Ask and answer until the episode is over, the person quits, the input ends, or it is stopped."""
         ended_at = None
         while not self._stopped.is_set():
-            view_state = self._session.board()
+            view_state = self._dialogue.board()
             if view_state.notice != self._noticed:
                 self._noticed = view_state.notice
                 self._tell(view_state.notice)
@@ -146,9 +146,9 @@ class LineMode:
         else:
             try:
                 if command is Wish.UNDO:
-                    self._session.undo()
+                    self._dialogue.undo()
                 else:
-                    self._session.say(command.text)
+                    self._dialogue.say(command.text)
                 self._noticed = ''
             except AnswerError as error:
                 self._tell(str(error))

@@ -56,8 +56,8 @@ def test_foxglove_reads_what_was_recorded(as_foxglove, bags, tmp_path):
         for theirs, message in zip(topic['messages'], ours, strict=True):
             content = deserialize(message).data
             assert theirs['data'] == (content if isinstance(content, str) else base64.b64encode(content).decode())
-    (session,) = read_episodes(tmp_path / 'b')
-    for cloud, turn in zip(found['topics']['/robot/decision']['messages'], session.turns, strict=True):
+    (episode,) = read_episodes(tmp_path / 'b')
+    for cloud, turn in zip(found['topics']['/robot/decision']['messages'], episode.turns, strict=True):
         assert [field['name'] for field in cloud['fields'][:3]] == ['x', 'y', 'z']
         points = np.frombuffer(base64.b64decode(cloud['data']), np.uint8).reshape(-1, cloud['point_step'])
         positions = points[:, :12].copy().view(np.float32)

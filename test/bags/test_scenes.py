@@ -17,10 +17,10 @@ def test_every_turn_has_the_scene_that_its_learner_took(bags, tmp_path):
     """A second learner would learn from other things than the first one saw."""
     bags.write_episode(tmp_path / 'b')
     found = scenes_of(read_bag(tmp_path / 'b'))
-    (session,) = read_episodes(tmp_path / 'b')
-    assert found.world == session.world
-    assert list(found.clouds) == [turn.turn for turn in session.turns]
-    for turn in session.turns:
+    (episode,) = read_episodes(tmp_path / 'b')
+    assert found.world == episode.begun.world
+    assert list(found.clouds) == [turn.turn for turn in episode.turns]
+    for turn in episode.turns:
         scene = scene_of_cloud(deserialize(found.clouds[turn.turn]))
         assert scene.object_ids == turn.scene.object_ids
         assert scene.features.tobytes() == turn.scene.features.tobytes()
@@ -100,5 +100,5 @@ def test_an_empty_cloud_without_fields_is_a_scene_as_it_is_for_the_learner(bags,
 
     bags.write_episode(tmp_path / 'b', missing=[('objects', 3)], then=add_empty)
     assert list(scenes_of(read_bag(tmp_path / 'b')).clouds) == [1, 2, 3, 4, 5, 6, 7, 8]
-    (session,) = read_episodes(tmp_path / 'b')
-    assert [len(turn.scene.object_ids) for turn in session.turns if turn.turn in (2, 3)] == [10, 0]
+    (episode,) = read_episodes(tmp_path / 'b')
+    assert [len(turn.scene.object_ids) for turn in episode.turns if turn.turn in (2, 3)] == [10, 0]

@@ -10,7 +10,7 @@ import pytest
 
 
 @pytest.fixture
-def state(_as_in_a_script: None):
+def state():
     from look_ahead_parts.states import clustered_state
 
     return clustered_state(np.random.default_rng(1), n=9, things=3, symbols=3, m=4)

@@ -47,6 +47,16 @@ def test_a_questioner_is_compared_with_the_best_control(
     assert '| kitchen_table | `random_fsq` | 2 | 0.750 | 0.550 |' in '\n'.join(lines)
 
 
+def test_experiments_are_read_as_one(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    """Strategies that were played one after the other could not be compared."""
+    names = ('random_fsq', 'rarest_demo', 'value_per_cost')
+    assert run(monkeypatch, *(write(tmp_path / name, name) for name in names)) == 0
+    printed = capsys.readouterr().out
+    assert all(f'| `{name}` | 0.550' in printed for name in names)
+
+
 def test_what_cannot_be_compared_is_one_line_and_status_2(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
@@ -55,7 +65,10 @@ def test_what_cannot_be_compared_is_one_line_and_status_2(
     for folders, reason in (
         ([alone], 'kitchen_table, 25/40: no control was played'),
         ([controls], 'value_per_cost was not played; played were random_fsq'),
-        ([alone, controls, alone], f'{alone}: an episode is there twice'),
+        (
+            [alone, controls, alone],
+            f'{alone}: an episode is there twice: kitchen_table, 25/40, value_per_cost, sample 0',
+        ),
         ([tmp_path], 'episodes.csv: cannot be read'),
     ):
         assert run(monkeypatch, *folders) == 2

@@ -16,6 +16,7 @@ from al_questioner.imitation.feature_matching import (
     jacobian_of_counts,
     match_features,
 )
+from al_questioner.imitation.identifiability import identify
 from al_questioner.imitation.rollouts import Rollout, Simulator
 
 FEW = MatchingSettings(iterations=16, rollouts=4, patience=16, seed=1)
@@ -96,14 +97,15 @@ def test_the_score_sums_to_zero_on_average(experts):
 def test_the_same_seed_finds_the_same_in_any_number_of_processes(experts):
     """Training would be a lottery."""
     short = dataclasses.replace(FEW, iterations=2, rollouts=2)
-    one, other = (match_features(experts, [], dataclasses.replace(short, jobs=jobs)) for jobs in (1, 2))
+    free = identify(experts)
+    one, other = (match_features(experts, [], dataclasses.replace(short, jobs=jobs), free) for jobs in (1, 2))
     np.testing.assert_array_equal(one.weights, other.weights)
 
 
 def test_the_gap_falls(experts):
     """Training would not train."""
     seen = []
-    one = match_features(experts, [], FEW, lambda number, iteration: seen.append(number))
+    one = match_features(experts, [], FEW, identify(experts), lambda number, iteration: seen.append(number))
     late = np.mean([iteration.gap for iteration in one.iterations[-8:]], axis=0)
     assert np.linalg.norm(late) < 0.5 * np.linalg.norm(one.iterations[0].gap)
     assert seen == list(range(1, len(one.iterations) + 1))
@@ -113,8 +115,9 @@ def test_the_gap_falls(experts):
 
 def test_without_a_world_there_is_nothing_to_roll_out_in(made):
     """The user of a real robot must be told what to use instead."""
+    shown = made.synthetic(np.ones(7), 0, 5)
     with pytest.raises(InputError, match='use --method choice'):
-        match_features([made.synthetic(np.ones(7), 0, 5)], [], FEW)
+        match_features([shown], [], FEW, identify([shown]))
 
 
 def test_the_window_with_the_smallest_validation_gap_is_kept():
@@ -141,7 +144,7 @@ def test_a_validation_gap_that_did_not_stay_small_is_told():
     def after(validation_gap, iterations=way):
         return Matching(np.zeros(7), iterations, len(iterations) - 1, 0.4 * ones, validation_gap * ones)
 
-    smallest = after(0).smallest_validation_gap
+    smallest = after(0).validation_gaps['smallest']
     assert smallest == pytest.approx(11.5 / 4)
     assert not after(1.9 * smallest).validation_failed
     assert after(2.1 * smallest).validation_failed
@@ -152,9 +155,9 @@ def test_a_validation_gap_that_did_not_stay_small_is_told():
 def test_the_validation_gap_is_that_of_the_demonstrations_held_out(experts):
     """The gap over those that were learnt from would be told for it."""
     short = dataclasses.replace(FEW, iterations=2, rollouts=2)
-    found = match_features(experts[:1], experts[1:], short)
+    found = match_features(experts[:1], experts[1:], short, identify(experts))
     assert not np.array_equal(found.gap, found.validation_gap)
-    alone = match_features(experts[:1], [], short)
+    alone = match_features(experts[:1], [], short, identify(experts[:1]))
     np.testing.assert_array_equal(alone.gap, alone.validation_gap)
 
 

@@ -5,10 +5,11 @@ import dataclasses
 import numpy as np
 import pytest
 import yaml
+from demonstrating import demonstrate
 
 from al_questioner.commands.train_weights.pictures import draw_training
 from al_questioner.domain import DECISION_FEATURES, InputError
-from al_questioner.imitation.demonstration import UnknownWorld, demonstrate
+from al_questioner.imitation.demonstration import UnknownWorld
 from al_questioner.imitation.settings import MatchingSettings, TrainingSettings
 from al_questioner.imitation.training import check_alike, expected_gap, train, validation_text, weights_document
 from al_questioner.questioning import FEATURE_SETS, make_strategy, read_weights

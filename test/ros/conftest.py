@@ -11,7 +11,7 @@ import sys
 import threading
 import time
 import uuid
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from pathlib import Path
 from types import MappingProxyType
 from typing import Any
@@ -66,18 +66,22 @@ class Graph:
         self.executor.add_node(node)
         return node
 
-    def start_process(
-        self, name: str, log: Path, environment: Mapping[str, str] | None = None, **parameters: Any
-    ) -> subprocess.Popen[bytes]:
-        """A node in a process and a session of its own, in the graph's namespace; what it prints goes to a file."""
-        command = al_questioner(name, '--ros-args', '-r', f'__ns:=/{self.namespace}')
+    def start_process(self, program: Sequence[object], log: Path, **parameters: Any) -> subprocess.Popen[bytes]:
+        """Start a node in a process and a session of its own, in the graph's namespace.
+
+        Args:
+            program: what Python is to run.
+            log: takes what it prints.
+            parameters: of the node.
+        """
+        command = [sys.executable, *map(str, program), '--ros-args', '-r', f'__ns:=/{self.namespace}']
         for parameter, value in parameters.items():
             command += ['-p', f'{parameter}:={json.dumps(value)}']
         inherited = {**of_a_child(), 'ROS_DOMAIN_ID': str(self.context.get_domain_id())}
         with log.open('wb') as out:
             process = subprocess.Popen(
                 command,
-                env={**inherited, **(environment or {})},
+                env=inherited,
                 stdin=subprocess.DEVNULL,
                 stdout=out,
                 stderr=out,

@@ -54,5 +54,5 @@ def test_a_recorder_may_end_before_the_last_turn_was_watched(tmp_path: Path, mon
         bag=tmp_path / 'bag',
     ).play(watch)
     assert seen[-1] == 3
-    (session,) = read_episodes(tmp_path / 'bag')
-    assert len(session.turns) == 3
+    (episode,) = read_episodes(tmp_path / 'bag')
+    assert len(episode.turns) == 3

@@ -15,7 +15,8 @@ import pytest
 
 from al_questioner.bags import BagError, deserialize, read_bag, repair
 from al_questioner.bags.storages import storage_files
-from al_questioner.event_log.events import AnswerAccepted, decoded
+from al_questioner.event_log.encoding import decoded
+from al_questioner.event_log.events import AnswerAccepted
 from al_questioner.event_log.log import read_log
 from al_questioner.messages import documents
 from al_questioner.ros import qos
@@ -51,7 +52,7 @@ class Others:
             elif name == 'teacher':
                 parameters |= {**RATES, 'delay': delay}
             log = self._folder / f'{self._started}-{name}.log'
-            self._running[name] = self._graph.start_process(name, log, **parameters)
+            self._running[name] = self._graph.start_process(['-m', 'al_questioner', name], log, **parameters)
 
     def kill(self, names: Iterable[str]) -> None:
         for name in names:

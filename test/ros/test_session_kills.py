@@ -14,16 +14,22 @@ from typing import Any
 
 import pytest
 
-from al_questioner.event_log.events import ActionChosen, AnswerAccepted, EpisodeStarted, decoded
-from al_questioner.event_log.log import KILL_VARIABLE, SessionLogError, read_log
+from al_questioner.event_log.encoding import decoded
+from al_questioner.event_log.events import ActionChosen, AnswerAccepted, EpisodeStarted
+from al_questioner.event_log.log import SessionLogError, read_log
 from al_questioner.ros import qos
 from al_questioner.ros.nodes.perception import PerceptionNode
 from al_questioner.ros.nodes.teacher import TeacherNode
+from checkout import ROOT
 
+LEARNER = ROOT / 'test' / 'killed_learner.py'
 DEADLINE = 90.0
 EPISODE = {'task': 'prepare_lunch', 'seed': 4, 'budget': 7.0, 'turns': 6, 'strategy': 'random_fsq', 'tune_every': 2}
 WRITE_POINTS = 4 * (1 + 6 + 6 + 3)
 """Four for each of: the episode, a scene with its decision, an answer, a tuning; asking in every turn."""
+
+LONGEST_LIFE = 0.4
+"""Seconds that a learner lives at most after it is up, where it is killed at random."""
 
 
 class Learners:
@@ -39,10 +45,7 @@ class Learners:
 
     def start(self, session: Path, kill_at: int = 0) -> None:
         self._number += 1
-        kill_variable = {KILL_VARIABLE: str(kill_at)}
-        self._process = self.graph.start_process(
-            'learner', self.log_path, kill_variable, **EPISODE, session=str(session)
-        )
+        self._process = self.graph.start_process([LEARNER, kill_at], self.log_path, **EPISODE, session=str(session))
 
     @property
     def log_path(self) -> Path:
@@ -90,6 +93,14 @@ def decisions(session: Path) -> list[tuple[Any, ...]]:
     asked = [(event.turn, event.action, event.query) for event in found if isinstance(event, ActionChosen)]
     said = [(event.answer.query_id, event.answer.content) for event in found if isinstance(event, AnswerAccepted)]
     return [*asked, *said]
+
+
+def events_in(session: Path) -> int:
+    """How many events are in a log; 0 before there is one."""
+    try:
+        return len(read_log(session).events)
+    except SessionLogError:
+        return 0
 
 
 def check_acknowledged(learners: Learners, session: Path) -> None:
@@ -141,16 +152,19 @@ def test_a_learner_killed_at_every_write_point_is_gone_on_with(learners: Learner
 def test_learners_killed_at_random_moments_are_gone_on_with(learners: Learners, tmp_path: Path) -> None:
     """What no list of write points foresees would cost an answer."""
     learners.finish(tmp_path / 'whole')
-    draw, kills, episodes = random.Random(1), 0, 0
+    draw, kills, episodes, longest = random.Random(1), 0, 0, LONGEST_LIFE
     while kills < 200:
         session = tmp_path / f'random-{episodes}'
-        over = False
+        over, written = False, 0
         while not over:
             learners.start(session)
             learners.wait_for('is up')
-            time.sleep(draw.uniform(0, 0.4))
+            time.sleep(draw.uniform(0, longest))
             learners.kill()
             kills += 1
+            before, written = written, events_in(session)
+            # On a busy machine no learner would live for long enough to write anything.
+            longest = LONGEST_LIFE if written > before else 2 * longest
             over = 'the episode is over' in learners.log_path.read_text()
         learners.finish(session)
         check_acknowledged(learners, session)

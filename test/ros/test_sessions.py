@@ -10,7 +10,8 @@ import pytest
 from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus
 from std_msgs.msg import String
 
-from al_questioner.event_log.events import AnswerAccepted, InputRejected, LateAnswerKept, decoded
+from al_questioner.event_log.encoding import decoded
+from al_questioner.event_log.events import AnswerAccepted, InputRejected, LateAnswerKept
 from al_questioner.event_log.log import SessionLogError, read_log
 from al_questioner.messages.stamps import stamp_of
 from al_questioner.ros import qos
@@ -176,7 +177,7 @@ def test_a_disk_that_takes_no_more_stops_the_questions(graph: Any, tmp_path: Pat
     learner = graph.start(LearnerNode, **parameters)
     person.says(person.query(1), 'snack')
     query = person.query(2)
-    learner._session._log._database.execute('PRAGMA query_only=1')
+    learner._session._log._storage._database.execute('PRAGMA query_only=1')
     acks = len(person.acks)
     person.mouth.publish(String(data='snack'))
 

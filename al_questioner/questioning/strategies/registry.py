@@ -1,4 +1,4 @@
-"""How every strategy is found by its name."""
+"""Registry of the strategies by name."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ from al_questioner.questioning.strategies.dt_task import DtTask
 from al_questioner.questioning.strategies.dt_task_env import DtTaskEnv
 from al_questioner.questioning.strategies.expert import ScriptedExpert
 from al_questioner.questioning.strategies.farthest import Farthest
-from al_questioner.questioning.strategies.human import Human
+from al_questioner.questioning.strategies.human import Human, Picker
 from al_questioner.questioning.strategies.names import contribution, contributions
 from al_questioner.questioning.strategies.plug_ins import ContributedFactory
 from al_questioner.questioning.strategies.random_label import RandomLabel
@@ -23,7 +23,7 @@ from al_questioner.questioning.strategies.value_per_cost import ValuePerCost
 
 
 def _unweighted(strategy: Callable[[], Strategy]) -> StrategyFactory:
-    """A factory that leaves the weights aside: they are for the strategies that use them."""
+    """Make a factory that leaves the weights aside: they are for the strategies that use them."""
     return lambda weights: strategy()
 
 
@@ -40,21 +40,22 @@ STRATEGIES: Mapping[str, StrategyFactory] = {
     'expert': _unweighted(ScriptedExpert),
     'human': _unweighted(Human),
 }
-"""What makes each strategy that ships, by name."""
+"""Factories of the strategies that ship, by name."""
 
 
 def known_strategies() -> tuple[str, ...]:
-    """The names of all strategies: those of `STRATEGIES`, then those that other installed packages contribute."""
+    """Return the names of all strategies: those of `STRATEGIES`, then those that other packages contribute."""
     return (*STRATEGIES, *contributions())
 
 
-def make_strategy(name: str, weights: Mapping[str, float]) -> Strategy:
+def make_strategy(name: str, weights: Mapping[str, float], pick: Picker | None = None) -> Strategy:
     """Make the strategy of this name; other packages are searched only for a name that is not in `STRATEGIES`.
 
     Args:
         name: one of `known_strategies()`.
         weights: weights and constants by name. A strategy that declares some takes no others, but with weight 0 those
             that others declare; one that ships and declares none leaves them aside.
+        pick: the person's choices, of the strategy `human`; if not given, it asks at the terminal.
 
     Raises:
         SettingsError: an unknown name, weights that do not fit the strategy, or a contributed one that cannot be made.
@@ -67,4 +68,4 @@ def make_strategy(name: str, weights: Mapping[str, float]) -> Strategy:
             if each not in declared and (weight != 0 or each not in of_others):
                 uses = ', '.join(declared) or 'none'
                 raise SettingsError(f'strategy {name} does not use {each!r}; it uses {uses}')
-    return factory(weights)
+    return Human(pick) if name == 'human' else factory(weights)

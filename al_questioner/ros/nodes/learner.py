@@ -22,18 +22,18 @@ from al_questioner.domain import (
     Decision,
     EpisodeError,
     InputError,
-    LateAnswerError,
     Query,
     Scene,
 )
 from al_questioner.event_log.events import SceneObserved
 from al_questioner.event_log.reports import episode_members, noise_text, state_members
+from al_questioner.event_log.storage import SqliteStorage, StorageFactory
 from al_questioner.messages import documents
 from al_questioner.messages.clouds import cloud_of_decision, scene_of_cloud
 from al_questioner.messages.documents import Document
 from al_questioner.messages.pictures import markers
 from al_questioner.messages.stamps import nanoseconds, stamp_members
-from al_questioner.questioning import make_strategy, read_plain_answer, respelt
+from al_questioner.questioning import Receipt, make_strategy, read_plain_answer, respelt
 from al_questioner.ros import qos
 from al_questioner.ros.learner_session import session_of, settings_of
 from al_questioner.ros.node import QuestionerNode
@@ -48,11 +48,11 @@ from al_questioner.ros.types import CLOUD_TYPES, MARKER_TYPES, header
 from al_questioner.ros.worlds import declare_world, world_members
 
 SECONDS_OF_A_RIVAL = 60.0
-"""For which another learner is a concern after it was heard."""
+"""Seconds for which a node warns of another learner after it was heard."""
 SECONDS_FOR_ANSWER = 60.0
-"""After which the lack of an answer is worth a warning."""
+"""Seconds without an answer after which the node warns."""
 SECONDS_FOR_OBJECTS = 10.0
-"""After which the lack of a scene is worth a warning."""
+"""Seconds without a scene after which the node warns."""
 LONGEST_BACK_OFF = 8
 """Times the answer timeout: for so long the learner waits at most before the turn goes on without an answer."""
 
@@ -64,10 +64,11 @@ class LearnerNode(QuestionerNode):
 
     Args:
         yields: end the node's context when the episode is over and another learner begins one on the same topics.
+        storage: writes the session, if there is one.
         node_arguments: of the node.
     """
 
-    def __init__(self, yields: bool = False, **node_arguments: Any) -> None:
+    def __init__(self, yields: bool = False, storage: StorageFactory = SqliteStorage, **node_arguments: Any) -> None:
         super().__init__('learner', **node_arguments)
         self._yields = yields
         self._is_over = self._has_failed = False
@@ -79,7 +80,7 @@ class LearnerNode(QuestionerNode):
         make_strategy(self._settings.strategy, self._settings.weights)
         refuse_unknown(self, ALL_NAMES)
         self._world = world_members(world)
-        self._session = session_of(self._settings, world, self._given)
+        self._session = session_of(self._settings, world, self._given, storage)
         self.episode_id = self._session.begun.episode_id
         self._stamps = TurnStamps()
         self._patience = OneShotTimer(self.after, self._go_on_without)
@@ -174,7 +175,7 @@ class LearnerNode(QuestionerNode):
                 )
 
     def measurements(self) -> Mapping[str, str]:
-        """What is known of the sensors."""
+        """Return what is known of the sensors, for /diagnostics."""
         implausible = {f'implausible {feature}': what for feature, what in dict(self._implausible).items()}
         return {'view noise': self._view_noise, **implausible}
 
@@ -208,7 +209,7 @@ class LearnerNode(QuestionerNode):
             self._end_turn()
 
     def _now(self) -> int:
-        """What the clock shows, real or simulated, in nanoseconds."""
+        """Return the time of the clock, real or simulated, in nanoseconds."""
         return int(self.get_clock().now().nanoseconds)
 
     def _announce(self, scene: Scene) -> None:
@@ -220,20 +221,21 @@ class LearnerNode(QuestionerNode):
         if not self._session.is_ready:
             return
         answer, episode = None, self._session.episode
-        waited, late_before = episode.awaits_answer, len(episode.answers.late)
+        waited = episode.awaits_answer
         try:
             answer = self._read_answer(message.data)
-            is_new = self._session.take(answer)
+            receipt = self._session.take(answer)
         except InputError as error:
-            if not isinstance(error, LateAnswerError):
-                self._session.note_refused(message.data, str(error))
+            self._session.note_refused(message.data, str(error))
             self._acknowledge(answer, accepted=False, reason=str(error))
-            if len(episode.answers.late) > late_before:
-                # It was kept all the same, for how far its teacher can be relied on.
-                self._tell_state()
             raise
-        self._acknowledge(answer, accepted=True, reason='' if is_new else 'already taken')
-        if not is_new:
+        reason = episode.answers.why_not(answer, receipt)
+        self._acknowledge(answer, accepted=receipt is not Receipt.LATE, reason=reason)
+        if receipt is Receipt.LATE:
+            self.reject('answer', reason)
+            # It is kept all the same, for how far its teacher can be relied on.
+            self._tell_state()
+        if receipt is not Receipt.ACCEPTED:
             return
         told = _spoken(answer.outcome.value if answer.content is None else answer.content)
         now = '' if answer.replaces is None else 'now '
@@ -295,7 +297,7 @@ class LearnerNode(QuestionerNode):
             self._state.say(state_members(self._session.episode, beliefs))
 
     def _beliefs(self) -> NDArray[np.float64]:
-        """(n, |Y|) q_y(x) of the present scene."""
+        """Return (n, |Y|) q_y(x) of the present scene."""
         episode = self._session.episode
         return episode.concepts.predict_proba(episode.scene.features)
 
@@ -307,7 +309,7 @@ class LearnerNode(QuestionerNode):
         self._markers.publish(markers(seen.scene, beliefs, self._settings.symbols, asked, head, MARKER_TYPES))
 
     def health_warning(self) -> str:
-        """That nobody answers, or that another learner speaks on the same topics, which confuses everybody."""
+        """Warn that nobody answers, or that another learner uses the same topics, which confuses everybody."""
         return self._rival() or self._absence()
 
     def _absence(self) -> str:
@@ -348,7 +350,7 @@ def _spoken(content: Content) -> str:
     return ', '.join(content) if isinstance(content, tuple) else str(content)
 
 
-def main(arguments: Sequence[str]) -> int:
+def main(arguments: Sequence[str], storage: StorageFactory = SqliteStorage) -> int:
     """Run the node."""
-    spin_node(partial(LearnerNode, yields=True), arguments)
+    spin_node(partial(LearnerNode, yields=True, storage=storage), arguments)
     return 0

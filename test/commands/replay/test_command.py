@@ -39,15 +39,16 @@ def test_checking_names_what_differs_and_what_cannot_be_checked(
 ) -> None:
     """A recording that is no good, or of which a part is, would be taken for a whole one."""
     (recorded,) = read_episodes(BAG)
-    other = dataclasses.replace(recorded.settings, strategy='random_fsq')
-    for session, status, text in (
+    other = dataclasses.replace(recorded.begun.settings, strategy='random_fsq')
+    changed = dataclasses.replace(recorded, begun=dataclasses.replace(recorded.begun, settings=other))
+    for episode, status, text in (
         (recorded, 1, 'short: cannot be checked: too short'),
-        (dataclasses.replace(recorded, settings=other), 1, ' was recorded\n'),
+        (changed, 1, ' was recorded\n'),
     ):
 
-        def read(_: Path, left_out: list[LeftOut], session: Any = session) -> list[Any]:
+        def read(_: Path, left_out: list[LeftOut], episode: Any = episode) -> list[Any]:
             left_out.append(LeftOut('short', 'too short'))
-            return [session]
+            return [episode]
 
         monkeypatch.setattr(command, 'read_episodes', read)
         assert main(['replay', str(BAG), '--check']) == status

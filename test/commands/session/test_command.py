@@ -15,20 +15,22 @@ import numpy as np
 import pytest
 
 from al_questioner.bags import of_session, read_episodes
-from al_questioner.bags.rerun import decisions_anew, first_divergence
 from al_questioner.cli import main
-from al_questioner.domain import Answer, EpisodeSettings, LateAnswerError, Outcome, Scene, random_stream
+from al_questioner.domain import Answer, EpisodeSettings, Outcome, Scene, random_stream
 from al_questioner.event_log import log as session_log
 from al_questioner.event_log.durable_episode import DurableEpisode
-from al_questioner.event_log.events import Encoder, EpisodeStarted, SceneObserved, decoded
-from al_questioner.event_log.log import DATABASE, SessionLog, read_log
-from al_questioner.event_log.replay import learn
-from al_questioner.imitation.bags import read_demonstrations
+from al_questioner.event_log.encoding import Encoder, decoded
+from al_questioner.event_log.events import EpisodeStarted, SceneObserved
+from al_questioner.event_log.log import SessionLog, read_log
+from al_questioner.event_log.replay import first_divergence
+from al_questioner.event_log.storage import DATABASE
+from al_questioner.imitation.bags import decisions_anew, read_demonstrations
 from al_questioner.questioning import (
     FEATURE_SETS,
     Choice,
     Episode,
     FeatureRecorder,
+    Receipt,
     TurnContext,
     make_strategy,
     read_plain_answer,
@@ -58,8 +60,7 @@ def write_session(folder: Path, world: PerceivedWorld, corrected: bool = False, 
             session.take(TEACHER.answer(query, world.truth(turn)))
         session.tune()
     if corrected:
-        with pytest.raises(LateAnswerError):
-            session.take(Answer('q1', 'b1', 'bert', Outcome.SKIP))
+        assert session.take(Answer('q1', 'b1', 'bert', Outcome.SKIP)) is Receipt.LATE
         session.take(Answer('q1', 'c1', 'scripted', Outcome.UNKNOWN, replaces='q1/scripted'))
         session.note_refused('pudding', 'it does not answer')
     session.close()
@@ -92,7 +93,7 @@ def test_a_teacher_who_was_away_leaves_a_session_like_any_other(
     assert ('unanswered, withdrawn' in capsys.readouterr().out) != comes_back
     (recorded,) = read_episodes(tmp_path / 'bag')
     assert recorded.records == asked
-    assert first_divergence(recorded) is None
+    assert first_divergence(recorded.begun, recorded.events) is None
     (demonstration,) = read_demonstrations([tmp_path / 'bag'])
     assert len(demonstration.steps) < demonstration.turns == BEGUN.settings.turns
     assert [q['outcome'] for q in json.loads((tmp_path / 'json').read_text())['queries']] == [
@@ -139,9 +140,9 @@ def test_a_session_as_a_bag_leads_to_the_same_decisions(tmp_path: Path, world: P
     """What people said could not be replayed, looked at in Foxglove, or learnt weights from."""
     write_session(tmp_path / 'log', world)
     assert main(['session', str(tmp_path / 'log'), '--bag', str(tmp_path / 'bag')]) == 0
-    (session,) = read_episodes(tmp_path / 'bag')
-    assert (session.episode_id, session.settings, len(session.turns)) == ('e1', BEGUN.settings, 7)
-    assert first_divergence(session) is None
+    (episode,) = read_episodes(tmp_path / 'bag')
+    assert (episode.begun.episode_id, episode.begun.settings, len(episode.turns)) == ('e1', BEGUN.settings, 7)
+    assert first_divergence(episode.begun, episode.events) is None
     (demonstration,) = read_demonstrations([tmp_path / 'bag'])
     assert len(demonstration.steps) == 7
     assert main(['session', str(tmp_path / 'log'), '--bag', str(tmp_path / 'bag')]) == 2, 'a bag is never overwritten'
@@ -208,8 +209,8 @@ def test_names_that_tasks_may_not_have_any_more_stay_readable(
         contents = [row['content'] for row in csv.DictReader(file)]
     assert contents == ['size,"bbox[0,1]"', *symbols, 'none']
     (recorded,) = read_episodes(Path(paths[2]))
-    assert recorded.settings.symbols == symbols
-    assert first_divergence(recorded) is None
+    assert recorded.begun.settings.symbols == symbols
+    assert first_divergence(recorded.begun, recorded.events) is None
 
 
 @pytest.mark.parametrize('corrected', [False, True])
@@ -227,9 +228,9 @@ def test_a_clock_that_was_put_back_hides_nothing_of_a_session(
     write_session(tmp_path / 'log', world, corrected)
     assert next(ticks) > 18
     assert main(['session', str(tmp_path / 'log'), '--bag', str(tmp_path / 'bag')]) == 0
-    (session,) = read_episodes(tmp_path / 'bag')
-    assert len(session.turns) == 7
-    assert first_divergence(session) is None
+    (episode,) = read_episodes(tmp_path / 'bag')
+    assert len(episode.turns) == 7
+    assert first_divergence(episode.begun, episode.events) is None
 
 
 @pytest.mark.parametrize('name', FEATURE_SETS)
@@ -254,7 +255,7 @@ def test_what_was_corrected_later_is_replayed_as_it_was_known(
 
     def take(answer: Answer) -> None:
         session.take(answer)
-        learn(live, answer)
+        live.tell(answer)
 
     taken: list[Answer] = []
     for turn in range(1, settings.turns + 1):

@@ -14,10 +14,10 @@ import pytest
 import yaml
 
 from al_questioner.bags import BagWriter, Topic, read_bag, read_episodes
-from al_questioner.bags.rerun import decisions_anew, first_divergence
 from al_questioner.cli import main
 from al_questioner.domain import DECISION_FEATURES, InputError
-from al_questioner.imitation.bags import read_demonstrations
+from al_questioner.event_log.replay import first_divergence
+from al_questioner.imitation.bags import decisions_anew, read_demonstrations
 from al_questioner.imitation.demonstration import teacher_of
 from al_questioner.imitation.feature_matching import Iteration
 from al_questioner.questioning import FEATURE_SETS
@@ -51,9 +51,9 @@ def test_the_shipped_bags_are_demonstrations_of_the_training_scenario() -> None:
 @pytest.mark.parametrize('bag', BAGS, ids=lambda bag: Path(bag).name)
 def test_the_shipped_bags_replay_to_the_same_decisions(bag: str) -> None:
     """Training would learn from decisions that this software does not make; another processor may round otherwise."""
-    (session,) = read_episodes(Path(bag))
-    divergence = first_divergence(session)
-    rounding = divergence and re.fullmatch(r'the (features|utilities) differ by up to (\S+)', divergence.what)
+    (episode,) = read_episodes(Path(bag))
+    divergence = first_divergence(episode.begun, episode.events)
+    rounding = divergence and re.fullmatch(r'turn \d+: the (features|utilities) differ by up to (\S+)', divergence)
     assert divergence is None or (rounding and float(rounding[2]) < 1e-9)
 
 
@@ -106,9 +106,9 @@ def test_bags_tell_what_was_not_recorded(tmp_path: Path) -> None:
     assert all(set(now.actions) <= set(then.actions) for now, then in zip(anew.steps, recorded.steps, strict=True))
     chosen = [[step.actions[step.chosen] for step in steps] for steps in (anew.steps, recorded.steps)]
     assert chosen[0] == chosen[1]
-    (session,) = read_episodes(path)
-    again = [decision.features for decision in decisions_anew(session, FEATURE_SETS['dt_task_env'])]
-    for ours, turn in zip(again, session.turns, strict=True):
+    (episode,) = read_episodes(path)
+    again = [decision.features for decision in decisions_anew(episode, FEATURE_SETS['dt_task_env'])]
+    for ours, turn in zip(again, episode.turns, strict=True):
         np.testing.assert_allclose(ours, turn.decision.features, atol=1e-9)
     assert run(BAGS[0], '--strategy', 'value_per_cost', '--method', 'choice', '--out', tmp_path / 'w.yaml') == 0
     assert set(yaml.safe_load((tmp_path / 'w.yaml').read_text())['weights']) == set(feature_set.names)
@@ -257,8 +257,8 @@ def test_a_recording_that_is_cut_short_says_so(tmp_path: Path, capsys: pytest.Ca
     recorded = read_bag(Path(BAGS[0])).messages
     ends = [at for at, message in enumerate(recorded) if message.topic.endswith('/turn')]
     write_anew(Path(BAGS[0]), tmp_path / 'b', 'mcap', end=ends[14])
-    (session,) = read_episodes(tmp_path / 'b')
-    played = len(session.turns)
+    (episode,) = read_episodes(tmp_path / 'b')
+    played = len(episode.turns)
     assert 10 < played < 30
     assert main(['replay', str(tmp_path / 'b'), '--check']) == 0
     assert f': {played} of 30 turns, all as recorded\n' in capsys.readouterr().out

@@ -14,9 +14,10 @@ from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus
 from std_msgs.msg import String
 
 from al_questioner.bags import BagError, deserialize, read_bag, read_episodes, repair
-from al_questioner.bags.rerun import first_divergence
 from al_questioner.cli import main
 from al_questioner.domain import InputError
+from al_questioner.event_log.events import ActionChosen, AnswerAccepted
+from al_questioner.event_log.replay import first_divergence
 from al_questioner.messages.documents import write as write_document
 from al_questioner.ros import qos
 from al_questioner.ros.nodes.learner import LearnerNode
@@ -50,12 +51,12 @@ def test_a_recording_holds_the_whole_episode(graph: Any, tmp_path: Path, storage
     assert {document['query_id'] for document in documents(bag, 'answer')} == set(asked)
     assert {d['query_id'] for d in documents(bag, 'answer_ack') if d['accepted']} == set(asked)
     assert documents(bag, 'learner_state')[-1]['done']
-    (session,) = read_episodes(tmp_path / 'b')
-    assert len(session.turns) == 10
-    assert [turn.record.turn for turn in session.turns if turn.record] == [
+    (episode,) = read_episodes(tmp_path / 'b')
+    assert len(episode.turns) == 10
+    assert [turn.record.turn for turn in episode.turns if turn.record] == [
         query['turn'] for query in documents(bag, 'learner_state')[-1]['queries']
     ]
-    assert first_divergence(session) is None
+    assert first_divergence(episode.begun, episode.events) is None
 
 
 def test_a_correction_is_replayed_in_the_turn_in_which_it_was_made(graph: Any, tmp_path: Path) -> None:
@@ -83,9 +84,12 @@ def test_a_correction_is_replayed_in_the_turn_in_which_it_was_made(graph: Any, t
         says(number, answer_id='a1')
     graph.wait_for(lambda: recorder.done, 'the end of the recording')
     graph.stop(recorder)
-    (session,) = read_episodes(tmp_path / 'b')
-    assert [[record.turn for record in turn.told] for turn in session.turns] == [[1], [2], [1, 3], [4]]
-    assert first_divergence(session) is None
+    (episode,) = read_episodes(tmp_path / 'b')
+    answered = [event for event in episode.events if isinstance(event, (ActionChosen, AnswerAccepted))]
+    assert [event.turn if isinstance(event, ActionChosen) else event.answer.query_id for event in answered] == [
+        *(1, 'q1', 2, 'q2', 3, 'q1', 'q3', 4, 'q4')
+    ]
+    assert first_divergence(episode.begun, episode.events) is None
 
 
 def test_what_was_missed_is_said(graph: Any, tmp_path: Path) -> None:

@@ -83,8 +83,8 @@ def test_the_scenes_of_a_replay_are_the_recorded_ones(graph: Any) -> None:
     node = replay(graph, rate=2.0)
     graph.wait_for(lambda: node.over, 'the end of the replay')
     graph.wait_for(lambda: clouds and _stamp(clouds[-1]) == _stamp(deserialize(_recorded('objects')[-1])), 'the last')
-    (session,) = read_episodes(BAG)
-    shown = {turn.scene.features.tobytes(): turn.scene.object_ids for turn in session.turns}
+    (episode,) = read_episodes(BAG)
+    shown = {turn.scene.features.tobytes(): turn.scene.object_ids for turn in episode.turns}
     assert [_stamp(cloud) for cloud in clouds] == sorted({_stamp(cloud) for cloud in clouds})
     for cloud in clouds:
         scene = scene_of_cloud(cloud)
