@@ -22,7 +22,6 @@ from al_questioner.support.arrays import Array
 os.environ.setdefault('OMP_NUM_THREADS', '1')
 
 import numpy as np
-from demonstrating import demonstrate
 from measuring import print_table
 
 from al_questioner.domain import DECISION_FEATURES, EpisodeSettings, QueryKind
@@ -42,6 +41,7 @@ from al_questioner.simulation import (
     run_episode,
 )
 from al_questioner.support.configuration import config_dir
+from demonstrating import demonstrate
 
 AMPLITUDE = 4.0
 """Of the demonstrations' learners."""

@@ -12,7 +12,7 @@ from xml.etree import ElementTree
 import pytest
 
 import al_questioner
-from checkout import ROOT
+from shared.checkout import ROOT
 
 PACKAGE = 'al_questioner'
 

@@ -13,7 +13,7 @@ from pathlib import Path
 import pytest
 
 from al_questioner.cli import EXECUTABLES
-from checkout import ROOT
+from shared.checkout import ROOT
 
 HEAVY = ('scipy', 'numba', 'matplotlib', 'rclpy', 'joblib', 'rosbags', 'prompt_toolkit', 'al_questioner.ros.node')
 """What takes long to import."""

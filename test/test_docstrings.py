@@ -10,7 +10,7 @@ from typing import NamedTuple
 
 import pytest
 
-from checkout import ROOT
+from shared.checkout import ROOT
 
 PACKAGE = 'al_questioner'
 

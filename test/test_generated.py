@@ -6,7 +6,7 @@ import runpy
 
 import pytest
 
-from checkout import ROOT
+from shared.checkout import ROOT
 
 FILES = runpy.run_path(str(ROOT / 'tools' / 'generate.py'))['FILES']
 

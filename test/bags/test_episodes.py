@@ -25,7 +25,7 @@ from al_questioner.cli import main
 from al_questioner.event_log.events import ActionChosen
 from al_questioner.event_log.replay import first_divergence
 from al_questioner.imitation.bags import read_demonstrations
-from checkout import ROOT
+from shared.checkout import ROOT
 
 
 @pytest.mark.parametrize('storage', ['mcap', 'sqlite3'])

@@ -16,7 +16,7 @@ from al_questioner.event_log.log import read_log
 from al_questioner.event_log.replay import first_divergence
 from al_questioner.event_log.summary import summarise_session
 from al_questioner.simulation import PerceivedWorld, WorldSpec
-from durable_sessions import TASK, ask, events, play_turns, started
+from shared.durable_sessions import TASK, ask, events, play_turns, started
 
 
 @pytest.fixture

@@ -12,7 +12,7 @@ import numpy as np
 import pytest
 
 from al_questioner.bags import deserialize, read_bag, read_episodes
-from checkout import ROOT
+from shared.checkout import ROOT
 
 PACKAGES = ('@mcap/core@2.2.2', '@foxglove/rosmsg@5.0.5', '@foxglove/rosmsg2-serialization@3.1.0')
 SCRIPT = Path(__file__).with_name('read_as_foxglove.mjs')

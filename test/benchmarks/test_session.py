@@ -8,7 +8,7 @@ from pathlib import Path
 
 import pytest
 
-from checkout import ROOT
+from shared.checkout import ROOT
 
 SCRIPT = ROOT / 'benchmarks' / 'session.py'
 

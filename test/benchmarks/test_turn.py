@@ -12,7 +12,7 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
-from checkout import ROOT
+from shared.checkout import ROOT
 
 DEADLINE = 280
 TOPICS = ('turn', 'objects', 'query', 'decision', 'scene_markers', 'answer', 'answer_ack', 'learner_state')

@@ -5,7 +5,7 @@ from __future__ import annotations
 import pytest
 
 from al_questioner.simulation import PerceivedWorld, WorldSpec
-from durable_sessions import TASK
+from shared.durable_sessions import TASK
 
 
 @pytest.fixture(scope='session')

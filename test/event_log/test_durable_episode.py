@@ -28,10 +28,10 @@ from al_questioner.event_log.replay import Replay
 from al_questioner.questioning import Receipt, TurnContext
 from al_questioner.questioning.strategies import human
 from al_questioner.simulation import PerceivedWorld, episode_settings
-from checkout import ROOT
-from durable_sessions import TASK, WORLD, answer, ask, begun, events, play_turns, started
+from shared.checkout import ROOT
+from shared.durable_sessions import TASK, WORLD, answer, ask, begun, events, play_turns, started
 
-DRIVER = ROOT / 'test' / 'session_driver.py'
+DRIVER = ROOT / 'test' / 'shared' / 'session_driver.py'
 
 
 def drive(*arguments: object) -> dict[str, object]:

@@ -35,7 +35,7 @@ from al_questioner.event_log.log import (
     repair_log,
 )
 from al_questioner.event_log.storage import DATABASE, HEAD
-from storages import UnwaitedStorage, WatchedStorage
+from shared.storages import UnwaitedStorage, WatchedStorage
 
 ENTRIES = [('scene' if i % 3 == 0 else 'answer', bytes([i]) * (10 + 997 * i % 6000)) for i in range(24)]
 

@@ -11,7 +11,7 @@ from al_questioner.domain import Answer, Outcome, SettingsError
 from al_questioner.event_log.events import AnswerAccepted, EpisodeStarted, KernelTuned, TurnTimedOut
 from al_questioner.event_log.replay import Replay, ReplayError
 from al_questioner.simulation import PerceivedWorld
-from durable_sessions import ask, begun, events, play_turns, started
+from shared.durable_sessions import ask, begun, events, play_turns, started
 
 
 def test_a_log_that_leads_elsewhere_is_an_error(tmp_path: Path, world: PerceivedWorld) -> None:

@@ -2,12 +2,12 @@
 
 import numpy as np
 import pytest
-from demonstrating import demonstrate
 from scipy.special import softmax
 
 from al_questioner.domain import Action, EpisodeSettings, QueryKind
 from al_questioner.imitation.demonstration import Demonstration, Step
 from al_questioner.simulation import ScriptedTeacher, WorldSpec, episode_settings, load_task
+from demonstrating import demonstrate
 
 ACTIONS = (
     Action(QueryKind.DEMONSTRATION, symbol='snack'),

@@ -5,7 +5,6 @@ import dataclasses
 import numpy as np
 import pytest
 import yaml
-from demonstrating import demonstrate
 
 from al_questioner.commands.train_weights.pictures import draw_training
 from al_questioner.domain import DECISION_FEATURES, InputError
@@ -15,6 +14,7 @@ from al_questioner.imitation.training import check_alike, expected_gap, train, v
 from al_questioner.questioning import FEATURE_SETS, make_strategy, read_weights
 from al_questioner.questioning.strategies.value_per_cost import VALUE_FEATURES
 from al_questioner.simulation import ScriptedTeacher, WorldSpec, episode_settings, load_task
+from demonstrating import demonstrate
 
 QUICK = MatchingSettings(iterations=3, rollouts=2)
 BAGS = [{'name': 'a', 'sha256': '00'}, {'name': 'b', 'sha256': '11'}]

@@ -14,7 +14,7 @@ from pathlib import Path
 
 import pytest
 
-from checkout import ROOT
+from shared.checkout import ROOT
 
 ROUTES = (
     'pip',

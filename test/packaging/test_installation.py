@@ -9,7 +9,7 @@ from pathlib import Path
 import pytest
 
 from al_questioner.cli import EXECUTABLES
-from checkout import ROOT
+from shared.checkout import ROOT
 
 
 def test_ament_index_finds_the_package(installation, tmp_path):

@@ -11,7 +11,7 @@ from typing import Any
 
 import pytest
 
-from checkout import ROOT
+from shared.checkout import ROOT
 
 DEFAULTS = {
     'namespace': '',

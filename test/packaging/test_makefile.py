@@ -8,7 +8,7 @@ import subprocess
 
 import pytest
 
-from checkout import ROOT
+from shared.checkout import ROOT
 
 OF_ROS = {
     'AMENT_PREFIX_PATH': '/opt/ros/jazzy',

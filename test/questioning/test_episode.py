@@ -22,7 +22,7 @@ from al_questioner.domain import (
 from al_questioner.questioning import STRATEGIES, Episode, new_concept_learner
 from al_questioner.questioning import episode as episode_module
 from al_questioner.questioning.strategies.choice import Choice
-from checkout import ROOT
+from shared.checkout import ROOT
 
 AUTOMATIC = [name for name in STRATEGIES if name != 'human']
 """The strategies that ask nobody what to ask."""

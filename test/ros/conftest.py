@@ -27,7 +27,7 @@ from std_msgs.msg import String
 from al_questioner.ros import qos
 from al_questioner.ros.nodes.learner import LearnerNode
 from al_questioner.ros.nodes.perception import PerceptionNode
-from checkout import ROOT
+from shared.checkout import ROOT
 
 DEADLINE = 90.0
 """Seconds after which a test gives up; far more than anything here takes."""

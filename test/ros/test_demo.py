@@ -11,7 +11,7 @@ import pytest
 from al_questioner.bags import read_bag
 from al_questioner.cli import main
 from al_questioner.imitation.bags import read_demonstrations
-from checkout import ROOT
+from shared.checkout import ROOT
 
 CROPS = ROOT.parent / 'shared' / 'data' / 'tabletop_rgbd' / 'crops' / 'rgbd-dataset'
 SMALL = ['--task', 'prepare_lunch', '--budget', '6', '--turns', '7', '--seed', '4']

@@ -29,7 +29,7 @@ from al_questioner.ros.nodes.perception import PerceptionNode
 from al_questioner.ros.nodes.recorder import RecorderNode
 from al_questioner.ros.nodes.replayer import ReplayNode
 from al_questioner.ros.nodes.teacher import TeacherNode
-from checkout import ROOT
+from shared.checkout import ROOT
 
 DOCUMENTS = (ROOT / 'README.md', ROOT / 'CONTRIBUTING.md', *sorted((ROOT / 'docs').rglob('*.md')))
 DEADLINE = 90.0

@@ -12,7 +12,7 @@ import pytest
 
 from al_questioner.bags import read_episodes
 from al_questioner.ros.episode_launcher import EpisodeLauncher
-from checkout import ROOT
+from shared.checkout import ROOT
 
 DEADLINE = 60.0
 WORLD = {'task': 'prepare_lunch', 'seed': 4}

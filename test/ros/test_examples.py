@@ -13,7 +13,7 @@ from std_msgs.msg import String
 from al_questioner.messages import documents
 from al_questioner.ros import qos
 from al_questioner.ros.nodes.learner import LearnerNode
-from checkout import ROOT
+from shared.checkout import ROOT
 
 EXAMPLES = ROOT / 'docs' / 'examples'
 DEADLINE = 90.0

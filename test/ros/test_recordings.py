@@ -18,7 +18,7 @@ from al_questioner.cli import main
 from al_questioner.imitation.bags import read_demonstrations
 from al_questioner.ros.nodes.learner import LearnerNode
 from al_questioner.ros.nodes.recorder import RecorderNode
-from checkout import ROOT
+from shared.checkout import ROOT
 
 DEADLINE = 90.0
 

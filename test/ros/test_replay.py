@@ -13,7 +13,7 @@ from al_questioner.bags import read_bag
 from al_questioner.cli import main
 from al_questioner.ros import qos
 from al_questioner.ros.nodes.learner import LearnerNode
-from checkout import ROOT
+from shared.checkout import ROOT
 
 BAG = ROOT / 'bags' / 'expert_0'
 DEADLINE = 60.0

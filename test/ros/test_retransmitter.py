@@ -3,9 +3,9 @@
 from __future__ import annotations
 
 import pytest
-from virtual_time import VirtualTime
 
 from al_questioner.ros.retransmitter import BackOff, Retransmitter
+from shared.virtual_time import VirtualTime
 
 
 @pytest.fixture

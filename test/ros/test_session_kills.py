@@ -20,9 +20,9 @@ from al_questioner.event_log.log import SessionLogError, read_log
 from al_questioner.ros import qos
 from al_questioner.ros.nodes.perception import PerceptionNode
 from al_questioner.ros.nodes.teacher import TeacherNode
-from checkout import ROOT
+from shared.checkout import ROOT
 
-LEARNER = ROOT / 'test' / 'killed_learner.py'
+LEARNER = ROOT / 'test' / 'shared' / 'killed_learner.py'
 DEADLINE = 90.0
 EPISODE = {'task': 'prepare_lunch', 'seed': 4, 'budget': 7.0, 'turns': 6, 'strategy': 'random_fsq', 'tune_every': 2}
 WRITE_POINTS = 4 * (1 + 6 + 6 + 3)

@@ -36,7 +36,7 @@ from al_questioner.simulation import (
     load_task,
     run_episode,
 )
-from checkout import ROOT
+from shared.checkout import ROOT
 
 BAG = ROOT / 'bags' / 'expert_0'
 SIMULATED = {'use_sim_time': True}

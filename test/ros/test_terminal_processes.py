@@ -13,7 +13,7 @@ from typing import Any
 
 import pytest
 
-from checkout import ROOT
+from shared.checkout import ROOT
 
 DEADLINE = 120
 EPISODE = {'strategy': 'random_fsq', 'budget': 5.0, 'turns': 6}

@@ -12,7 +12,7 @@ import yaml
 
 from al_questioner.domain import Costs, InputError
 from al_questioner.simulation import Task, episode_settings, load_task, make_world
-from checkout import ROOT
+from shared.checkout import ROOT
 
 SIMULATED = ('prepare_lunch', 'pack_lunchbox', 'kitchen_table')
 

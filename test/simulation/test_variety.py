@@ -11,7 +11,7 @@ import yaml
 
 from al_questioner.domain import InputError
 from al_questioner.simulation import Interval, PerceivedWorld, Task, WorldSpec, episode_settings, load_task
-from checkout import ROOT
+from shared.checkout import ROOT
 
 KITCHENS = 200
 OTHERS = {'change_interval': [4, 20], 'persistence': [0, 1], 'clutter_share': [0, 0.5]}

@@ -14,7 +14,7 @@ from typing import Any
 
 import pytest
 
-from checkout import ROOT
+from shared.checkout import ROOT
 
 DEADLINE = 60
 ENVIRONMENT = {'PYTHONPATH': os.pathsep.join(filter(None, (str(ROOT), os.environ.get('PYTHONPATH')))), 'NO_COLOR': None}

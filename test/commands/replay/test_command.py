@@ -22,7 +22,7 @@ import yaml
 from al_questioner.bags import BagWriter, LeftOut, Topic, read_bag, read_episodes
 from al_questioner.cli import main
 from al_questioner.commands.replay import command
-from checkout import ROOT
+from shared.checkout import ROOT
 
 BAG = ROOT / 'bags' / 'expert_0'
 DEADLINE = 60.0

@@ -22,7 +22,7 @@ from al_questioner.imitation.demonstration import teacher_of
 from al_questioner.imitation.feature_matching import Iteration
 from al_questioner.questioning import FEATURE_SETS
 from al_questioner.simulation import ScriptedTeacher, WorldSpec, episode_settings, load_task, run_episode
-from checkout import ROOT
+from shared.checkout import ROOT
 
 BAGS = [str(ROOT / 'bags' / f'expert_{number}') for number in range(3)]
 SHIPPED = yaml.safe_load((ROOT / 'config' / 'weights' / 'dt_task_env.yaml').read_text())

@@ -24,7 +24,7 @@ from al_questioner.questioning import STRATEGIES, Choice, Episode, TurnContext, 
 from al_questioner.questioning.strategies import names as strategy_names
 from al_questioner.questioning.strategies.names import SHIPPED, check_strategy
 from al_questioner.simulation import episode_settings, load_task
-from checkout import ROOT
+from shared.checkout import ROOT
 
 EXAMPLE = ROOT / 'docs' / 'examples' / 'own_strategy'
 MODULE = """

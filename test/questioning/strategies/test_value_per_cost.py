@@ -38,7 +38,7 @@ from al_questioner.questioning.strategies.value_per_cost import (
     scarcity,
     value_features,
 )
-from checkout import ROOT
+from shared.checkout import ROOT
 
 SHIPPED = read_weights(ROOT / 'config' / 'weights' / 'value_per_cost.yaml').values
 SUBSET_ASKED = QueryRecord(1, QueryKind.FEATURE_SUBSET, None, None, 2.0, Outcome.ANSWERED, ('size', 'colour'))

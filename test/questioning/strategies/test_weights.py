@@ -6,7 +6,7 @@ import pytest
 
 from al_questioner.domain import EpisodeSettings, InputError, random_stream
 from al_questioner.questioning import Episode, load_weights, make_strategy, read_weights
-from checkout import ROOT
+from shared.checkout import ROOT
 
 SHIPPED = ROOT / 'config' / 'weights'
 

@@ -17,7 +17,7 @@ from al_questioner.ros.nodes.perception import PerceptionNode
 from al_questioner.ros.nodes.recorded_perception import RecordedPerceptionNode
 from al_questioner.ros.nodes.teacher import TeacherNode
 from al_questioner.simulation import ScriptedTeacher, WorldSpec, episode_settings, load_task, run_episode
-from checkout import ROOT
+from shared.checkout import ROOT
 
 BAG = ROOT / 'bags' / 'expert_0'
 

@@ -25,7 +25,7 @@ from al_questioner.ros.nodes.learner import LearnerNode
 from al_questioner.ros.nodes.replayer import ReplayNode, common_namespace
 from al_questioner.ros.nodes.teacher import TeacherNode
 from al_questioner.simulation import ScriptedTeacher, WorldSpec, episode_settings, load_task, run_episode
-from checkout import ROOT
+from shared.checkout import ROOT
 
 BAG = ROOT / 'bags' / 'expert_0'
 DEADLINE = 60.0

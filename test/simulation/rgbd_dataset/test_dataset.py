@@ -14,7 +14,7 @@ from al_questioner.perception import VIEW_FEATURE_NAMES, perceive
 from al_questioner.simulation import World, load_task, make_world
 from al_questioner.simulation.rgbd_dataset.dataset import DatasetWorld
 from al_questioner.simulation.task import Task
-from checkout import ROOT
+from shared.checkout import ROOT
 
 if TYPE_CHECKING:
     from conftest import Tree

@@ -17,13 +17,14 @@ from collections.abc import Callable
 from functools import cache, lru_cache, partial
 from pathlib import Path
 
+from storages import WatchedStorage, killer
+
 from al_questioner.domain import Answer, Outcome, Query, Scene
 from al_questioner.event_log.durable_episode import DurableEpisode
 from al_questioner.event_log.events import EpisodeStarted, SceneObserved
 from al_questioner.event_log.log import SessionLog, read_log
 from al_questioner.questioning import Receipt
 from al_questioner.simulation import PerceivedWorld, ScriptedTeacher, WorldSpec, episode_settings, load_task
-from storages import WatchedStorage, killer
 
 TASK = load_task('prepare_lunch')
 SETTINGS = episode_settings(TASK, 'u_sampling_fsq', 6.0, 5, change_interval=2, tune_every=2)

@@ -10,10 +10,11 @@ from __future__ import annotations
 import sys
 from functools import partial
 
+from storages import WatchedStorage, killer
+
 # First, as it says how many threads linear algebra has.
 from al_questioner import __main__  # noqa: F401
 from al_questioner.ros.nodes import learner
-from storages import WatchedStorage, killer
 
 if __name__ == '__main__':
     sys.exit(learner.main(sys.argv[2:], partial(WatchedStorage, reached=killer(int(sys.argv[1])))))
