@@ -23,7 +23,7 @@ from al_questioner.messages.stamps import SECOND, stamp_members
 _VOLATILE = ('answer', 'answer_ack', 'decision')
 
 
-def write_bag(account: SessionSummary, path: Path) -> None:
+def write_bag(summary: SessionSummary, path: Path) -> None:
     """Write the session into a new bag, its topics without a namespace, each message at the time of its event.
 
     Nothing is left of a bag that could not be written as a whole.
@@ -35,8 +35,8 @@ def write_bag(account: SessionSummary, path: Path) -> None:
     is_new = not path.exists()
     try:
         with BagWriter(path, topics) as bag:
-            writing = _Writing(account, bag)
-            for stamp, event in account.events[1:]:
+            writing = _Writing(summary, bag)
+            for stamp, event in summary.events[1:]:
                 writing.write(stamp, event)
             writing.end_turn()
     except BaseException as error:
@@ -50,9 +50,9 @@ def write_bag(account: SessionSummary, path: Path) -> None:
 class _Writing:
     """Turns events into messages, with a replay beside them that knows what was weighed and believed."""
 
-    def __init__(self, account: SessionSummary, bag: BagWriter) -> None:
-        self._begun = account.begun
-        self._replay = Replay(account.begun)
+    def __init__(self, summary: SessionSummary, bag: BagWriter) -> None:
+        self._begun = summary.begun
+        self._replay = Replay(summary.begun)
         self._bag = bag
         self._stamp = 0
         self._types = typestore().types

@@ -32,7 +32,7 @@ class AnswerSender:
     @property
     def unacknowledged(self) -> Answer | None:
         """Answer that is sent and not acknowledged yet; None if there is none."""
-        return self._retransmitter.said
+        return self._retransmitter.message
 
     def send(self, answer: Answer, delay: float = 0.0) -> None:
         """Send an answer after so many seconds, in place of any other that is not acknowledged yet.
@@ -40,7 +40,7 @@ class AnswerSender:
         If this answer is being sent already, nothing changes, so that a repeated question does not delay it.
         """
         if answer != self.unacknowledged:
-            self._retransmitter.say(answer, delay)
+            self._retransmitter.send(answer, delay)
 
     def drop(self) -> None:
         """Stop sending the present answer."""

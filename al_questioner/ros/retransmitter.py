@@ -40,21 +40,21 @@ class Retransmitter(Generic[Message]):
         back_off: time between two transmissions.
 
     Attributes:
-        said: the message that is repeated; None if there is none.
+        message: the message that is repeated; None if there is none.
     """
 
     def __init__(
         self, after: Callable[[float, Job], Cancel], publish: Callable[[Message], None], back_off: BackOff
     ) -> None:
-        self.said: Message | None = None
+        self.message: Message | None = None
         self._publish = publish
         self._back_off = back_off
         self._pause = 0.0
         self._timer = OneShotTimer(after, self._transmit)
 
-    def say(self, thing: Message, delay: float = 0.0) -> None:
+    def send(self, message: Message, delay: float = 0.0) -> None:
         """Repeat this message, in place of an earlier one: for the first time after so many seconds, or at once."""
-        self.said = thing
+        self.message = message
         self._pause = self._back_off.first
         if delay > 0:
             self._timer.set(delay)
@@ -63,12 +63,12 @@ class Retransmitter(Generic[Message]):
 
     def stop(self) -> None:
         """Stop repeating the message."""
-        self.said = None
+        self.message = None
         self._timer.clear()
 
     def _transmit(self) -> None:
-        if self.said is None:
+        if self.message is None:
             return
-        self._publish(self.said)
+        self._publish(self.message)
         self._timer.set(self._pause)
         self._pause = min(2 * self._pause, self._back_off.longest)

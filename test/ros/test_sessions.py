@@ -88,7 +88,7 @@ def test_a_new_learner_goes_on_where_the_last_one_ended(graph: Any, tmp_path: Pa
     asked, begun = len(person.queries), len(person.turns)
     learner = graph.start(LearnerNode, **parameters)
     graph.wait_for(lambda: len(person.queries) > asked and len(person.turns) > begun, 'the question once more')
-    graph.wait_for(lambda: learner._session.is_ready, 'a learner that takes answers')
+    graph.wait_for(lambda: learner._durable.is_ready, 'a learner that takes answers')
     assert person.queries[-1] == pending
     assert person.turns[begun] == person.turns[begun - 1]
     assert person.says(person.queries[0], 'snack')['reason'] == 'already taken'
@@ -177,7 +177,7 @@ def test_a_disk_that_takes_no_more_stops_the_questions(graph: Any, tmp_path: Pat
     learner = graph.start(LearnerNode, **parameters)
     person.says(person.query(1), 'snack')
     query = person.query(2)
-    learner._session._log._storage._database.execute('PRAGMA query_only=1')
+    learner._durable._log._storage._database.execute('PRAGMA query_only=1')
     acks = len(person.acks)
     person.mouth.publish(String(data='snack'))
 
@@ -188,12 +188,12 @@ def test_a_disk_that_takes_no_more_stops_the_questions(graph: Any, tmp_path: Pat
     graph.wait_for(shown, 'an error on /diagnostics')
     assert len(person.acks) == acks
     assert {query['query_id'] for query in person.queries} == {'q1', 'q2'}
-    assert learner._question.said is None
+    assert learner._question.message is None
     graph.stop(learner)
     asked = len(person.queries)
     learner = graph.start(LearnerNode, **parameters)
     graph.wait_for(lambda: len(person.queries) > asked, 'the question once more')
-    graph.wait_for(lambda: learner._session.is_ready, 'a learner that takes answers')
+    graph.wait_for(lambda: learner._durable.is_ready, 'a learner that takes answers')
     assert person.says(query, 'snack')['accepted']
     assert len(told(tmp_path / 'log')) == 2
 
@@ -202,7 +202,7 @@ def test_a_session_belongs_to_one_learner_and_one_episode(graph: Any, tmp_path: 
     """Two learners, or two episodes, would be mixed in one log."""
     parameters = {**EPISODE, 'session': str(tmp_path / 'log')}
     learner = graph.start(LearnerNode, **parameters)
-    graph.wait_for(lambda: learner._session.is_ready, 'a learner that has begun')
+    graph.wait_for(lambda: learner._durable.is_ready, 'a learner that has begun')
     with pytest.raises(SessionLogError, match='another process is using this session'):
         graph.start(LearnerNode, **parameters)
     graph.stop(learner)

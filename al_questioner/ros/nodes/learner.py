@@ -80,8 +80,8 @@ class LearnerNode(QuestionerNode):
         make_strategy(self._settings.strategy, self._settings.weights)
         refuse_unknown(self, ALL_NAMES)
         self._world = world_members(world)
-        self._session = session_of(self._settings, world, self._given, storage)
-        self.episode_id = self._session.begun.episode_id
+        self._durable = session_of(self._settings, world, self._given, storage)
+        self.episode_id = self._durable.begun.episode_id
         self._stamps = TurnStamps()
         self._patience = OneShotTimer(self.after, self._go_on_without)
         self._stale = StaleScenes()
@@ -111,15 +111,15 @@ class LearnerNode(QuestionerNode):
     def _start(self) -> None:
         """Begin the first turn, or go on where the session ended."""
         self.set_status('going through what the session holds')
-        self._session.start()
-        seen, decision = self._session.seen, self._session.decision
+        self._durable.start()
+        seen, decision = self._durable.seen, self._durable.decision
         if seen is None or decision is None:
             self._begin_turn()
             return
         self.get_logger().info(f'going on with {self.episode_id}, in turn {seen.turn}, from {self._given["session"]}')
         self._stamps = TurnStamps(seen.stamp)
         self._announce(seen.scene)
-        if not self._session.episode.awaits_answer:
+        if not self._durable.episode.awaits_answer:
             self._end_turn()
             return
         # Word for word as before: perception, if it is new too, shows what the question is about.
@@ -136,9 +136,9 @@ class LearnerNode(QuestionerNode):
         self._awaits_scene = True
         self._stale.begin_turn()
         self._state.stop()
-        turn = self._session.episode.turn + 1
+        turn = self._durable.episode.turn + 1
         self.set_status(f'turn {turn}: waiting for objects', SECONDS_FOR_OBJECTS, awaited='objects')
-        self._request.say({'turn': turn, 'stamp': stamp_members(stamp), 'world': self._world})
+        self._request.send({'turn': turn, 'stamp': stamp_members(stamp), 'world': self._world})
 
     def _perceive(self, cloud: PointCloud2) -> None:
         """Decide, once the scene of this turn is there: see `TurnStamps`."""
@@ -148,23 +148,23 @@ class LearnerNode(QuestionerNode):
         if not self._stamps.is_of_turn(stamp, now):
             self._stale.pass_over(stamp, self._stamps.last, now)
             return
-        scene = scene_of_cloud(cloud, self._session.episode.concepts.feature_names)
-        seen = SceneObserved(self._session.episode.turn + 1, self._stamps.last, cloud.header.frame_id, scene)
-        decision = self._session.ask(seen)
+        scene = scene_of_cloud(cloud, self._durable.episode.concepts.feature_names)
+        seen = SceneObserved(self._durable.episode.turn + 1, self._stamps.last, cloud.header.frame_id, scene)
+        decision = self._durable.ask(seen)
         self._tell_of_sensors(scene)
         self._awaits_scene = False
         self._request.stop()
         if decision.turn == 1:
             self._announce(scene)
         self._put(seen, decision)
-        if self._session.episode.awaits_answer:
+        if self._durable.episode.awaits_answer:
             self._show(seen, self._beliefs())
         else:
             self._end_turn()
 
     def _tell_of_sensors(self, scene: Scene) -> None:
         """Take note of the noise for /diagnostics, and say once of each feature what it read that cannot be."""
-        episode = self._session.episode
+        episode = self._durable.episode
         self._view_noise = noise_text(episode.view_noise)
         for object_id, feature, value in episode.concepts.implausible_readings(scene):
             if feature not in self._implausible:
@@ -181,9 +181,9 @@ class LearnerNode(QuestionerNode):
 
     def _put(self, seen: SceneObserved, decision: Decision) -> None:
         """Publish a decision, and the question that waits, again if nobody answered it in the turn before."""
-        pending = self._session.episode.pending
+        pending = self._durable.episode.pending
         if pending is not None:
-            self._question.say({**documents.query_members(pending), 'world': self._world})
+            self._question.send({**documents.query_members(pending), 'world': self._world})
             self.get_logger().info(f'turn {decision.turn}: {pending.text}')
             self._await_answer(pending, decision.turn)
         head = header(seen.stamp, seen.frame_id)
@@ -191,7 +191,7 @@ class LearnerNode(QuestionerNode):
 
     def _await_answer(self, query: Query, turn: int) -> None:
         """Wait for the answer, but not for ever if so configured, and the longer the longer nobody has answered."""
-        timeout, missed = float(self._given['answer_timeout']), self._session.episode.unanswered_turns
+        timeout, missed = float(self._given['answer_timeout']), self._durable.episode.unanswered_turns
         # Once a turn has passed without an answer, that is the concern.
         patience = math.inf if missed else SECONDS_FOR_ANSWER
         self.set_status(f'turn {turn}: waiting for the answer to {query.query_id}', expected_within=patience)
@@ -200,12 +200,12 @@ class LearnerNode(QuestionerNode):
 
     def _go_on_without(self) -> None:
         """Let the turn pass without its answer."""
-        query = self._session.episode.awaited
+        query = self._durable.episode.awaited
         if query is not None:
             self.get_logger().info(
-                f'turn {self._session.episode.turn}: going on without the answer to {query.query_id}'
+                f'turn {self._durable.episode.turn}: going on without the answer to {query.query_id}'
             )
-            self._session.time_out()
+            self._durable.time_out()
             self._end_turn()
 
     def _now(self) -> int:
@@ -214,19 +214,19 @@ class LearnerNode(QuestionerNode):
 
     def _announce(self, scene: Scene) -> None:
         """Publish what the episode is about, as soon as the features are known."""
-        self._publish_episode(episode_members(self._session.begun, scene.feature_names))
+        self._publish_episode(episode_members(self._durable.begun, scene.feature_names))
 
     def _hear(self, message: String) -> None:
         """Take an answer, or the correction of one, and say whether it was taken: not before it is on the disk."""
-        if not self._session.is_ready:
+        if not self._durable.is_ready:
             return
-        answer, episode = None, self._session.episode
+        answer, episode = None, self._durable.episode
         waited = episode.awaits_answer
         try:
             answer = self._read_answer(message.data)
-            receipt = self._session.take(answer)
+            receipt = self._durable.take(answer)
         except InputError as error:
-            self._session.note_refused(message.data, str(error))
+            self._durable.note_refused(message.data, str(error))
             self._acknowledge(answer, accepted=False, reason=str(error))
             raise
         reason = episode.answers.why_not(answer, receipt)
@@ -254,18 +254,18 @@ class LearnerNode(QuestionerNode):
             document = documents.read('answer', content)
             if document['episode_id'] != self.episode_id:
                 raise AnswerError(f'the answer belongs to episode {document["episode_id"]}, this is {self.episode_id}')
-            known = (*self._settings.symbols, *self._session.episode.concepts.groups)
+            known = (*self._settings.symbols, *self._durable.episode.concepts.groups)
             return respelt(documents.answer_of(document), known)
-        if self._session.episode.pending is None:
+        if self._durable.episode.pending is None:
             raise AnswerError('no query is pending')
-        return read_plain_answer(content, self._session.episode.pending)
+        return read_plain_answer(content, self._durable.episode.pending)
 
     def _end_turn(self) -> None:
         """Tune the models if it is time, tell what is known now, and begin the next turn unless this was the last."""
         self._question.stop()
         self._patience.clear()
-        self._session.tune()
-        episode = self._session.episode
+        self._durable.tune()
+        episode = self._durable.episode
         if episode.done:
             self._tell_state()
             self._is_over = True
@@ -275,11 +275,11 @@ class LearnerNode(QuestionerNode):
                 ' corrections are still taken; start a learner again for another episode'
             )
             return
-        seen = self._session.seen
+        seen = self._durable.seen
         if seen is None:
             return
         beliefs = self._beliefs()
-        self._state.say(state_members(self._session.episode, beliefs))
+        self._state.send(state_members(self._durable.episode, beliefs))
         pause = float(self._given['turn_period']) - (time.monotonic() - self._last_turn_start)
         if pause > 0:
             self.after(pause, self._begin_turn)
@@ -290,20 +290,20 @@ class LearnerNode(QuestionerNode):
 
     def _tell_state(self) -> None:
         """Publish what is known now, outside of the course of the turns."""
-        seen = self._session.seen
+        seen = self._durable.seen
         if seen is not None:
             beliefs = self._beliefs()
             self._show(seen, beliefs)
-            self._state.say(state_members(self._session.episode, beliefs))
+            self._state.send(state_members(self._durable.episode, beliefs))
 
     def _beliefs(self) -> NDArray[np.float64]:
         """Return (n, |Y|) q_y(x) of the present scene."""
-        episode = self._session.episode
+        episode = self._durable.episode
         return episode.concepts.predict_proba(episode.scene.features)
 
     def _show(self, seen: SceneObserved, beliefs: NDArray[np.float64]) -> None:
         """Publish the scene, the beliefs and the pending query for people who watch."""
-        pending = self._session.episode.pending
+        pending = self._durable.episode.pending
         asked = pending.action.object_id if pending else None
         head = header(seen.stamp, seen.frame_id)
         self._markers.publish(markers(seen.scene, beliefs, self._settings.symbols, asked, head, MARKER_TYPES))
@@ -313,7 +313,7 @@ class LearnerNode(QuestionerNode):
         return self._rival() or self._absence()
 
     def _absence(self) -> str:
-        missed = self._session.episode.unanswered_turns if self._session.is_ready else 0
+        missed = self._durable.episode.unanswered_turns if self._durable.is_ready else 0
         return f'nobody has answered for {missed} turn{"" if missed == 1 else "s"}' if missed else ''
 
     def _rival(self) -> str:
@@ -343,7 +343,7 @@ class LearnerNode(QuestionerNode):
     def destroy_node(self) -> None:
         """Close the log, once the worker has stopped."""
         super().destroy_node()
-        self._session.close()
+        self._durable.close()
 
 
 def _spoken(content: Content) -> str:
