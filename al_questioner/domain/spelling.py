@@ -104,8 +104,8 @@ def composed(name: str) -> str:
 
 def _folded(name: str) -> str:
     text = unicodedata.normalize('NFKC', unicodedata.normalize('NFKC', name.translate(_SPELT_ALIKE)).casefold())
-    # Lowercase of the capital I with a dot is an i with a second dot.
-    text = POINTS.sub('', text.replace('i\u0307', 'i')).translate(_SPELT_ALIKE)
+    # Lowercase of the capital I with a dot is an i with a second dot. An acute accent alone is an apostrophe.
+    text = POINTS.sub('', text.replace('i\u0307', 'i').replace(' \u0301', "'")).translate(_SPELT_ALIKE)
     text = ''.join(_plain(character) for character in text if not is_invisible(character))
     return ' '.join(text.replace('_', ' ').split())
 

@@ -11,7 +11,7 @@ SEMANTICS = 1
 `test/experiments/test_semantics.py` compares a few episodes with those of this version.
 """
 
-SOURCES_OF_1 = ('f2692c07bc960135', '88588064bb742b17')
+SOURCES_OF_1 = ('f2692c07bc960135', '88588064bb742b17', '5b84a455e9410d92', '5a10b2e0f61fa920')
 """Hashes of the source in older manifests, which have no version; these sources gave the episodes of version 1."""
 
 

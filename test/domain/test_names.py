@@ -6,7 +6,7 @@ import re
 import unicodedata
 
 import pytest
-from hypothesis import given
+from hypothesis import example, given
 from hypothesis import strategies as st
 
 from al_questioner.domain import InputError
@@ -271,6 +271,7 @@ def test_whatever_is_called_so_can_be_judged(name: str) -> None:
 
 
 @given(st.text(min_size=1))
+@example('A´')
 def test_a_name_that_is_not_refused_is_understood(name: str) -> None:
     """A symbol could not be said."""
     if not unsayable(name):
