@@ -27,11 +27,6 @@ from al_questioner.support.files import make_folder, write_text
 class Store:
     """The folder of an experiment: a manifest, a file for each finished cell, and the tables made from them.
 
-    Args:
-        folder: made if it is not there.
-        plan: what is stored in it.
-        dataset: root of a directory of crops.
-
     Raises:
         InputError: the folder cannot be written to, or holds an experiment that cannot be gone on with: of another
             version of the method, or with other variations or worlds.
