@@ -84,19 +84,9 @@ def _keys(solid: Solid, look: Look, rng: Generator) -> None:
     steel = solid.material(STEEL_LOOK)
     fob = solid.material(Material(look.pick(RED, BLUE, GREEN, BLACK), shine=0.3))
     for angle, part in ((0.4, steel), (1.1, brass), (1.9, steel)):
-        shaft = np.array(
-            [
-                (0.012, -0.003),
-                (0.055, -0.003),
-                (0.055, 0.002),
-                (0.048, 0.002),
-                (0.046, 0.006),
-                (0.04, 0.006),
-                (0.038, 0.003),
-                (0.012, 0.003),
-            ]
-        )
-        solid.plate(turned(shaft, angle), 0.003, part)
+        along = [0.012, 0.055, 0.055, 0.048, 0.046, 0.04, 0.038, 0.012]
+        across = [-0.003, -0.003, 0.002, 0.002, 0.006, 0.006, 0.003, 0.003]
+        solid.plate(turned(np.column_stack([along, across]), angle), 0.003, part)
         head = turned(unit_circle(16) * 0.011 + np.array([0.014, 0], dtype=np.float32), angle)
         solid.plate(head, 0.004, part)
     ring = unit_circle(20) * 0.011

@@ -78,16 +78,8 @@ def heap(
 ) -> Filling:
     """Return a function that draws a heap of pieces of one outline (k, 2) and some colours.
 
-    Args:
-        colors: colours of the pieces.
-        piece: outline.
-        count: number of pieces.
-        peak: height of the heap.
-        thickness: thickness of a piece.
-        tilt: tilt of a piece, rise over length.
-        shine: shine of a piece.
-        bed: brightness of the ground between the pieces.
-        chips: colour of the dots on each piece, if any.
+    A piece rises over its length by `tilt`, the ground between the pieces has the brightness `bed`, and each piece has
+    dots of the colour `chips`, if any.
     """
 
     def fill(solid: Solid, level: float, radius: float, look: Look, rng: Generator) -> None:
