@@ -27,7 +27,7 @@ class ObjectInstance:
     Attributes:
         kind: its kind.
         look: its individual look.
-        heft: factor of its weight.
+        weight_factor: factor of its weight.
         slot: index of the object in a scene, or, if objects are replaced, the index that it may take.
         places: its possible places on the table, as indices of `places`; no two slots share a place.
     """
