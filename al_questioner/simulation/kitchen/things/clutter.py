@@ -311,11 +311,11 @@ CLUTTER: tuple[Kind, ...] = tuple(
         ('napkin', _napkin(), 0.02),
         ('wooden apple', apple(PALE_WOOD, WOOD), 0.15),
         ('washing-up liquid', bottle((0.35, 0.75, 0.35), DISH, RED, radius=0.034, height=0.22, clear=0.2), 0.55),
-        ('spray can', can(CLEAN, 0.028, 0.17), 0.4),
+        ('spray can', can(CLEAN, (0.028, 0.17)), 0.4),
         ('box of tissues', carton(SOFT, (0.13, 0.1, 0.07)), 0.15),
         ('box of matches', carton(FIRE, (0.055, 0.035, 0.02)), 0.02),
-        ('cat food', tin(CAT, 0.037, 0.06), 0.4),
-        ('jar of glue', jar((0.92, 0.92, 0.88), GLUE, BLUE, 0.03, 0.08), 0.25),
+        ('cat food', tin(CAT, (0.037, 0.06)), 0.4),
+        ('jar of glue', jar((0.92, 0.92, 0.88), GLUE, BLUE, (0.03, 0.08)), 0.25),
     )
 )
 """Kinds of clutter, about as many as of food."""

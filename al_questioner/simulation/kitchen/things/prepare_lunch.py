@@ -77,7 +77,7 @@ _STATES: Mapping[tuple[str, str], tuple[State, ...]] = {
         State('in bowl', bowl_of(liquid(TOMATO, GREEN), SKY), 0.5),
     ),
     ('rice', MAIN): (
-        State('in bag', bag(RICE, 0.1, 0.15, 0.045), 0.5),
+        State('in bag', bag(RICE, (0.1, 0.15, 0.045)), 0.5),
         State('in pot', pot_of(rice), 1.3),
         State('on plate', plate_of(rice), 0.6),
     ),
@@ -97,8 +97,8 @@ _STATES: Mapping[tuple[str, str], tuple[State, ...]] = {
         State('left over', pile(last_cookies, 0.03), 0.03),
     ),
     ('nuts', SNACK): (
-        State('in tin', tin(NUTS, 0.042, 0.085), 0.25),
-        State('in bowl', bowl_of(nuts, BROWN, 0.055, 0.04), 0.25),
+        State('in tin', tin(NUTS, (0.042, 0.085)), 0.25),
+        State('in bowl', bowl_of(nuts, BROWN, (0.055, 0.04)), 0.25),
         State('spilled', pile(nuts, 0.055), 0.1),
     ),
     ('banana', FRUIT): (

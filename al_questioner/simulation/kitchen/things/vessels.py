@@ -46,6 +46,8 @@ Filling = Callable[[Solid, float, float, Look, Generator], None]
 
 WHITE: Color = (0.9, 0.9, 0.88)
 STEEL: Color = (0.62, 0.63, 0.66)
+Size = tuple[float, float]
+"""Radius and height, in metres."""
 
 
 @dataclass(frozen=True)
@@ -89,15 +91,10 @@ def drawing(build: Callable[Concatenate[Solid, Look, Generator, Design], None]) 
 
 @drawing
 def bowl_of(
-    solid: Solid,
-    look: Look,
-    rng: Generator,
-    filling: Filling,
-    color: Color = WHITE,
-    radius: float = 0.075,
-    height: float = 0.052,
+    solid: Solid, look: Look, rng: Generator, filling: Filling, color: Color = WHITE, size: Size = (0.075, 0.052)
 ) -> None:
     """Draw a round bowl with something in it."""
+    radius, height = size
     glaze = solid.material(Material(look.color(color), shine=0.35, sharpness=40, grain=0.015))
     within = solid.material(Material(look.color(color), shine=0.1, grain=0.015))
     bulge = [(0, 0.5), (0.004, 0.52), (0.3 * height, 0.74), (0.65 * height, 0.92), (height, 1.0)]
@@ -173,18 +170,10 @@ def carton(
 
 
 @drawing
-def can(
-    solid: Solid,
-    look: Look,
-    rng: Generator,
-    design: Print,
-    radius: float = 0.033,
-    height: float = 0.122,
-    tab: bool = True,
-    paper: float = 0.9,
-) -> None:
+def can(solid: Solid, look: Look, rng: Generator, design: Print, size: Size = (0.033, 0.122), tab: bool = True) -> None:
     """Draw a metal can with a printed wall: a drink can with a tab, or a food can."""
     metal = solid.material(Material((0.72, 0.73, 0.75), shine=0.6, sharpness=20, grain=0.03))
+    (radius, height), paper = size, 0.9 if tab else 0.84
     low, high = (1 - paper) / 2 * height, (1 + paper) / 2 * height
     decal = Decal(design.image(look), 'wrap', (low, high))
     gloss = 0.55 if tab else 0.15
@@ -201,9 +190,9 @@ def can(
         solid.plate(0.6 * tongue - np.array([0, 0.011], dtype=np.float32), 0.0005, hole, low=height + 0.001)
 
 
-def tin(design: Print, radius: float = 0.037, height: float = 0.105) -> Draw:
+def tin(design: Print, size: Size = (0.037, 0.105)) -> Draw:
     """Return a function that draws a food can with a paper label."""
-    return can(design, radius, height, tab=False, paper=0.84)
+    return can(design, size, tab=False)
 
 
 @drawing
@@ -235,16 +224,10 @@ def bottle(
 
 @drawing
 def jar(
-    solid: Solid,
-    look: Look,
-    rng: Generator,
-    content: Color,
-    design: Print,
-    lid: Color,
-    radius: float = 0.035,
-    height: float = 0.1,
+    solid: Solid, look: Look, rng: Generator, content: Color, design: Print, lid: Color, size: Size = (0.035, 0.1)
 ) -> None:
     """Draw a jar with a screw lid."""
+    radius, height = size
     glass = solid.material(Material(look.color(content), shine=0.7, sharpness=40, grain=0.1, clear=0.12))
     decal = Decal(design.image(look), 'wrap', (0.2 * height, 0.62 * height))
     paper = solid.material(Material(design.ground(look), shine=0.1, grain=0.02, decal=decal))
@@ -304,16 +287,11 @@ def glass_of(solid: Solid, look: Look, rng: Generator, drink: Color | None, stra
 
 @drawing
 def bag(
-    solid: Solid,
-    look: Look,
-    rng: Generator,
-    design: Print,
-    width: float = 0.13,
-    depth: float = 0.16,
-    height: float = 0.05,
+    solid: Solid, look: Look, rng: Generator, design: Print, size: tuple[float, float, float] = (0.13, 0.16, 0.05)
 ) -> None:
     """Draw a puffed-up foil bag lying on the table."""
     solid.turn_deg = (-40, 40)
+    width, depth, height = size
     image = design.image(look, repeats=1)
     decal = Decal(image, 'top', (width, depth))
     foil = Material(design.ground(look), shine=0.6, sharpness=12, grain=0.09, grain_m=0.035, decal=decal)
