@@ -15,14 +15,7 @@ def demonstrate(
     world: PerceivedWorld | None = None,
     feature_set: FeatureSet = FEATURE_SETS['dt_task_env'],
 ) -> Demonstration:
-    """Play a demonstration by the strategy of the settings, offline.
-
-    Args:
-        choice: the world; its seed is the questioner's too.
-        settings: of the episode.
-        teacher: who answers.
-        world: the world of the choice, if it is open already.
-        feature_set: whose weights are to be learnt.
+    """Play a demonstration by the strategy of the settings, offline; the seed of the world is the questioner's too.
 
     Raises:
         SettingsError: an unknown strategy, or weights that do not fit it.

@@ -118,17 +118,10 @@ def condition_rows(policies: Mapping[str, Array], task_name: str, samples: int) 
                 for result in results
             ]
             last = [max((q.turn for q in result.queries), default=0) for result in results]
-            rows.append(
-                [
-                    name,
-                    f'{budget} / {turns}',
-                    f'{min(queries)} to {max(queries)}',
-                    f'{max(result.spent for result in results):g}',
-                    ' '.join(subset),
-                    f'{min(last)} to {max(last)}',
-                    f'{np.mean([result.final_accuracy for result in results]):.3f}',
-                ]
-            )
+            asked, spent = f'{min(queries)} to {max(queries)}', f'{max(result.spent for result in results):g}'
+            accuracy = f'{np.mean([result.final_accuracy for result in results]):.3f}'
+            cells = [asked, spent, ' '.join(subset), f'{min(last)} to {max(last)}', accuracy]
+            rows.append([name, f'{budget} / {turns}', *cells])
     return rows
 
 

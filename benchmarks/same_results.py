@@ -43,16 +43,7 @@ def write_episodes(folder: Path) -> None:
     for task, strategy, seed in itertools.product(TASKS, sorted(set(STRATEGIES) - {'human'}), SEEDS):
         kept = folder / f'{task}-{strategy}-{seed}.json'
         # The pictures are those of the last one.
-        options = [
-            '--task',
-            task,
-            '--strategy',
-            strategy,
-            '--seed',
-            str(seed),
-            '--out',
-            str(folder.parent / 'pictures'),
-        ]
+        options = [f'--task={task}', f'--strategy={strategy}', f'--seed={seed}', f'--out={folder.parent / "pictures"}']
         capture(['demo', '--offline', *options, '--json', str(kept)])
 
 

@@ -12,7 +12,6 @@ a busy machine treats them alike. --folder says on which disk.
 from __future__ import annotations
 
 import argparse
-import contextlib
 import itertools
 import json
 import os
@@ -20,7 +19,7 @@ import tempfile
 import threading
 import time
 import uuid
-from collections.abc import Callable, Iterator
+from collections.abc import Callable
 from functools import partial
 from pathlib import Path
 from typing import Any
@@ -28,10 +27,10 @@ from typing import Any
 import numpy as np
 from measuring import print_table
 from rclpy.context import Context
-from rclpy.executors import ExternalShutdownException, SingleThreadedExecutor
 from rclpy.node import Node
 from rclpy.parameter import Parameter
 from std_msgs.msg import String
+from turn_parts.recording import spinning
 
 from al_questioner.domain import Answer, Outcome
 from al_questioner.event_log.encoding import Encoder, decoded
@@ -84,27 +83,10 @@ class Client(Node):
             self.done.set()
 
 
-@contextlib.contextmanager
-def spinning(context: Context) -> Iterator[SingleThreadedExecutor]:
-    """An executor in a thread."""
-    executor = SingleThreadedExecutor(context=context)
-
-    def spin() -> None:
-        with contextlib.suppress(ExternalShutdownException):
-            executor.spin()
-
-    thread = threading.Thread(target=spin, daemon=True)
-    thread.start()
-    yield executor
-    executor.shutdown()
-    thread.join(5)
-
-
 def over_topics(kind: str, answers: int, folder: Path) -> list[float]:
     """Seconds from each answer to its acknowledgement."""
     storage = KINDS[kind]
     context, namespace = Context(), f'bench_{uuid.uuid4().hex[:8]}'
-    context.init()
     world = {'task': 'kitchen_table', 'seed': 1}
     episode = {**world, 'strategy': 'u_sampling', 'budget': float(answers), 'turns': answers}
 
@@ -114,21 +96,12 @@ def over_topics(kind: str, answers: int, folder: Path) -> list[float]:
 
     with spinning(context) as executor:
         client = Client(answers, namespace=namespace, context=context)
-        nodes = [client, made(PerceptionNode, **world)]
-        nodes.append(
-            made(
-                partial(LearnerNode, storage=storage or SqliteStorage),
-                **episode,
-                session=str(folder) if storage else '',
-            )
-        )
-        for node in nodes:
+        learner = partial(LearnerNode, storage=storage or SqliteStorage)
+        session = str(folder) if storage else ''
+        for node in (client, made(PerceptionNode, **world), made(learner, **episode, session=session)):
             executor.add_node(node)
         if not client.done.wait(DEADLINE):
             raise SystemExit(f'only {len(client.seconds)} of {answers} answers were acknowledged')
-    for node in nodes:
-        node.destroy_node()
-    context.try_shutdown()
     return client.seconds
 
 

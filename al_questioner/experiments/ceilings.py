@@ -21,9 +21,6 @@ class GreedyOracle(UnlabelledFirst):
     It is greedy: a label is judged by its immediate effect. The accuracy is that on the world's second draw of held-out
     observations, not on those of the results. Among equal accuracies, the geometric mean of the probabilities of the
     true symbols decides. As the budget is spread evenly over the scenes, some is left at each change.
-
-    Args:
-        world: world of the episode.
     """
 
     def __init__(self, world: PerceivedWorld) -> None:

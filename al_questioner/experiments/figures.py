@@ -49,12 +49,7 @@ LONG = 40
 
 
 def draw_figures(results: Results, change_intervals: Mapping[str, int], folder: Path) -> list[Path]:
-    """Write all figures of all tasks and return their paths.
-
-    Args:
-        results: results of the experiment.
-        change_intervals: turns between scene changes, by task.
-        folder: folder of the pictures.
+    """Write all figures of all tasks and return their paths; the intervals are turns, by task.
 
     Raises:
         InputError: a picture cannot be written.

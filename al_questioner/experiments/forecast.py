@@ -14,9 +14,6 @@ class Forecast:
     """Forecast from the durations of similar episodes, and from the number of episodes that run in parallel.
 
     Similar means of the same task, limits and strategy; if there are none, of the same strategy, or any.
-
-    Args:
-        cells: the cells to play.
     """
 
     def __init__(self, cells: Iterable[Cell]) -> None:

@@ -97,11 +97,8 @@ class Variation:
             InputError: no such task.
         """
         task = load_task(name)
-        changes: dict[str, Any] = {}
-        if self.change_interval is not None:
-            changes['change_interval'] = self.change_interval
-        if self.synchrony is not None:
-            changes['synchrony'] = self.synchrony
+        wanted: dict[str, Any] = {'change_interval': self.change_interval, 'synchrony': self.synchrony}
+        changes = {name: value for name, value in wanted.items() if value is not None}
         if not changes:
             return task
         variety = task.variety
@@ -215,11 +212,4 @@ class Plan:
 
     def document(self) -> dict[str, Any]:
         """Return all that determines the results, for the manifest."""
-        variation = dataclasses.asdict(self.variation)
-        return {
-            'tasks': list(self.tasks),
-            'conditions': [dataclasses.asdict(condition) for condition in self.conditions],
-            'strategies': list(self.strategies),
-            'samples': list(self.samples),
-            'variation': variation,
-        }
+        return dataclasses.asdict(self)

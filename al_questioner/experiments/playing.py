@@ -25,28 +25,9 @@ from al_questioner.simulation import (
 
 Row = dict[str, Any]
 
-EPISODE_COLUMNS = (
-    'task',
-    'budget',
-    'turns',
-    'strategy',
-    'sample',
-    'seed',
-    'final_accuracy',
-    'mean_accuracy',
-    'queries',
-    'spent',
-)
-TURN_COLUMNS = (
-    *EPISODE_COLUMNS[:6],
-    'turn',
-    'accuracy',
-    'kind',
-    'object_id',
-    'symbol',
-    'outcome',
-    'spent',
-)
+CELL_COLUMNS = ('task', 'budget', 'turns', 'strategy', 'sample', 'seed')
+EPISODE_COLUMNS = (*CELL_COLUMNS, 'final_accuracy', 'mean_accuracy', 'queries', 'spent')
+TURN_COLUMNS = (*CELL_COLUMNS, 'turn', 'accuracy', 'kind', 'object_id', 'symbol', 'outcome', 'spent')
 
 
 @dataclass(frozen=True)
@@ -69,13 +50,7 @@ class Played:
 
 
 def play_cells(cells: Sequence[Cell], variation: Variation, dataset: str = '') -> Iterator[Played]:
-    """Play episodes in one world, one after the other; a failure does not stop the others.
-
-    Args:
-        cells: cells of the same task and sample.
-        variation: variation of all of them.
-        dataset: root of a directory of crops, for tasks that read one.
-    """
+    """Play episodes of one task and sample in one world, one after the other; a failure does not stop the others."""
     for cell in cells:
         began = time.monotonic()
         played = _play(cell, variation, dataset)
@@ -121,14 +96,7 @@ def _open_world(
 
 
 def _rows(cell: Cell, result: EpisodeResult) -> Played:
-    shared = {
-        'task': cell.task,
-        'budget': cell.budget,
-        'turns': cell.turns,
-        'strategy': cell.strategy,
-        'sample': cell.sample,
-        'seed': cell.seed,
-    }
+    shared = {**dataclasses.asdict(cell), 'seed': cell.seed}
     episode = {
         **shared,
         'final_accuracy': result.final_accuracy,
@@ -141,15 +109,8 @@ def _rows(cell: Cell, result: EpisodeResult) -> Played:
     for turn, accuracy in enumerate(result.accuracy, 1):
         record = by_turn.get(turn)
         spent += record.cost if record else 0.0
-        told = (
-            {'kind': 'no_query', 'object_id': None, 'symbol': None, 'outcome': None}
-            if record is None
-            else {
-                'kind': record.kind.value,
-                'object_id': record.object_id,
-                'symbol': record.symbol,
-                'outcome': record.outcome.value,
-            }
-        )
-        turns.append({**shared, 'turn': turn, 'accuracy': accuracy, **told, 'spent': spent})
+        told: tuple[object, ...] = ('no_query', None, None, None)
+        if record is not None:
+            told = (record.kind.value, record.object_id, record.symbol, record.outcome.value)
+        turns.append(shared | dict(zip(TURN_COLUMNS[6:], (turn, accuracy, *told, spent), strict=True)))
     return Played(cell, episode, tuple(turns))

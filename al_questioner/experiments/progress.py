@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from datetime import timedelta
-from types import TracebackType
 
 from rich import progress as bars
 from rich.console import Console
@@ -50,9 +49,7 @@ class ExperimentProgress:
         self._bar.start()
         return self
 
-    def __exit__(
-        self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
-    ) -> None:
+    def __exit__(self, *_: object) -> None:
         # Before rich 14 a bar ends with an empty line, even if it is disabled.
         if not self._bar.disable:
             self._bar.stop()

@@ -87,12 +87,7 @@ class Page:
 
 
 def report(page: Page, folder: Path) -> str:
-    """Write the page in Markdown.
-
-    Args:
-        page: its contents.
-        folder: where it will lie, for the links.
-    """
+    """Write the page in Markdown, with links from the folder in which it will lie."""
     results = page.results
     parts = [
         '# Reproduction' if PAPER_METHOD in results.strategies else '# Comparison of questioning strategies',

@@ -138,12 +138,7 @@ def paired_p(first: Array, other: Array) -> float:
 
 
 def superiority(first: Array, other: Array) -> Array:
-    """Return (...) probability that one of the (..., n) first is above one of the (..., m) other, ties counting half.
-
-    Args:
-        first: samples along the last axis.
-        other: samples along the last axis.
-    """
+    """Return (...) probability that one of (..., n) first is above one of (..., m) other, ties counting half."""
     difference = first[..., :, None] - other[..., None, :]
     return np.asarray(np.mean((difference > ROUNDING) + 0.5 * (np.abs(difference) <= ROUNDING), axis=(-2, -1)))
 

@@ -27,11 +27,6 @@ from al_questioner.support.files import make_folder, write_text
 class Store:
     """The folder of an experiment: a manifest, a file for each finished cell, and the tables made from them.
 
-    Args:
-        folder: made if it is not there.
-        plan: what is stored in it.
-        dataset: root of a directory of crops.
-
     Raises:
         InputError: the folder cannot be written to, or holds an experiment that cannot be gone on with: of another
             version of the method, or with other variations or worlds.
@@ -45,18 +40,9 @@ class Store:
         # Where nothing was played yet, nothing can be mixed up.
         is_begun = manifest.is_file() and any(self._cells.rglob('*.json'))
         before = _read_manifest(manifest) if is_begun else {}
-        document = json.loads(
-            json.dumps(
-                {
-                    'version': __version__,
-                    'semantics': SEMANTICS,
-                    'dataset': dataset,
-                    **plan.document(),
-                    'seeds': list(plan.samples),
-                    'worlds': {name: plan.task_document(name) for name in plan.tasks},
-                }
-            )
-        )
+        members = {'version': __version__, 'semantics': SEMANTICS, 'dataset': dataset, **plan.document()}
+        worlds = {name: plan.task_document(name) for name in plan.tasks}
+        document = json.loads(json.dumps({**members, 'seeds': list(plan.samples), 'worlds': worlds}))
         if before:
             _check_same(folder, before, document)
         document['worlds'] = {**before.get('worlds', {}), **document['worlds']}
@@ -93,13 +79,8 @@ class Store:
         return [episodes, turns]
 
     def _path(self, cell: Cell) -> Path:
-        return (
-            self._cells
-            / task_label(cell.task)
-            / f'{cell.condition}'.replace('/', '-')
-            / cell.strategy
-            / f'{cell.sample}.json'
-        )
+        condition = f'{cell.condition}'.replace('/', '-')
+        return self._cells / task_label(cell.task) / condition / cell.strategy / f'{cell.sample}.json'
 
 
 def _read_manifest(path: Path) -> dict[str, Any]:

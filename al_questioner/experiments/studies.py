@@ -3,8 +3,9 @@
 from __future__ import annotations
 
 import dataclasses
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
+from typing import Any
 
 from al_questioner.domain import DECISION_FEATURES, SettingsError
 from al_questioner.experiments.plan import (
@@ -19,6 +20,7 @@ from al_questioner.experiments.plan import (
 from al_questioner.questioning import DtIros, DtTask
 
 MOST_SAMPLES = 10
+ALL_CONDITIONS = tuple(PAPER_CONDITIONS.values())
 ENDS = (PAPER_CONDITIONS['C1'], PAPER_CONDITIONS['C4'])
 """Most and least constrained condition."""
 COMPARED = (*PAPER_STRATEGIES, 'u_sampling_fsq', 'farthest_fsq')
@@ -84,61 +86,61 @@ def _plan(
 
 
 def _weights_iros(base: Variation, samples: tuple[int, ...]) -> Study:
-    vectors = [dict(zip(DtIros.weight_names, (1 - share, share), strict=True)) for share in IROS_UNIFORMITY]
-    return Study(
-        'weights_iros',
-        'The weights of dt_iros, set by hand',
-        'Weights of discriminability and class uniformity; the paper does not tell its own.',
-        _numbers(base.weights['dt_iros'], DtIros.weight_names),
-        dict(_with_weights(base, samples, 'dt_iros', vectors, DtIros.weight_names)),
-    )
+    vectors = [(1 - share, share) for share in IROS_UNIFORMITY]
+    about = 'discriminability and class uniformity'
+    return _weights(base, samples, 'dt_iros', DtIros.weight_names, vectors, about)
 
 
 def _weights_task(base: Variation, samples: tuple[int, ...]) -> Study:
     vectors = []
     for uniformity, margin in TASK_WEIGHTS:
         rest = 1 - uniformity - margin
-        shared = (DISCRIMINABILITY_SHARE * rest, uniformity, (1 - DISCRIMINABILITY_SHARE) * rest, margin)
-        vectors.append(dict(zip(DtTask.weight_names, shared, strict=True)))
-    return Study(
-        'weights_task',
-        'The weights of dt_task, set by hand',
-        'Weights of discriminability, class uniformity, instance variation and prediction margin; the paper does not'
-        ' tell its own.',
-        _numbers(base.weights['dt_task'], DtTask.weight_names),
-        dict(_with_weights(base, samples, 'dt_task', vectors, DtTask.weight_names)),
-    )
+        vectors.append((DISCRIMINABILITY_SHARE * rest, uniformity, (1 - DISCRIMINABILITY_SHARE) * rest, margin))
+    about = 'discriminability, class uniformity, instance variation and prediction margin'
+    return _weights(base, samples, 'dt_task', DtTask.weight_names, vectors, about)
 
 
-def _with_weights(
+def _weights(
     base: Variation,
     samples: tuple[int, ...],
     strategy: str,
-    vectors: Sequence[Mapping[str, float]],
     features: Sequence[str],
-) -> Iterator[tuple[str, Plan]]:
-    for weights in vectors:
-        variation = dataclasses.replace(base, weights={**base.weights, strategy: weights})
-        yield _numbers(weights, features), _plan(variation, samples, (strategy,))
+    vectors: Sequence[Sequence[float]],
+    about: str,
+) -> Study:
+    def numbers(weights: Mapping[str, float]) -> str:
+        return ' / '.join(f'{weights.get(feature, 0.0):.3g}' for feature in features)
+
+    plans = {}
+    for vector in vectors:
+        weights = dict(zip(features, vector, strict=True))
+        varied = dataclasses.replace(base, weights={**base.weights, strategy: weights})
+        plans[numbers(weights)] = _plan(varied, samples, (strategy,))
+    return Study(
+        strategy.replace('dt', 'weights'),
+        f'The weights of {strategy}, set by hand',
+        f'Weights of {about}; the paper does not tell its own.',
+        numbers(base.weights[strategy]),
+        plans,
+    )
 
 
-def _numbers(weights: Mapping[str, float], features: Sequence[str]) -> str:
-    return ' / '.join(f'{weights.get(feature, 0.0):.3g}' for feature in features)
+def _varied(
+    base: Variation, samples: tuple[int, ...], setting: str, values: Sequence[Any], own: object, label: str
+) -> dict[str, Plan]:
+    """Return plans with the values of a setting of the variation that are not its own in the comparison."""
+    varied = {value: dataclasses.replace(base, **{setting: value}) for value in values if value != own}
+    return {label.format(value): _plan(variation, samples, COMPARED) for value, variation in varied.items()}
 
 
 def _change_interval(base: Variation, samples: tuple[int, ...]) -> Study:
     own = base.task(TASK).scenes.change_interval
-    plans = {
-        f'{turns} turns': _plan(dataclasses.replace(base, change_interval=turns), samples, COMPARED)
-        for turns in CHANGE_INTERVALS
-        if turns != own
-    }
     return Study(
         'change_interval',
         'Turns between changes of the scene',
         'At test time; dt_task_env was trained with changes every 10 turns. All learners are told how often.',
         f'{own} turns',
-        plans,
+        _varied(base, samples, 'change_interval', CHANGE_INTERVALS, own, '{} turns'),
     )
 
 
@@ -159,13 +161,8 @@ def _selector(base: Variation, samples: tuple[int, ...]) -> Study:
 
 
 def _repeats(base: Variation, samples: tuple[int, ...]) -> Study:
-    plan = _plan(
-        dataclasses.replace(base, repeats=False),
-        samples,
-        ('u_sampling',),
-        PAPER_TASKS,
-        tuple(PAPER_CONDITIONS.values()),
-    )
+    varied = dataclasses.replace(base, repeats=False)
+    plan = _plan(varied, samples, ('u_sampling',), PAPER_TASKS, ALL_CONDITIONS)
     return Study(
         'repeats',
         'Whether u_sampling may ask again',
@@ -181,28 +178,19 @@ def _wrong_answers(base: Variation, samples: tuple[int, ...]) -> Study:
         'A teacher who errs',
         'The share of answers that are wrong, of label, demonstration and feature subset queries alike.',
         f'{base.wrong_rate:.0%}',
-        {
-            f'{rate:.0%}': _plan(dataclasses.replace(base, wrong_rate=rate), samples, COMPARED)
-            for rate in WRONG_RATES
-            if rate != base.wrong_rate
-        },
+        _varied(base, samples, 'wrong_rate', WRONG_RATES, base.wrong_rate, '{:.0%}'),
     )
 
 
 def _synchrony(base: Variation, samples: tuple[int, ...]) -> Study:
     own = base.task(TASK).scenes.synchrony
-    plans = {
-        f'{share:g}': _plan(dataclasses.replace(base, synchrony=share), samples, COMPARED)
-        for share in SYNCHRONIES
-        if share != own
-    }
     return Study(
         'synchrony',
         'How synchronously the objects change their states',
         'The probability that an object follows the common clock; with 1 each scene shows all objects in the states of'
         ' one moment, with 0 in states of their own.',
         f'{own:g}',
-        plans,
+        _varied(base, samples, 'synchrony', SYNCHRONIES, own, '{:g}'),
     )
 
 
@@ -213,7 +201,7 @@ def _ablation(base: Variation, samples: tuple[int, ...]) -> Study:
             dataclasses.replace(base, weights={**base.weights, 'dt_task_env': {**weights, feature: 0.0}}),
             samples,
             ('dt_task_env',),
-            conditions=tuple(PAPER_CONDITIONS.values()),
+            conditions=ALL_CONDITIONS,
         )
         for feature in DECISION_FEATURES
         if weights.get(feature, 0.0) != 0

@@ -13,12 +13,7 @@ from al_questioner.ros.retransmitter import PERSISTENT, Retransmitter
 
 
 class AnswerSender:
-    """Sender of one answer at a time to the learner. All methods run on the node's worker.
-
-    Args:
-        node: the node that publishes, in its present episode.
-        acknowledged: called with the answer and the learner's `answer_ack`.
-    """
+    """Sender of one answer at a time to the learner. All methods run on the node's worker."""
 
     def __init__(self, node: QuestionerNode, acknowledged: Callable[[Answer, Document], None]) -> None:
         self._node = node

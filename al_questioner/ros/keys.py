@@ -10,7 +10,6 @@ import termios
 import threading
 import tty
 from collections.abc import Callable
-from types import TracebackType
 from typing import Any
 
 ARROWS = {'A': 'up', 'B': 'down', 'C': 'right', 'D': 'left'}
@@ -50,9 +49,7 @@ class Keys:
                 raise
         return self
 
-    def __exit__(
-        self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
-    ) -> None:
+    def __exit__(self, *_: object) -> None:
         if self.active:
             try:
                 self._ended.set()

@@ -6,13 +6,7 @@ import json
 from collections.abc import Iterator, Sequence
 
 from al_questioner.domain import InputError
-from al_questioner.ros.settings import (
-    PERCEPTION_SETTINGS,
-    TEACHER_SETTINGS,
-    WORLD_SETTINGS,
-    Settings,
-    learner_settings,
-)
+from al_questioner.ros.settings import PERCEPTION_SETTINGS, TEACHER_SETTINGS, WORLD_SETTINGS, Settings, learner_settings
 from al_questioner.simulation import load_task
 from al_questioner.simulation.world_spec import TASK
 

@@ -8,12 +8,7 @@ from al_questioner.ros.worker import Cancel, Job
 
 
 class OneShotTimer:
-    """Timer that gives a worker one job at a later time. All methods are for that worker.
-
-    Args:
-        after: makes the worker do a job after so many seconds, see `QuestionerNode.after`.
-        job: the job.
-    """
+    """Timer that gives a worker one job later, see `QuestionerNode.after`. All methods are for that worker."""
 
     def __init__(self, after: Callable[[float, Job], Cancel], job: Job) -> None:
         self._after = after

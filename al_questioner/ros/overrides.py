@@ -47,9 +47,7 @@ def is_overridden(node: Node, topic: str, policies: Collection[str]) -> bool:
 def check_overrides(node: Node, topics: Collection[str]) -> None:
     """Reject overrides that would have no effect, before rclpy changes them.
 
-    Args:
-        node: the node with its overrides.
-        topics: all topics, of this node or of another one that shares its parameter file.
+    The topics are all, of this node or of another one that shares its parameter file.
 
     Raises:
         InputError: an unknown topic, end or policy, or an unusable value.

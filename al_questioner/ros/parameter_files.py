@@ -20,12 +20,7 @@ NEIGHBOURS = frozenset(('learner', 'perception', 'recorder', 'replay', 'teacher'
 
 
 def tell_what_has_no_effect(node: QuestionerNode, arguments: Sequence[str]) -> None:
-    """Log which of the parameters that a node was given have no effect on it; what its neighbours have is no warning.
-
-    Args:
-        node: with all of its topics and parameters.
-        arguments: of its process.
-    """
+    """Log which of a node's given parameters have no effect on it; what its neighbours have is no warning."""
     logger, own = node.get_logger(), node.get_fully_qualified_name()
     for source, names in _addressees(arguments, logger.warning):
         missed = _missed(names, own)
@@ -39,12 +34,7 @@ def tell_what_has_no_effect(node: QuestionerNode, arguments: Sequence[str]) -> N
 
 
 def with_doubts(reason: str, arguments: Sequence[str]) -> str:
-    """Add to a refusal of parameters what ROS may have read in their files otherwise than it was meant.
-
-    Args:
-        reason: as the one knows it who was handed the values, without the lines that they stand in.
-        arguments: of the process.
-    """
+    """Add to a refusal of parameters what ROS may have read in their files otherwise than it was meant."""
     files = dict.fromkeys(value for option, value in _sources(arguments) if option == '--params-file')
     return '; '.join([reason, *(doubt for file in files for doubt in _names_and_doubts(file)[1])])
 
@@ -76,9 +66,6 @@ def addresses(pattern: str, name: str) -> bool:
 
 def refuse_files_without_parameters(arguments: Sequence[str]) -> None:
     """Refuse what ROS takes for a file without parameters.
-
-    Args:
-        arguments: of the process.
 
     Raises:
         InputError: a parameter file is empty or holds no mapping; the text names it.

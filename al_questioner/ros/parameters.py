@@ -66,9 +66,7 @@ def descriptor(setting: Setting[Any]) -> ParameterDescriptor:
 def refuse_unknown(node: Node, known_elsewhere: Collection[str]) -> None:
     """Refuse parameters that were set but that no node has: most likely misspelt.
 
-    Args:
-        node: that has declared all of its parameters.
-        known_elsewhere: parameters of the other nodes, which a common file may set.
+    What is known elsewhere are parameters of the other nodes, which a common file may set.
 
     Raises:
         InputError: there is one; the text lists the known ones.

@@ -20,16 +20,7 @@ SENSED = ('objects', 'scene_image')
 """Topics that drivers publish; a subscriber begins with the lowest request, so that no driver warns about it."""
 
 TOPICS = (
-    'episode',
-    'turn',
-    'objects',
-    'scene_image',
-    'scene_markers',
-    'query',
-    'answer',
-    'answer_ack',
-    'decision',
-    'learner_state',
-    '/diagnostics',
+    *('episode', 'turn', 'objects', 'scene_image', 'scene_markers', 'query', 'answer', 'answer_ack', 'decision'),
+    *('learner_state', '/diagnostics'),
 )
 """Names of all topics of the nodes."""

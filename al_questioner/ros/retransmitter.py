@@ -32,12 +32,7 @@ PERSISTENT = BackOff(first=1.0, longest=1.0)
 
 
 class Retransmitter(Generic[Message]):
-    """Sender that repeats one message until it is stopped. All methods run on the node's worker.
-
-    Args:
-        after: makes the node's worker do a job after so many seconds, see `QuestionerNode.after`.
-        publish: publishes the message.
-        back_off: time between two transmissions.
+    """Sender that repeats one message until it is stopped. All methods run on the worker, see `QuestionerNode.after`.
 
     Attributes:
         message: the message that is repeated; None if there is none.

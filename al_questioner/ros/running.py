@@ -6,7 +6,6 @@ import os
 import signal
 import threading
 from collections.abc import Callable, Sequence
-from types import TracebackType
 from typing import Any, TypeVar
 
 import rclpy
@@ -66,9 +65,7 @@ class Spinner:
         self._executor = SingleThreadedExecutor()
         return self
 
-    def __exit__(
-        self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
-    ) -> bool:
+    def __exit__(self, kind: object, error: BaseException | None, trace: object) -> bool:
         # A signal may come between the check of the context and its use.
         is_asked_to_stop = isinstance(error, ExternalShutdownException) or (
             isinstance(error, RuntimeError) and not self._executor.context.ok()

@@ -47,6 +47,7 @@ TEACHER_SETTINGS: Settings = (
 )
 
 TURN_PERIOD = Setting('turn_period', 0.0, 'least time from turn to turn; 0: as fast as they can go', 's', 0, 3600)
+_ABOUT_TIMEOUT = 'time after which a turn goes on without its answer, doubled each time up to eightfold; 0: never'
 LEARNER_SETTINGS: Settings = (
     STRATEGY,
     WEIGHTS_FILE,
@@ -54,14 +55,7 @@ LEARNER_SETTINGS: Settings = (
     TURNS,
     CHANGE_INTERVAL,
     *COSTS.values(),
-    Setting(
-        'answer_timeout',
-        120.0,
-        'time after which a turn goes on without its answer, doubled each time up to eightfold; 0: never',
-        's',
-        0,
-        86400,
-    ),
+    Setting('answer_timeout', 120.0, _ABOUT_TIMEOUT, 's', 0, 86400),
     AMPLITUDE,
     # No parameter can be None.
     replace(LENGTH_SCALE, default=0.0, lower=0.0),

@@ -30,23 +30,14 @@ class TurnStamps:
         self._given = {last}
 
     def begin(self, now: int) -> int:
-        """Return the stamp of a new turn.
-
-        Args:
-            now: time of the clock.
-        """
+        """Return the stamp of a new turn."""
         self._since = now
         self.last = now if self.last < now <= LATEST else self.last + 1
         self._given.add(self.last)
         return self.last
 
     def is_of_turn(self, stamp: int, now: int) -> bool:
-        """Return whether a scene belongs to the present turn.
-
-        Args:
-            stamp: stamp of the scene.
-            now: time of the clock.
-        """
+        """Return whether a scene belongs to the present turn."""
         # A step back of the clock is noticed at the next scene; until then no scene can be missed.
         self._since = min(self._since, now)
         return stamp >= self.last or (self._since <= stamp <= now and stamp not in self._given)

@@ -120,10 +120,8 @@ class Evaluation:
     def correct(self, queries: Sequence[QueryRecord]) -> None:
         """Include later answers to queries of turns that were followed already.
 
-        If they change a turn, accuracy is measured again in every turn, as if the answers had come at once.
-
-        Args:
-            queries: the results of all queries so far; those of future turns are ignored.
+        If they change a turn, accuracy is measured again in every turn, as if the answers had come at once. Results of
+        future turns are ignored.
         """
         followed = [record for record in queries if record.turn <= self.turn]
         if followed == self._queries:

@@ -36,11 +36,6 @@ UNSEEN = View(
 class MadeUpWorld(SimulatedWorld):
     """A simulated table whose objects are numbers: the task's groups distinguish its symbols, another one does not.
 
-    Args:
-        task: objects on the table and their changes, simulated or a directory of crops.
-        seed: seed of the scenes.
-        sample: seed of the objects.
-
     Attributes:
         relevant_groups: those of the task, or else `GROUPS`.
     """

@@ -12,13 +12,10 @@ from al_questioner.simulation.world import World
 
 
 def make_world(task: Task, seed: int, sample: int | None = None, dataset: Path | None = None) -> World:
-    """Return the world of a task.
+    """Return the world of a task, with scenes of this seed.
 
-    Args:
-        task: result of `load_task`.
-        seed: seed of the scenes.
-        sample: seed of training pool and test set; None for the seed.
-        dataset: root of a directory in the layout of the University of Washington RGB-D Object Dataset.
+    Training pool and test set are of the sample, None for that of the seed. A dataset has the layout of the University
+    of Washington RGB-D Object Dataset.
 
     Raises:
         InputError: a dataset task without a dataset, a simulated task with one, or an unusable dataset.

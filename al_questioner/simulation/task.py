@@ -19,6 +19,7 @@ from al_questioner.simulation.task_reading import (
     interval,
     names_of,
     number,
+    pair,
     read_section,
     section_of,
     setting,
@@ -81,10 +82,7 @@ class SceneParameters:
     training_size: int = setting(whole(1, 100_000), 80)
     test_size: int = setting(whole(1, 100_000), 40)
     test_balance: str = setting(choice('training', 'classes'), 'training')
-    table_m: Interval = setting(
-        lambda value, where: Interval(*(number(0.2, 5)(side, where) for side in _pair(value, where))),
-        Interval(1.4, 0.8),
-    )
+    table_m: Interval = setting(pair('width', 'depth', number(0.2, 5)), Interval(1.4, 0.8))
 
 
 @dataclass(frozen=True)
@@ -312,9 +310,3 @@ def _check_categories(dataset: DatasetParameters, symbols: tuple[str, ...], wher
     for category in dataset.weights_kg:
         if category not in dataset.categories:
             raise InputError(f'{where}: weights_kg: {category!r} is not among the categories')
-
-
-def _pair(value: object, where: str) -> tuple[float, float]:
-    if not isinstance(value, (list, tuple)) or len(value) != 2:
-        raise InputError(f'{where}: expected [width, depth], found {value!r}')
-    return value[0], value[1]

@@ -100,13 +100,22 @@ def whole(low: int, high: int) -> Reader:
     return read
 
 
+def pair(first: str, second: str, reader: Reader) -> Reader:
+    """Accepts [first, second], both of which `reader` accepts."""
+
+    def read(value: Any, where: str) -> Interval:
+        if not isinstance(value, (list, tuple)) or len(value) != 2:
+            raise InputError(f'{where}: expected [{first}, {second}], found {value!r}')
+        return Interval(*(reader(each, where) for each in value))
+
+    return read
+
+
 def interval(low: float = -math.inf, high: float = math.inf) -> Reader:
     """Accepts [a, b] with low <= a <= b <= high."""
 
     def read(value: Any, where: str) -> Interval:
-        if not isinstance(value, (list, tuple)) or len(value) != 2:
-            raise InputError(f'{where}: expected [lowest, highest], found {value!r}')
-        ends = Interval(*(number(low, high)(end, where) for end in value))
+        ends: Interval = pair('lowest', 'highest', number(low, high))(value, where)
         if ends.low > ends.high:
             raise InputError(f'{where}: the lowest value {ends.low:g} is above the highest {ends.high:g}')
         return ends

@@ -33,20 +33,14 @@ class Explain:
 
 Command = Say | Wish | Explain
 
-WISHES = {
-    'undo': Wish.UNDO,
-    'help': Wish.HELP,
-    'quit': Wish.QUIT,
-}
+WISHES = {wish.value: wish for wish in Wish}
 """Requests by their word; none of these words can be an answer on a line of its own."""
 
 
 def read_line(line: str, choices: Collection[str] = ()) -> Command:
     """Return the meaning of a line; a blank line is not an answer, and gets an explanation.
 
-    Args:
-        line: the typed line.
-        choices: choices of the open question; a line that is exactly one of them is an answer.
+    A line that is exactly one of the choices of the open question is an answer.
     """
     word = line.strip()
     if not word:

@@ -101,10 +101,8 @@ class TeacherDialogue:
     def follow(self, progress: EpisodeProgress) -> None:
         """Receive the progress of the episode; the progress of an earlier turn is ignored."""
         with self._changed:
-            if self._progress is not None and (progress.turn, progress.done) < (
-                self._progress.turn,
-                self._progress.done,
-            ):
+            before = self._progress
+            if before is not None and (progress.turn, progress.done) < (before.turn, before.done):
                 return
             self._progress = progress
             if self._last is None and progress.last is not None and progress.last[1].teacher_id == self._teacher_id:

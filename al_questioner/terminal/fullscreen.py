@@ -57,12 +57,7 @@ MOST_HELD_BACK = 20_000
 
 
 class FullScreen:
-    """A screen with keys; `run` it in a thread of its own.
-
-    Args:
-        dialogue: the dialogue.
-        stopped: ends it.
-    """
+    """A screen with keys; `run` it in a thread of its own."""
 
     def __init__(self, dialogue: TeacherDialogue, stopped: threading.Event) -> None:
         self._dialogue = dialogue

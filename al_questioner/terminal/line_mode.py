@@ -68,14 +68,7 @@ class LineReader:
 
 
 class LineMode:
-    """A conversation in lines: one question a line on `out`, all other text on `err`.
-
-    Args:
-        dialogue: the dialogue.
-        lines: lines that the person types.
-        out, err: files to write to.
-        stopped: ends the conversation.
-    """
+    """A conversation in lines: one question a line on `out`, all other text on `err`."""
 
     def __init__(
         self, dialogue: TeacherDialogue, lines: LineReader, out: TextIO, err: TextIO, stopped: threading.Event

@@ -26,14 +26,7 @@ HISTORY = 4
 
 
 def screen(view_state: ViewState, pad: Pad, capabilities: Capabilities, in_help: bool = False) -> list[Text]:
-    """Return the lines of the screen, at most as many as the terminal has rows, none wider than it is.
-
-    Args:
-        view_state: the present view state.
-        pad: keys that were pressed at the question.
-        capabilities: the terminal.
-        in_help: show the help instead of the table.
-    """
+    """Return the lines of the screen, at most as many as the terminal has rows, none wider than it is."""
     head = [
         *_wrapped(_head(view_state, capabilities), capabilities),
         Text('─' * capabilities.width, style='dim'),

@@ -14,16 +14,11 @@ FOCUS_STYLE = 'not dim bold reverse'
 
 
 def table_map(scene: Scene, columns: int, rows: int, focus: int | None) -> list[Text]:
-    """Return as many rows of text, which show the scene from above, its far side up.
+    """Return as many rows of text, which show the scene from above, its far side up; the frame counts.
 
     Objects that are closer together than the width of their numbers are shown beside each other. Objects without a
-    place are counted in the last row.
-
-    Args:
-        scene: the objects.
-        columns: width of the map, its frame included; at least 12.
-        rows: height of the map, its frame included; at least 3.
-        focus: id of the object that is highlighted, in brackets and in reverse video.
+    place are counted in the last row. The object in focus is in brackets and in reverse video. There must be 12 columns
+    and 3 rows at least.
     """
     places, left_out = _placed(scene, columns - 2, rows - 2, focus)
     lines = [Text('┌' + '─' * (columns - 2) + '┐', style='dim')]

@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-from types import TracebackType
-
 from rich import progress as bars
 from rich.console import Console
 from rich.markup import escape
@@ -39,9 +37,7 @@ class ProgressView:
         self._bar.start()
         return self
 
-    def __exit__(
-        self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
-    ) -> None:
+    def __exit__(self, *_: object) -> None:
         self._bar.stop()
 
     def after_turn(self, turn: int, record: QueryRecord | None, accuracy: float) -> None:

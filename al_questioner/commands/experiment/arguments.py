@@ -105,11 +105,7 @@ def parse(arguments: Sequence[str]) -> argparse.Namespace:
 
 
 def plan_of(given: argparse.Namespace, weights: Mapping[str, Mapping[str, float]]) -> Plan:
-    """Return the comparison that the arguments name.
-
-    Args:
-        given: the arguments.
-        weights: by strategy.
+    """Return the comparison that the arguments name, with the weights of each strategy.
 
     Raises:
         InputError: an unknown task or strategy, or nothing to play.

@@ -83,11 +83,7 @@ def _run(
 ) -> Shown | None:
     """Spin a node until it is over, with its status at the bottom of a terminal; None if it was never made.
 
-    Args:
-        make: makes the node.
-        ros: arguments for ROS.
-        console: where to show the status, if it is a terminal.
-        status: what to show, given whether keys are read.
+    The status is told whether keys are read.
 
     Raises:
         InputError: the node must not go on.

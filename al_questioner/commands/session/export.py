@@ -22,17 +22,8 @@ ANSWER_COLUMNS = (
     *('answer_id', 'teacher_id', 'outcome', 'content', 'replaces', 'status'),
 )
 TURN_COLUMNS = (
-    'turn',
-    'stamp',
-    'objects',
-    'kind',
-    'object_id',
-    'symbol',
-    'query_id',
-    'cost',
-    'outcome',
-    'groups',
-    'answered_in',
+    *('turn', 'stamp', 'objects', 'kind', 'object_id', 'symbol', 'query_id'),
+    *('cost', 'outcome', 'groups', 'answered_in'),
 )
 
 
@@ -136,24 +127,12 @@ def _turn_rows(summary: SessionSummary) -> list[list[object]]:
         query, record = queries.get(seen.turn), records.get(seen.turn)
         kind = 'no_query' if query is None else query.action.kind.value
         object_id, symbol = (None, None) if query is None else (query.action.object_id, query.action.symbol)
-        groups = '' if record is None else joined(record.groups)
+        came: list[object] = [None, None, '', None]
         if record is not None:
             object_id, symbol = record.object_id, record.symbol
-        rows.append(
-            [
-                seen.turn,
-                seen.stamp,
-                len(seen.scene),
-                kind,
-                object_id,
-                symbol,
-                query and query.query_id,
-                record and record.cost,
-                record and record.outcome.value,
-                groups,
-                record and record.answered_in,
-            ]
-        )
+            came = [record.cost, record.outcome.value, joined(record.groups), record.answered_in]
+        asked = [kind, object_id, symbol, query and query.query_id]
+        rows.append([seen.turn, seen.stamp, len(seen.scene), *asked, *came])
     return rows
 
 

@@ -23,10 +23,7 @@ FORMATS = ('.png', '.pdf', '.svg')
 def parser() -> Parser:
     """Make the parser of `train_weights`."""
     defaults = MatchingSettings()
-    result = Parser(
-        prog='train_weights',
-        description="Learn a strategy's weights from an expert's recorded episodes.",
-    )
+    result = Parser(prog='train_weights', description="Learn a strategy's weights from an expert's recorded episodes.")
     bags_help = 'a bag of the `record` executable, or the name of one that ships, such as expert_0'
     result.add_argument('bags', nargs='+', metavar='BAG', help=bags_help)
     result.add_argument('--out', type=Path, required=True, metavar='FILE', help='the YAML file to write')

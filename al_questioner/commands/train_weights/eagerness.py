@@ -34,11 +34,7 @@ def warn_of_amplitudes(demonstrations: Sequence[Demonstration]) -> str:
 
 
 class FreePlay:
-    """The learner by itself, in the demonstrations' worlds.
-
-    Args:
-        training: whose weights it has.
-        demonstrations: whose worlds, limits and time it has.
+    """The learner with trained weights, by itself, in the demonstrations' worlds and with their limits and time.
 
     Attributes:
         hindrance: why it cannot play there; empty if it can.
@@ -66,10 +62,7 @@ class FreePlay:
 def tell_eagerness(demonstrations: Sequence[Demonstration], in_place: Queries | None, free: FreePlay) -> Iterator[str]:
     """Lines on how much the learner asks; a warning, in colour, if that is little.
 
-    Args:
-        demonstrations: of the expert.
-        in_place: what it would ask in the expert's states; None to say nothing of that.
-        free: the learner by itself.
+    Nothing is said of the queries `in_place`, in the expert's states, if there are none.
     """
     by_expert = sum(len(demonstration.queries) for demonstration in demonstrations)
     asked: dict[str, int] = {}

@@ -29,13 +29,7 @@ from al_questioner.support.plotting import (
 def draw_training(
     training: Training, demonstrations: Sequence[Demonstration], learner: Sequence[Sequence[QueryRecord]], path: Path
 ) -> Path:
-    """Write a picture of the convergence, the weights, and the timelines.
-
-    Args:
-        training: what is drawn.
-        demonstrations: of the expert.
-        learner: what the learner asks in each one's place.
-        path: of the picture.
+    """Write a picture of the convergence, the weights, and the timelines: the expert's and the learner's.
 
     Raises:
         InputError: it cannot be written.

@@ -24,9 +24,6 @@ class RecordedPerceptionNode(QuestionerNode):
 
     Only the stamp is another one: recorded ones lie in the past, and a learner takes no scene from before its turn.
 
-    Args:
-        scenes: what is shown.
-
     Attributes:
         turn: the live turn that was answered last.
         over: whether it was told to quit, or failed.

@@ -28,9 +28,7 @@ LONGEST_NAME = 100
 class TeacherNode(QuestionerNode):
     """Answers every query once, and repeats the answer until the learner acknowledges it.
 
-    Args:
-        attend: lets a person answer, if the parameter `mode` says so.
-        node_arguments: of the node.
+    Where the parameter `mode` says so, `run_terminal` lets a person answer.
     """
 
     def __init__(self, run_terminal: RunTerminal = run_terminal, **node_arguments: Any) -> None:

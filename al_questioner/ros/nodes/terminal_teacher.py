@@ -40,12 +40,7 @@ def login_name() -> str:
 class TerminalTeacher:
     """Hands what the robot says to a dialogue, and what the person says to the robot.
 
-    The person is attended to by a thread of its own, which ends the node's context when they have done.
-
-    Args:
-        node: whose topics these are.
-        teacher_id: who answers.
-        attend: runs in that thread.
+    `run_terminal` attends to the person in a thread of its own, which ends the node's context when they have done.
 
     Attributes:
         dialogue: what is asked and said.

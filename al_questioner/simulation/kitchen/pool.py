@@ -27,7 +27,7 @@ class ObjectInstance:
     Attributes:
         kind: its kind.
         look: its individual look.
-        heft: factor of its weight.
+        weight_factor: factor of its weight.
         slot: index of the object in a scene, or, if objects are replaced, the index that it may take.
         places: its possible places on the table, as indices of `places`; no two slots share a place.
     """
@@ -81,12 +81,8 @@ def make_sample(task: Task, sample: int, there_are: KindsBySymbol | None = None)
     """Return the sample of this number: the same for every seed of the scenes.
 
     If objects change their state, training and test show the same objects in the same states, in new views. If
-    objects are replaced, every view is of an object of its own.
-
-    Args:
-        task: numbers and kinds of objects.
-        sample: its number.
-        there_are: the kinds of objects of each symbol, and of 'none'; those of the task's catalogue if not given.
+    objects are replaced, every view is of an object of its own. The kinds `there_are` are by symbol and 'none', or
+    those of the task's catalogue if not given.
     """
     rng = random_stream(sample, 'world/sample')
     scenes = task.scenes

@@ -95,13 +95,7 @@ def draw_scene(
 ) -> TablePicture:
     """Draw the table from above and in front, with each object from its own view and its id beside it.
 
-    Works with any views, simulated or real: each is cut out by its mask and scaled by its depth.
-
-    Args:
-        observations: the scene.
-        marks: objects to mark, by id.
-        table_m: width and depth of the table.
-        width_px: width of the picture.
+    The marks are by id. Works with any views, simulated or real: each is cut out by its mask and scaled by its depth.
     """
     projection = Projection(table_m, width_px)
     image = _backdrop(projection.height_px, width_px, projection.scale, SQUASH)

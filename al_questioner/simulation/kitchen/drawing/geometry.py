@@ -159,21 +159,18 @@ class Solid:
         size: tuple[float, float, float],
         part: int,
         *,
-        center: Point = (0, 0),
         low: float = 0.0,
         radius: float = 0.003,
-        angle: float = 0.0,
-        tone: float = 1.0,
         lid: int | None = None,
     ) -> None:
         """Add an upright box; `lid` is the material of its top, if different."""
         width, depth, height = size
-        outline = turned(rounded_rectangle(width, depth, radius), angle)
-        self.lathe([(low, 1), (low + height, 1)], part, center=center, outline=outline, tone=tone)
+        outline = rounded_rectangle(width, depth, radius)
+        self.lathe([(low, 1), (low + height, 1)], part, outline=outline)
         if lid is not None:
             top = np.full((len(outline), 3), low + height + 1e-4, dtype=np.float32)
-            top[:, :2] = outline + np.asarray(center, dtype=np.float32)
-            self.slices(top[None], lid, tone)
+            top[:, :2] = outline
+            self.slices(top[None], lid)
 
     def ball(
         self,

@@ -117,10 +117,7 @@ class Projection:
         return _split(self.pixels(together, fine), [some.shape[:-1] for some in polygons])
 
     def unproject(self, relief: FloatArray) -> tuple[FloatArray, FloatArray, FloatArray]:
-        """Return the points on the table that the pixels show, given their height.
-
-        Args:
-            relief: (rows, columns) metres above the table.
+        """Return the points on the table that the pixels show, given their (rows, columns) height in metres.
 
         Returns:
             (rows, columns) x and y of the visible point, and its depth along the optical axis, in metres.

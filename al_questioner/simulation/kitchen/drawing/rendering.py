@@ -66,13 +66,6 @@ def render(solid: Solid, pose: Pose, lighting: Lighting, camera: CameraParameter
 
     Colour, depth and mask agree with the pinhole model of `View.camera`: the size in metres that the mask and the depth
     readings give is the solid's size.
-
-    Args:
-        solid: the solid.
-        pose: its position before the camera.
-        lighting: the light.
-        camera: intrinsics, noise and margin.
-        rng: source of noise and grain.
     """
     intrinsics = Camera(camera.focal_px, camera.focal_px, (FRAME[0] - 1) / 2, (FRAME[1] - 1) / 2)
     projection, placed, polygons = Projection.around(solid, pose, intrinsics, camera.margin_px)
@@ -106,10 +99,7 @@ def _photograph(
 
 
 def _paint(
-    stacks: Sequence[Stack],
-    placed: Sequence[FloatArray],
-    pixels: Sequence[NDArray[np.int32]],
-    projection: Projection,
+    stacks: Sequence[Stack], placed: Sequence[FloatArray], pixels: Sequence[NDArray[np.int32]], projection: Projection
 ) -> Painting:
     """Paint the polygons in order; each fine pixel keeps the number of the last polygon that covers it."""
     canvas = np.zeros((FINE * projection.shape[0], FINE * projection.shape[1]), dtype=np.int32)

@@ -138,16 +138,8 @@ def label_image(
 ) -> FloatArray:
     """Return a printed label (96, 128 * repeats, 3), its design repeated: a band, a motif and a word.
 
-    Every view of an object shows the same label.
-
-    Args:
-        ground: colour of the paper.
-        ink: colour of the word.
-        accent: colour of band and motif.
-        word: printed word, short.
-        place: in [0, 1], moves the motif.
-        repeats: number of designs from left to right.
-        motif: 'disc', 'stripes', 'wave', 'blocks' or 'plain'.
+    Every view of an object shows the same label. The motif, of the accent's colour like the band, is 'disc', 'stripes',
+    'wave', 'blocks' or 'plain', and `place` in [0, 1] moves it.
     """
     paper, text, tint = ([round(255 * channel) for channel in color] for color in (ground, ink, accent))
     image = np.full((96, 128, 3), paper, dtype=np.uint8)

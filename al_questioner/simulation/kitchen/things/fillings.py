@@ -3,14 +3,15 @@
 from __future__ import annotations
 
 import numpy as np
+from numpy.random import Generator
 
 from al_questioner.domain import FloatArray
 from al_questioner.simulation.kitchen.drawing.geometry import Solid, unit_circle
 from al_questioner.simulation.kitchen.drawing.texture import Color, Material
-from al_questioner.simulation.kitchen.things.vessels import Draw, Filling, Look
+from al_questioner.simulation.kitchen.things.vessels import Filling, Look, drawing
 
 
-def spots_on_disc(n: int, radius: float, rng: np.random.Generator) -> FloatArray:
+def spots_on_disc(n: int, radius: float, rng: Generator) -> FloatArray:
     """Return (n, 2) points spread over a disc, the farthest first."""
     distance = radius * np.sqrt((np.arange(n) + 0.5) / n)
     angle = 2.39996 * np.arange(n) + rng.uniform(0, 2 * np.pi)
@@ -18,7 +19,7 @@ def spots_on_disc(n: int, radius: float, rng: np.random.Generator) -> FloatArray
     return (points + rng.normal(0, 0.12 * radius / np.sqrt(n), (n, 2))).astype(np.float32)[::-1]
 
 
-def _heaped(n: int, radius: float, low: float, peak: float, rng: np.random.Generator) -> FloatArray:
+def _heaped(n: int, radius: float, low: float, peak: float, rng: Generator) -> FloatArray:
     """Return (n, 3) undersides of pieces in a heap, from the rim to the peak."""
     spots = spots_on_disc(n, radius, rng)
     rise = 1 - np.linalg.norm(spots, axis=1) / radius
@@ -28,7 +29,7 @@ def _heaped(n: int, radius: float, low: float, peak: float, rng: np.random.Gener
 def liquid(color: Color, bits: Color | None = None, count: int = 14, bit_m: float = 0.006) -> Filling:
     """Return a function that draws soup or sauce, perhaps with bits in it."""
 
-    def fill(solid: Solid, level: float, radius: float, look: Look, rng: np.random.Generator) -> None:
+    def fill(solid: Solid, level: float, radius: float, look: Look, rng: Generator) -> None:
         broth = solid.material(Material(look.color(color), shine=0.45, sharpness=40, grain=0.07, grain_m=0.015))
         solid.lathe([(level, radius), (level, 0.95 * radius)], broth)
         if bits is not None:
@@ -43,7 +44,7 @@ def liquid(color: Color, bits: Color | None = None, count: int = 14, bit_m: floa
 def noodles(color: Color, sauce: Color | None, strands: int = 34) -> Filling:
     """Return a function that draws a tangle of spaghetti, perhaps with sauce on top."""
 
-    def fill(solid: Solid, level: float, radius: float, look: Look, rng: np.random.Generator) -> None:
+    def fill(solid: Solid, level: float, radius: float, look: Look, rng: Generator) -> None:
         pasta = solid.material(Material(look.color(color), shine=0.3, sharpness=25, grain=0.05))
         solid.lathe([(level, radius), (level + 0.012, 0.55 * radius), (level + 0.016, 0.05 * radius)], pasta, tone=0.7)
         middles = _heaped(strands, 0.62 * radius, level, 0.022, rng)
@@ -77,19 +78,11 @@ def heap(
 ) -> Filling:
     """Return a function that draws a heap of pieces of one outline (k, 2) and some colours.
 
-    Args:
-        colors: colours of the pieces.
-        piece: outline.
-        count: number of pieces.
-        peak: height of the heap.
-        thickness: thickness of a piece.
-        tilt: tilt of a piece, rise over length.
-        shine: shine of a piece.
-        bed: brightness of the ground between the pieces.
-        chips: colour of the dots on each piece, if any.
+    A piece rises over its length by `tilt`, the ground between the pieces has the brightness `bed`, and each piece has
+    dots of the colour `chips`, if any.
     """
 
-    def fill(solid: Solid, level: float, radius: float, look: Look, rng: np.random.Generator) -> None:
+    def fill(solid: Solid, level: float, radius: float, look: Look, rng: Generator) -> None:
         base = solid.material(Material(look.color(colors[0]), grain=0.2))
         profile = [(level, 0.95 * radius), (level + 0.5 * peak, 0.5 * radius), (level + 0.8 * peak, 0.05 * radius)]
         solid.lathe(profile, base, tone=bed)
@@ -113,7 +106,7 @@ def heap(
 def ring_slices(rind: Color, flesh: Color, core: Color, radius_m: float = 0.016, count: int = 11) -> Filling:
     """Return a function that draws round slices with a rind and a core, laid in a fan."""
 
-    def fill(solid: Solid, level: float, radius: float, look: Look, rng: np.random.Generator) -> None:
+    def fill(solid: Solid, level: float, radius: float, look: Look, rng: Generator) -> None:
         parts = [solid.material(Material(look.color(c), shine=0.2, grain=0.05)) for c in (rind, flesh, core)]
         spread = max(0.0, min(radius - radius_m, 0.055))
         spots = _heaped(count, spread + 1e-4, level, 0.012, rng)
@@ -131,7 +124,7 @@ def ring_slices(rind: Color, flesh: Color, core: Color, radius_m: float = 0.016,
 def wedges(skin: Color, flesh: Color, count: int = 8, length_m: float = 0.034) -> Filling:
     """Return a function that draws half-moon slices with the skin on."""
 
-    def fill(solid: Solid, level: float, radius: float, look: Look, rng: np.random.Generator) -> None:
+    def fill(solid: Solid, level: float, radius: float, look: Look, rng: Generator) -> None:
         peel = solid.material(Material(look.color(skin), shine=0.3))
         pulp = solid.material(Material(look.color(flesh), shine=0.25, grain=0.05))
         arc = np.linspace(0, np.pi, 12)
@@ -146,12 +139,7 @@ def wedges(skin: Color, flesh: Color, count: int = 8, length_m: float = 0.034) -
     return fill
 
 
-def pile(filling: Filling, radius: float = 0.05) -> Draw:
-    """Return a function that draws loose food straight on the table."""
-
-    def draw(look: Look, rng: np.random.Generator) -> Solid:
-        solid = Solid()
-        filling(solid, 0.0005, radius, look, rng)
-        return solid
-
-    return draw
+@drawing
+def pile(solid: Solid, look: Look, rng: Generator, filling: Filling, radius: float = 0.05) -> None:
+    """Draw loose food straight on the table."""
+    filling(solid, 0.0005, radius, look, rng)
