@@ -91,6 +91,12 @@ class Person:
         self.dialogue.ask(query)
         return self.dialogue.board()
 
+    def answered(self, query: Query, word: str = 'fruit') -> ViewState:
+        """What is shown once this is asked, answered, and the answer taken."""
+        self.asked(query)
+        self.dialogue.say(word)
+        return self.taken()
+
     def taken(self, accepted: bool = True, reason: str = '') -> ViewState:
         """What is shown once the learner has said whether it takes the last answer."""
         self.dialogue.acknowledge(self.sent[-1][1].answer_id, accepted, reason)
