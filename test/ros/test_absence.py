@@ -9,10 +9,8 @@ from diagnostic_msgs.msg import DiagnosticStatus
 from al_questioner.ros.nodes.learner import LearnerNode
 from al_questioner.ros.nodes.teacher import TeacherNode
 
-SOON = 0.05
-"""Seconds after which the learner of these tests believes that nobody is there."""
-AWAY = {'strategy': 'u_sampling', 'budget': 4.0, 'turns': 1000, 'change_interval': 1000, 'answer_timeout': SOON}
-"""Of a learner whose teacher is away."""
+AWAY = {'strategy': 'u_sampling', 'budget': 4.0, 'turns': 1000, 'change_interval': 1000, 'answer_timeout': 0.05}
+"""Of a learner who soon believes that nobody is there."""
 
 
 def test_an_episode_without_a_teacher_comes_to_its_end(graph: Any, person: Any) -> None:

@@ -111,14 +111,5 @@ def person() -> Person:
 @pytest.fixture(scope='session')
 def made() -> SimpleNamespace:
     """The helpers above; test modules cannot import from each other in pytest's importlib mode."""
-    return SimpleNamespace(
-        Person=Person,
-        QUERIES=QUERIES,
-        demonstration=demonstration,
-        feature_subset=feature_subset,
-        label=label,
-        many_objects=many_objects,
-        picture_of=picture_of,
-        record=record,
-        scene_of=scene_of,
-    )
+    helpers = (Person, demonstration, feature_subset, label, many_objects, picture_of, record, scene_of)
+    return SimpleNamespace(QUERIES=QUERIES, **{helper.__name__: helper for helper in helpers})
