@@ -25,7 +25,7 @@ from al_questioner.cli import main
 from al_questioner.event_log.events import ActionChosen
 from al_questioner.event_log.replay import first_divergence
 from al_questioner.imitation.bags import read_demonstrations
-from shared.checkout import ROOT
+from shared.bags import SHIPPED, text
 
 
 @pytest.mark.parametrize('storage', ['mcap', 'sqlite3'])
@@ -81,7 +81,7 @@ def test_without_a_turns_state_nobody_knows_since_when_an_answer_is_corrected(ba
     def then(writing, _):
         stamp = bags.START + 2 * 10**9
         answer = {'query_id': 'q1', 'answer_id': 'a2', 'teacher_id': 'anna', 'outcome': 'answered', 'content': 'snack'}
-        writing.send('answer', typestore().types[bags.STRING]('{"no": "answer"'), stamp + 1)
+        writing.send('answer', typestore().types[STRING]('{"no": "answer"'), stamp + 1)
         writing.say('answer', answer | {'replaces': 'a1'}, stamp + 2)
         ack = {'query_id': 'q1', 'answer_id': 'a2', 'accepted': accepted, 'reason': ''}
         writing.say('answer_ack', ack, stamp + 3)
@@ -99,8 +99,7 @@ def test_an_episode_without_a_whole_turn_is_told_of_beside_others(bags, tmp_path
 
     def then(writing, episode):
         stamp = bags.START + 2 * 10**9
-        told = {'sec': stamp // 10**9, 'nanosec': 0}
-        writing.say('turn', {'turn': 1, 'stamp': told, 'world': episode['world']}, stamp, 'e2')
+        writing.begin_turn(1, stamp, episode['world'], 'e2')
         writing.say('episode', episode, stamp + 1, 'e2')
 
     bags.write_episode(tmp_path / 'b', then=then)
@@ -125,10 +124,7 @@ def test_an_unfinished_recording_counts_as_far_as_it_goes(bags, tmp_path):
     ('missing', 'reason'),
     [
         ([('turn', 3)], 'turn 3 of 8 was not recorded'),
-        (
-            [('decision', 4)],
-            'turn 4 of 8 was recorded without its decision; if the learner kept a session, `session DIR',
-        ),
+        ([('decision', 4)], '4 of 8 was recorded without its decision; if the learner kept a session, `session DIR'),
         ([('objects', 8)], 'turn 8 of 8 was recorded without its objects'),
         ([('objects', 4)], 'turn 4 of 8 was recorded without its objects'),
         ([('episode', 1)], 'no episode was recorded'),
@@ -142,21 +138,19 @@ def test_what_is_missing_is_named(bags, tmp_path, missing, reason):
         read_episodes(tmp_path / 'b')
 
 
-def test_other_message_types_are_named(bags, tmp_path):
-    """A bag of another program with topics of the same name."""
-    writing = bags.Writing(tmp_path / 'b', types={**bags.TYPES, 'turn': 'sensor_msgs/msg/PointCloud2'})
-    writing.say('episode', {}, bags.START)
-    writing.bag.close()
-    with pytest.raises(BagError, match=r'topic /robot/turn holds sensor_msgs/msg/PointCloud2, expected std_msgs'):
-        read_episodes(tmp_path / 'b')
-
-
-def test_documents_that_are_none_are_named(bags, tmp_path):
-    """A bag of another version, or of nobody's."""
-    writing = bags.Writing(tmp_path / 'b')
+@pytest.mark.parametrize(
+    ('types', 'reason'),
+    [
+        ({'turn': CLOUD}, r'topic /robot/turn holds sensor_msgs/msg/PointCloud2, expected std_msgs'),
+        ({}, r'/robot/episode: .*is a required property'),
+    ],
+)
+def test_other_types_and_documents_that_are_none_are_named(bags, tmp_path, types, reason):
+    """A bag of another program with topics of the same name, of another version, or of nobody's."""
+    writing = bags.Writing(tmp_path / 'b', types={**bags.TYPES, **types})
     writing.say('episode', {'symbols': ['a', 'b']}, bags.START)
     writing.bag.close()
-    with pytest.raises(BagError, match=r'/robot/episode: .*is a required property'):
+    with pytest.raises(BagError, match=reason):
         read_episodes(tmp_path / 'b')
 
 
@@ -185,8 +179,7 @@ def test_decisions_without_features_cannot_be_learnt_from(bags, tmp_path):
 
 def test_what_latched_topics_tell_of_an_earlier_episode_is_left_out(tmp_path):
     """A learner that is done and still up would make the bag of the next episode unreadable."""
-    shipped = ROOT / 'bags'
-    old, new = (read_bag(shipped / name) for name in ('expert_0', 'expert_1'))
+    old, new = (read_bag(SHIPPED.with_name(name)) for name in ('expert_0', 'expert_1'))
     topics = [dataclasses.replace(topic, name=f'/r/{last_part(topic.name)}') for topic in new.topics]
     left_over = [
         next(m for m in reversed(old.messages) if last_part(m.topic) == name)
@@ -204,7 +197,6 @@ def last_part(topic):
     return topic.rsplit('/', 1)[-1]
 
 
-SHIPPED = ROOT / 'bags'
 HOUR = 3600 * 10**9
 
 
@@ -230,11 +222,11 @@ def stepped(messages, at, by):
 @pytest.mark.parametrize('is_sorted', [False, True], ids=['as recorded', 'sorted since'])
 def test_a_clock_that_was_put_back_hides_nothing(tmp_path, storage, at, by, is_sorted):
     """Of thirty decisions ten would be checked and learnt from, and nobody told."""
-    messages = stepped(read_bag(SHIPPED / 'expert_0').messages, at, by)
+    messages = stepped(read_bag(SHIPPED).messages, at, by)
     if is_sorted:
         messages.sort(key=lambda message: message.stamp)
     (episode,) = read_episodes(written(tmp_path / 'b', messages, storage=storage))
-    (before,) = read_episodes(SHIPPED / 'expert_0')
+    (before,) = read_episodes(SHIPPED)
     assert len(episode.turns) == 30
     assert episode.records == before.records
     assert first_divergence(episode.begun, episode.events) is None
@@ -253,34 +245,23 @@ def test_a_clock_that_was_put_back_hides_nothing(tmp_path, storage, at, by, is_s
 )
 def test_the_order_of_a_file_is_not_that_of_the_episode(tmp_path, arranged):
     """Whatever rewrites a bag has an order of its own."""
-    (episode,) = read_episodes(written(tmp_path / 'b', arranged(read_bag(SHIPPED / 'expert_0').messages)))
+    (episode,) = read_episodes(written(tmp_path / 'b', arranged(read_bag(SHIPPED).messages)))
     assert len(episode.turns) == 30
     assert first_divergence(episode.begun, episode.events) is None
 
 
-@pytest.mark.parametrize('later', [HOUR, -HOUR], ids=['later', 'on a clock that began anew'])
-def test_two_runs_under_one_episode_id_stay_apart(bags, tmp_path, later):
-    """The turns of one learner would be taken for those of the next, which was started with the same parameters."""
+@pytest.mark.parametrize('later', [HOUR, -HOUR, 0], ids=['later', 'on a clock that began anew', 'at the same times'])
+def test_two_learners_stay_apart(bags, tmp_path, later):
+    """The turns of one would be taken for those of the next, which has the same parameters, or the same times."""
     bags.write_episode(tmp_path / 'long', n_turns=8)
     bags.write_episode(tmp_path / 'short', n_turns=4, strategy='random_fsq', start=bags.START + later)
     first, second = (read_bag(tmp_path / name).messages for name in ('long', 'short'))
+    if later == 0:
+        ids = (b'"episode_id":"e1"', b'"episode_id":"e2"')
+        second = [dataclasses.replace(message, data=message.data.replace(*ids)) for message in second]
     episodes = read_episodes(written(tmp_path / 'b', [*first, *second]))
     assert [episode.begun.settings.strategy for episode in episodes] == ['expert', 'random_fsq']
     assert [len(episode.turns) for episode in episodes] == [8, 4]
-    assert [first_divergence(episode.begun, episode.events) for episode in episodes] == [None, None]
-
-
-def test_two_episodes_of_the_same_stamps_stay_apart(bags, tmp_path):
-    """A simulation that is started anew gives every learner the same times."""
-    bags.write_episode(tmp_path / 'one', n_turns=4)
-    bags.write_episode(tmp_path / 'other', n_turns=4, strategy='random_fsq')
-    first, second = (read_bag(tmp_path / name).messages for name in ('one', 'other'))
-    renamed = [
-        dataclasses.replace(message, data=message.data.replace(b'"episode_id":"e1"', b'"episode_id":"e2"'))
-        for message in second
-    ]
-    episodes = read_episodes(written(tmp_path / 'b', [*first, *renamed]))
-    assert [episode.begun.settings.strategy for episode in episodes] == ['expert', 'random_fsq']
     assert [first_divergence(episode.begun, episode.events) for episode in episodes] == [None, None]
 
 
@@ -306,7 +287,7 @@ def test_what_other_nodes_say_on_such_names_is_passed_over(bags, tmp_path, name,
     if data == 'cloud of others':
         content = cloud_of_others(bags, messages)
     elif data is not None:
-        content = bytes(typestore().serialize_cdr(typestore().types[STRING](data), STRING))
+        content = text(data)
     if data is not None:
         others = [BagMessage(name, type_, message.stamp - 1, content) for message in messages[::3]]
         messages = sorted([*messages, *others], key=lambda message: message.stamp)
@@ -370,14 +351,16 @@ def test_what_could_not_be_used_beside_others_is_told(bags, tmp_path):
         read_episodes(path)
 
 
-def test_the_last_decision_of_a_recording_that_ended_early_is_checked(bags, tmp_path):
-    """It would be left out without a word."""
+def test_the_last_decision_of_a_recording_that_ended_early_is_checked_and_counted(bags, tmp_path, capsys):
+    """It would be left out without a word, or seem not to have been checked."""
     bags.write_episode(tmp_path / 'b', missing=[('learner_state', 8)])
     (episode,) = read_episodes(tmp_path / 'b')
     assert (len(episode.turns), episode.decisions) == (7, 8)
     assert first_divergence(episode.begun, episode.events) is None
     other = with_other_features(episode, 8, 1)
     assert first_divergence(episode.begun, other) == 'turn 8: the features differ by up to 1'
+    assert main(['replay', str(tmp_path / 'b'), '--check']) == 0
+    assert '8 decisions, all as recorded' in capsys.readouterr().out.replace('\n', ' ')
 
 
 def test_the_scenes_of_a_camera_whose_clock_went_back_are_found(bags, tmp_path):
@@ -428,12 +411,3 @@ def test_the_scene_of_the_next_learner_is_not_taken_for_one_that_is_missing(bags
     (episode,) = read_episodes(written(tmp_path / 'b', [*first, *second]), left_out)
     assert len(episode.turns) == 8
     assert [reason[:47] for _, reason in left_out] == ['turn 8 of 8 was recorded without its objects; i']
-
-
-def test_a_decision_that_was_compared_is_counted(bags, tmp_path, capsys):
-    """Where only the last learner_state is missing, the last decision would seem not to have been checked."""
-    bags.write_episode(tmp_path / 'b', missing=[('learner_state', 8)])
-    (episode,) = read_episodes(tmp_path / 'b')
-    assert (len(episode.turns), episode.decisions) == (7, 8)
-    assert main(['replay', str(tmp_path / 'b'), '--check']) == 0
-    assert '8 decisions, all as recorded' in capsys.readouterr().out.replace('\n', ' ')

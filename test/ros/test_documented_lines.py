@@ -148,10 +148,8 @@ def arguments_of(line: str) -> tuple[str, list[str], list[str]]:
 
 def make_node(executable: str, own: list[str], **arguments: Any) -> QuestionerNode | None:
     """The node of an executable; None for one that is none, whose arguments are parsed alone."""
-    if executable == 'learner':
-        return LearnerNode(**arguments)
-    if executable == 'perception':
-        return PerceptionNode(**arguments)
+    if executable in ('learner', 'perception'):
+        return {'learner': LearnerNode, 'perception': PerceptionNode}[executable](**arguments)
     if executable == 'teacher':
         return TeacherNode(lambda session, ended: ended.wait(), **arguments)
     if executable == 'record' and not own:

@@ -6,8 +6,8 @@ from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
 
+import numpy as np
 import pytest
-from diagnostic_msgs.msg import DiagnosticArray
 from rclpy.context import Context
 from rclpy.event_handler import PublisherEventCallbacks
 from rclpy.node import Node
@@ -28,7 +28,6 @@ from al_questioner.ros.nodes.recorder import RecorderNode
 from al_questioner.ros.nodes.teacher import TeacherNode
 from al_questioner.ros.types import CLOUD_TYPES, header, octets
 from al_questioner.simulation import PerceivedWorld, WorldSpec, load_task
-from al_questioner.simulation.kitchen.table_image import draw_scene
 
 OFFERS = {
     'an ordinary publisher': QoSProfile(depth=10),
@@ -47,11 +46,6 @@ def cloud() -> PointCloud2:
     return cloud_of_scene(scene, header(FAR, 'camera'), CLOUD_TYPES)
 
 
-def picture() -> Image:
-    world = PerceivedWorld(WorldSpec(load_task('prepare_lunch'), 4, 4).open())
-    return image(draw_scene(world.observations(1)).image, header(FAR, 'camera'), Image, octets)
-
-
 def keep_saying(publisher: Any, message: Any, is_heard: Any) -> Any:
     """What publishes, as drivers do again and again, and tells whether it was heard."""
 
@@ -60,17 +54,6 @@ def keep_saying(publisher: Any, message: Any, is_heard: Any) -> Any:
         return is_heard()
 
     return say
-
-
-@pytest.fixture
-def diagnostics(graph: Any) -> Any:
-    """A function that waits for a text on /diagnostics."""
-    heard = graph.listen('/diagnostics', DiagnosticArray, qos.DIAGNOSTICS)
-
-    def wait_for(text: str) -> None:
-        graph.wait_for(lambda: any(text in one.message for array in heard for one in array.status), text)
-
-    return wait_for
 
 
 @pytest.mark.parametrize('offer', OFFERS)
@@ -96,7 +79,8 @@ def test_a_picture_of_any_kind_reaches_who_teaches(graph: Any, offer: str) -> No
     graph.wait_for(lambda: sessions, 'a person at the terminal')
     seen: list[Any] = []
     sessions[0].see = lambda *arguments: seen.append(arguments)
-    graph.wait_for(keep_saying(eyes, picture(), lambda: seen), 'the picture')
+    picture = image(np.zeros((4, 6, 3), np.uint8), header(FAR, 'camera'), Image, octets)
+    graph.wait_for(keep_saying(eyes, picture, lambda: seen), 'the picture')
 
 
 @pytest.mark.parametrize('offer', OFFERS)
@@ -177,14 +161,15 @@ def test_a_publisher_of_another_type_is_named(graph: Any, stranger: Node, diagno
     stranger.create_publisher(String, 'objects', qos.LATCHED)
     graph.start(LearnerNode, **graph.episode)
     name, topic = f'/{graph.namespace}/stranger', f'/{graph.namespace}/objects'
-    diagnostics(f'objects; {name} publishes std_msgs/msg/String on {topic}, not sensor_msgs/msg/PointCloud2: unheard')
+    of_type = f'{name} publishes std_msgs/msg/String on {topic}, not sensor_msgs/msg/PointCloud2: unheard'
+    diagnostics.wait_for(f'objects; {of_type}')
 
 
 def test_who_asks_for_more_than_is_offered_is_named(graph: Any, diagnostics: Any) -> None:
     """Who waits for what is not latched would wait for ever."""
     graph.ears.create_subscription(PointCloud2, 'decision', lambda _: None, qos.LATCHED)
     graph.start(LearnerNode, **graph.episode)
-    diagnostics(
+    diagnostics.wait_for(
         f'waiting for objects; /{graph.namespace}/ears listens to /{graph.namespace}/decision and hears nothing:'
         ' volatile publisher and transient local subscription'
     )
@@ -202,7 +187,7 @@ def test_the_user_chooses_the_quality_of_service(graph: Any, diagnostics: Any) -
     given |= override(graph, 'scene_image', 'publisher', depth=3)
     learner = graph.start(LearnerNode, **graph.episode, **given)
     graph.ears.create_publisher(PointCloud2, 'objects', OFFERS['sensor data'])
-    diagnostics('/ears offers less')
+    diagnostics.wait_for('/ears offers less')
     profiles = {one.topic_name.rsplit('/', 1)[-1]: one.qos_profile for one in learner.subscriptions}
     assert (profiles['objects'], profiles['objects'].depth) == (
         QoSProfile(depth=7, durability=DurabilityPolicy.TRANSIENT_LOCAL),

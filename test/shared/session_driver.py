@@ -17,6 +17,7 @@ from collections.abc import Callable
 from functools import cache, lru_cache, partial
 from pathlib import Path
 
+from durable_sessions import TASK, TEACHER
 from storages import WatchedStorage, killer
 
 from al_questioner.domain import Answer, Outcome, Query, Scene
@@ -24,12 +25,10 @@ from al_questioner.event_log.durable_episode import DurableEpisode
 from al_questioner.event_log.events import EpisodeStarted, SceneObserved
 from al_questioner.event_log.log import SessionLog, read_log
 from al_questioner.questioning import Receipt
-from al_questioner.simulation import PerceivedWorld, ScriptedTeacher, WorldSpec, episode_settings, load_task
+from al_questioner.simulation import PerceivedWorld, WorldSpec, episode_settings
 
-TASK = load_task('prepare_lunch')
 SETTINGS = episode_settings(TASK, 'u_sampling_fsq', 6.0, 5, change_interval=2, tune_every=2)
 BEGUN = EpisodeStarted('e1', SETTINGS, 4, 1e-3, None, '0')
-TEACHER = ScriptedTeacher(TASK.symbols, TASK.relevant_groups, 4)
 
 
 @lru_cache(maxsize=1)

@@ -6,8 +6,8 @@ import csv
 import dataclasses
 import itertools
 import json
-import resource
 import sqlite3
+from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
@@ -35,12 +35,11 @@ from al_questioner.questioning import (
     make_strategy,
     read_plain_answer,
 )
-from al_questioner.simulation import PerceivedWorld, ScriptedTeacher, WorldSpec, episode_settings, load_task
+from al_questioner.simulation import PerceivedWorld, WorldSpec, episode_settings
+from shared.durable_sessions import TASK, TEACHER, WORLD, answer, ask
+from shared.little_room import little_room
 
-TASK = load_task('prepare_lunch')
-TEACHER = ScriptedTeacher(TASK.symbols, TASK.relevant_groups, 4)
 EPISODE = ['--task', 'prepare_lunch', '--strategy', 'dt_iros', '--budget', '6', '--turns', '7', '--seed', '4']
-WORLD = {'task': 'prepare_lunch', 'seed': 4, 'sample': 4, 'dataset': None}
 BEGUN = EpisodeStarted('e1', episode_settings(TASK, 'dt_iros', 6.0, 7, tune_every=3), 4, 1e-3, WORLD, '1')
 
 
@@ -54,10 +53,8 @@ def write_session(folder: Path, world: PerceivedWorld, corrected: bool = False, 
     session = DurableEpisode(begun, SessionLog(folder))
     session.start()
     while not session.episode.done:
-        turn = session.episode.turn + 1
-        query = session.ask(SceneObserved(turn, turn * 10**9, 'table', world.scene(turn))).query
-        if query is not None:
-            session.take(TEACHER.answer(query, world.truth(turn)))
+        if ask(session, world).query is not None:
+            session.take(answer(session, world))
         session.tune()
     if corrected:
         assert session.take(Answer('q1', 'b1', 'bert', Outcome.SKIP)) is Receipt.LATE
@@ -77,12 +74,11 @@ def test_a_teacher_who_was_away_leaves_a_session_like_any_other(
         session = DurableEpisode(BEGUN, SessionLog(log))
         session.start()
         if not session.episode.awaits_answer and session.episode.turns_left:
-            turn = session.episode.turn + 1
-            session.ask(SceneObserved(turn, turn * 10**9, 'table', world.scene(turn)))
+            ask(session, world)
         elif session.episode.turn in away:
             session.time_out()
         elif session.episode.pending is not None:
-            session.take(TEACHER.answer(session.episode.pending, world.truth(session.episode.pending.turn)))
+            session.take(answer(session, world))
         if not session.episode.awaits_answer:
             session.tune()
         session.close()
@@ -149,17 +145,13 @@ def test_a_session_as_a_bag_leads_to_the_same_decisions(tmp_path: Path, world: P
 
 
 def test_nothing_is_left_of_a_bag_that_does_not_fit_on_the_disk(
-    tmp_path: Path, world: PerceivedWorld, capsys: pytest.CaptureFixture[str]
+    tmp_path: Path, world: PerceivedWorld, refusal: Callable[..., str]
 ) -> None:
     """Half a bag would be taken for the session, and be in the way of the next try."""
     write_session(tmp_path / 'log', world)
-    before = resource.getrlimit(resource.RLIMIT_FSIZE)
-    resource.setrlimit(resource.RLIMIT_FSIZE, (40_000, before[1]))
-    try:
-        assert main(['session', str(tmp_path / 'log'), '--bag', str(tmp_path / 'bag')]) == 2
-    finally:
-        resource.setrlimit(resource.RLIMIT_FSIZE, before)
-    assert 'bag: cannot be written (File too large)' in capsys.readouterr().err
+    with little_room(40_000):
+        error = refusal('session', tmp_path / 'log', '--bag', tmp_path / 'bag')
+    assert 'bag: cannot be written (File too large)' in error
     assert [path.name for path in tmp_path.iterdir()] == ['log']
 
 
@@ -347,7 +339,7 @@ def test_accuracy_is_not_made_up(tmp_path: Path, world: PerceivedWorld) -> None:
 
 @pytest.mark.parametrize('options', [[], ['--repair']])
 def test_nothing_usable_ends_with_status_2_and_one_line(
-    tmp_path: Path, options: list[str], capsys: pytest.CaptureFixture[str]
+    tmp_path: Path, options: list[str], refusal: Callable[..., str]
 ) -> None:
     """A mistyped folder, or a log of which nothing is left, would end in a traceback."""
     (tmp_path / 'damaged').mkdir()
@@ -358,10 +350,7 @@ def test_nothing_usable_ends_with_status_2_and_one_line(
         ('damaged', 'nothing usable is in the session log (event 1 cannot be read'),
         ('empty', 'nothing usable is in the session log (no episode was begun)'),
     ):
-        assert main(['session', str(tmp_path / name), *options]) == 2
-        error = capsys.readouterr().err
-        assert reason in error
-        assert error.count('\n') == 1
+        assert reason in refusal('session', tmp_path / name, *options)
 
 
 def test_an_episode_in_which_nothing_could_be_chosen_is_no_demonstration(
