@@ -17,16 +17,7 @@ from typing import NamedTuple
 from al_questioner.bags.reading import BagError, deserialize
 from al_questioner.bags.recorded_episode import RecordedEpisode
 from al_questioner.bags.runs import Placed, Recorded, Run
-from al_questioner.domain import (
-    NO_SYMBOL,
-    Answer,
-    Content,
-    InputError,
-    Outcome,
-    QueryKind,
-    QueryRecord,
-    SceneError,
-)
+from al_questioner.domain import NO_SYMBOL, Answer, Content, InputError, Outcome, QueryKind, QueryRecord, SceneError
 from al_questioner.event_log.events import (
     ActionChosen,
     AnswerAccepted,

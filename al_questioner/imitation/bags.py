@@ -19,9 +19,7 @@ from al_questioner.simulation import WorldSpec, load_task
 
 
 def read_demonstrations(
-    paths: Sequence[Path],
-    feature_set: FeatureSet = FEATURE_SETS['dt_task_env'],
-    left_out: list[str] | None = None,
+    paths: Sequence[Path], feature_set: FeatureSet = FEATURE_SETS['dt_task_env'], left_out: list[str] | None = None
 ) -> list[Demonstration]:
     """Return the demonstrations of several bags, in the order given; a bag may hold several episodes.
 

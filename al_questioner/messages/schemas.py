@@ -97,10 +97,7 @@ _QUERY = _record(
         'model_version': _COUNT,
         'text': _TEXT,
     },
-    {
-        'world': {'oneOf': [_WORLD, {'type': 'null'}]},
-        'known': _OBJECT_IDS,
-    },
+    {'world': {'oneOf': [_WORLD, {'type': 'null'}]}, 'known': _OBJECT_IDS},
 )
 _ANSWER = _record(
     {'query_id': _TEXT, 'answer_id': _TEXT, 'teacher_id': _TEXT, 'outcome': {'enum': _SAYABLE}},
@@ -134,13 +131,7 @@ SCHEMAS: dict[str, JsonSchema] = {
             'view_tolerance': _member(SAME_VIEW),
         },
     ),
-    'turn': _record(
-        {
-            'turn': _TURN,
-            'stamp': _STAMP,
-            'world': {'oneOf': [_WORLD, {'type': 'null'}]},
-        }
-    ),
+    'turn': _record({'turn': _TURN, 'stamp': _STAMP, 'world': {'oneOf': [_WORLD, {'type': 'null'}]}}),
     'query': _QUERY,
     'answer': _ANSWER,
     'answer_ack': _record(

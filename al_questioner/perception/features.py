@@ -114,12 +114,7 @@ def view_features(view: View) -> NDArray[np.float32]:
     outline = _outline(silhouette)
     patch = _patch(view.color[window], silhouette)
     return np.array(
-        [
-            *_colour(patch),
-            *_size(view, window, silhouette, outline),
-            *_shape(silhouette, outline),
-            *_texture(patch),
-        ],
+        [*_colour(patch), *_size(view, window, silhouette, outline), *_shape(silhouette, outline), *_texture(patch)],
         dtype=np.float32,
     )
 
@@ -177,14 +172,7 @@ def _colour(patch: _Patch) -> list[float]:
     lower = position.astype(np.intp)
     share = position - lower
     hues = np.bincount(lower, chroma * (1 - share), HUES) + np.bincount((lower + 1) % HUES, chroma * share, HUES)
-    return [
-        lightness,
-        green_red,
-        blue_yellow,
-        lab_spread[0, 0] / 255,
-        saturation.std() / 255,
-        *(hues / chroma.size),
-    ]
+    return [lightness, green_red, blue_yellow, lab_spread[0, 0] / 255, saturation.std() / 255, *(hues / chroma.size)]
 
 
 def _size(

@@ -24,9 +24,5 @@ def new_concept_learner(
     if strategy is None:
         strategy = make_strategy(settings.strategy, settings.weights)
     return ConceptLearner(
-        settings.symbols,
-        settings.amplitude,
-        settings.length_scale,
-        strategy.selector,
-        view_tolerance,
+        settings.symbols, settings.amplitude, settings.length_scale, strategy.selector, view_tolerance
     )
