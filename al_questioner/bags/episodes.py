@@ -37,15 +37,10 @@ def read_episodes(path: Path, left_out: list[LeftOut] | None = None) -> list[Rec
     Raises:
         BagError: not a bag, a broken one, or one without an episode that can be used; the text names the bag.
     """
-    bag = read_bag(path)
-    episodes: list[RecordedEpisode] = []
-    missing: list[LeftOut] = []
-    for recorded in recorded_in(bag, ('episode', 'turn')):
-        for found in _episodes(path, recorded):
-            if isinstance(found, RecordedEpisode):
-                episodes.append(found)
-            else:
-                missing.append(found)
+    whole = recorded_in(read_bag(path), ('episode', 'turn'))
+    found = [each for recorded in whole for each in _episodes(path, recorded)]
+    episodes = [each for each in found if isinstance(each, RecordedEpisode)]
+    missing = [each for each in found if isinstance(each, LeftOut)]
     if missing and (left_out is None or not episodes):
         raise BagError(f'{path}: {missing[0].reason}')
     if not episodes:

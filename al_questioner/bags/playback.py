@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 from dataclasses import replace
+from itertools import islice
 from typing import NamedTuple
 
 from al_questioner.bags.reading import BagMessage
@@ -40,7 +41,7 @@ class Playback:
     """A position in a bag that moves with a steady clock, which the caller reads and passes in.
 
     Args:
-        messages: messages in the order in which they are to be published.
+        messages: in the order in which they are to be published.
         rate: recorded seconds in a second.
         loop: begin again at the end.
         paused: begin with a pause.
@@ -162,13 +163,8 @@ class Playback:
 
     def _end_of_next_turn(self) -> int:
         """Return the index of the message that begins the turn after the next one."""
-        begun = False
-        for at in range(self._next, len(self._messages)):
-            if begins_turn(self._messages[at]):
-                if begun:
-                    return at
-                begun = True
-        return len(self._messages)
+        begins = (at for at in range(self._next, len(self._messages)) if begins_turn(self._messages[at]))
+        return next(islice(begins, 1, None), len(self._messages))
 
     def _hand_out(self, end: int) -> list[BagMessage]:
         found = list(self._messages[self._next : end])

@@ -77,12 +77,8 @@ class Run:
 class Recorded:
     """Content of a recording in one namespace.
 
-    Args:
-        bag: the bag.
-        namespace: the topics' names without their last parts.
-
     Attributes:
-        namespace: the same.
+        namespace: the topics' names without their last parts.
         runs: of learners, in the order in which they began.
         faults: what could not be read of what should be there.
         corrected: the episodes in which an answer was replaced by another one.
@@ -167,13 +163,12 @@ class Recorded:
             self._episodes.append((place, documents.read(name, deserialize(message).data)))
         elif name in ('answer', 'answer_ack'):
             with contextlib.suppress(InputError):
-                self._take_talk(name, documents.read(name, deserialize(message).data))
-
-    def _take_talk(self, name: str, document: Document) -> None:
-        if name == 'answer' and document.get('replaces') is not None:
-            self._replacing.add((document['episode_id'], document['query_id'], document['answer_id']))
-        elif name == 'answer_ack' and document['accepted']:
-            self._accepted.add((document['episode_id'], document['query_id'], document['answer_id']))
+                document = documents.read(name, deserialize(message).data)
+                ids = (document['episode_id'], document['query_id'], document['answer_id'])
+                if name == 'answer' and document.get('replaces') is not None:
+                    self._replacing.add(ids)
+                elif name == 'answer_ack' and document['accepted']:
+                    self._accepted.add(ids)
 
     def _find_runs(self) -> list[Run]:
         runs: list[Run] = []

@@ -49,13 +49,7 @@ class _KnownView:
 
 
 class Correction(NamedTuple):
-    """A correction of a view whose only look was wrong.
-
-    Attributes:
-        object_id: id of the object.
-        wrong: (m,) features that it had until now.
-        right: (m,) features that it has.
-    """
+    """A correction of a view whose only look was wrong: (m,) features that the thing had until now, and that it has."""
 
     object_id: int
     wrong: NDArray[np.float32]

@@ -132,11 +132,7 @@ def meant(word: str, names: Iterable[str]) -> list[str]:
 def near(word: str, names: Collection[str], commands: Collection[str] = ()) -> str | None:
     """Return the name that a word is probably a misspelling of, or None; it is good for a suggestion only.
 
-    Args:
-        word: a word that means nothing.
-        names: names that may have been meant.
-        commands: commands that may have been meant; one is returned only if it is nearer than every name, and near
-            enough.
+    A command is returned only if it is nearer than every name, and near enough.
     """
     slip = loosely(word[: 2 * LONGEST_QUOTED])
     lowest = {**dict.fromkeys(commands, LIKENESS_OF_COMMANDS), **dict.fromkeys(names, LIKENESS)}

@@ -114,10 +114,8 @@ class Scene:
         finite = np.isfinite(self.features)
         if not finite.all():
             row, column = np.argwhere(~finite)[0]
-            raise SceneError(
-                f'feature {self.feature_names[column]} of object {self.object_ids[row]} is not finite'
-                f' ({self.features[row, column]})'
-            )
+            where = f'feature {self.feature_names[column]} of object {self.object_ids[row]}'
+            raise SceneError(f'{where} is not finite ({self.features[row, column]})')
         if not np.isfinite(self.positions).all():
             row = int(np.argwhere(~np.isfinite(self.positions))[0][0])
             raise SceneError(f'the position of object {self.object_ids[row]} is not finite')

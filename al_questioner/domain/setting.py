@@ -62,11 +62,7 @@ class Setting(Generic[Value]):
         return min(self.upper, LARGEST_INTEGER if type(self.default) is int else LARGEST_AMOUNT)
 
     def check(self, value: float, subject: str = '') -> None:
-        """Refuse a number outside the range.
-
-        Args:
-            value: the number.
-            subject: what it is called; the name, unless given.
+        """Refuse a number outside the range; the text calls it by the subject, or by the name if none is given.
 
         Raises:
             SettingsError: it is not finite, or outside the range.

@@ -25,6 +25,7 @@ from al_questioner.event_log.log import LogContents
 from al_questioner.event_log.storage import Event
 from al_questioner.messages import documents
 from al_questioner.messages.documents import Document
+from al_questioner.support.text import one_line
 
 LONGEST_REFUSED = 1000
 """Characters of a refused text that are kept."""
@@ -73,8 +74,7 @@ def decoded(contents: LogContents) -> tuple[list[EpisodeEvent], str | None]:
         try:
             understood = _decode(event, json.loads(event.content), last)
         except (KeyError, TypeError, ValueError) as error:
-            reason = ' '.join(str(error).split())
-            return found, f'event {event.number} ({event.kind}) cannot be understood ({reason})'
+            return found, f'event {event.number} ({event.kind}) cannot be understood ({one_line(error)})'
         if isinstance(understood, SceneObserved):
             last = understood.scene
         found.append(understood)

@@ -22,6 +22,7 @@ from pathlib import Path
 from al_questioner.domain import EpisodeError, InputError
 from al_questioner.event_log.storage import DATABASE, HEAD, Event, SqliteStorage, StorageFactory, write_anew
 from al_questioner.support.files import make_folder, sync_to_disk
+from al_questioner.support.text import one_line
 
 LOCK = 'session.lock'
 BROKEN = 'broken-'
@@ -42,12 +43,7 @@ class LogWriteError(EpisodeError):
 
 @dataclass(frozen=True)
 class LogContents:
-    """Readable content of a log.
-
-    Attributes:
-        events: all that come before the first damage.
-        damage: what is wrong, and where; None if the log is whole.
-    """
+    """Readable content of a log: the events before the first damage, and what is wrong and where, if anything."""
 
     events: tuple[Event, ...]
     damage: str | None
@@ -207,11 +203,9 @@ def _read(folder: Path, live: bool) -> LogContents | None:
     with tempfile.TemporaryDirectory() as copied:
         for name in names:
             # An interrupted repair may have moved some of the files away and not yet the others.
-            sources = [folder / f'{BROKEN}{name}'] * unfinished + [folder / name]
-            for source in sources:
-                if source.exists():
-                    shutil.copyfile(source, Path(copied) / name)
-                    break
+            kept, source = folder / f'{BROKEN}{name}', folder / name
+            with contextlib.suppress(FileNotFoundError):
+                shutil.copyfile(kept if unfinished and kept.exists() else source, Path(copied) / name)
         head = _read_head(Path(copied) / HEAD)
         contents = _judged(*_read_events(f'file:{_quoted(Path(copied) / DATABASE)}'), head)
     if unfinished and contents.damage is None:
@@ -245,7 +239,7 @@ def _read_events(uri: str) -> tuple[list[Event], str | None]:
                 events.append(Event(*row))
                 checksum = row[4]
     except (sqlite3.Error, UnicodeError) as error:
-        return events, f'event {len(events) + 1} cannot be read ({_one_line(error)})'
+        return events, f'event {len(events) + 1} cannot be read ({one_line(error)})'
     return events, None
 
 
@@ -319,8 +313,4 @@ def _unusable(folder: Path) -> Iterator[None]:
     except OSError as error:
         raise SessionLogError(f'{folder}: the session log cannot be used ({error.strerror})') from error
     except sqlite3.Error as error:
-        raise SessionLogError(f'{folder}: the session log cannot be used ({_one_line(error)})') from error
-
-
-def _one_line(error: Exception) -> str:
-    return ' '.join(str(error).split())
+        raise SessionLogError(f'{folder}: the session log cannot be used ({one_line(error)})') from error

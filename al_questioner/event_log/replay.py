@@ -158,10 +158,8 @@ def _difference(decision: Decision, recorded: ActionChosen) -> str:
 
 def _difference_of_numbers(decision: Decision, recorded: Decision) -> str:
     """Return in which numbers a decision is not the recorded one; empty if it is the same but for rounding."""
-    for name, ours, theirs in (
-        ('features', decision.features, recorded.features),
-        ('utilities', decision.utilities, recorded.utilities),
-    ):
+    for name in ('features', 'utilities'):
+        ours, theirs = getattr(decision, name), getattr(recorded, name)
         if not np.array_equal(np.isnan(ours), np.isnan(theirs)):
             return f'the {name} of other candidates are missing'
         if not np.allclose(ours, theirs, rtol=ROUNDING, atol=ROUNDING, equal_nan=True):

@@ -46,20 +46,14 @@ def state_members(episode: Episode, beliefs: NDArray[np.float64]) -> Document:
         'teachers': {name: dataclasses.asdict(record) for name, record in episode.teachers.items()},
         'kernel': dataclasses.asdict(episode.concepts.kernel),
         'beliefs': {
-            str(object_id): {
-                symbol: round(float(p), 6) for symbol, p in zip(episode.settings.symbols, row, strict=True)
-            }
+            str(object_id): dict(zip(episode.settings.symbols, (round(float(p), 6) for p in row), strict=True))
             for object_id, row in zip(episode.scene.object_ids, beliefs, strict=True)
         },
     }
 
 
 def noise_text(noise: Mapping[str, float]) -> str:
-    """Describe the sensors' noise for people.
-
-    Args:
-        noise: of each feature by its name, as share of its spread among things.
-    """
+    """Describe the sensors' noise, of each feature as share of its spread among things, for people."""
     if not noise:
         return 'not estimated'
     noisiest = max(noise, key=lambda name: noise[name])

@@ -23,10 +23,7 @@ def read_demonstrations(
 ) -> list[Demonstration]:
     """Return the demonstrations of several bags, in the order given; a bag may hold several episodes.
 
-    Args:
-        paths: of the bags.
-        feature_set: whose weights are to be learnt.
-        left_out: takes what of the bags cannot be used, beside what can; if not given, all must be.
+    If a list `left_out` is given, it takes what of the bags cannot be used, beside what can; if not, all must be.
 
     Raises:
         InputError: a bag that is none, broken, of something else, or whose decisions hold nothing to learn from; or an

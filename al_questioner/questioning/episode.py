@@ -170,9 +170,6 @@ class Episode:
         While a query of an earlier turn waits for its answer nothing is asked. It is withdrawn, and another one
         asked, when what it is about is not in view any more as it was.
 
-        Args:
-            scene: what is seen this turn.
-
         Raises:
             SceneError: the scene's features are not those of the scenes before.
             RuntimeError: the present turn waits for an answer, or the episode is over.

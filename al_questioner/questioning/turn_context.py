@@ -39,11 +39,7 @@ class TurnContext:
     Attributes:
         turn: 1-based.
         turns: number of turns of the episode.
-        scene: the objects seen this turn.
-        concepts: the concept learner of the episode.
-        budget: budget of the episode.
         spent: part of the budget that was spent so far.
-        costs: price of each kind of query.
         change_interval: turns between scene changes as the robot expects them: the window of the non-query time.
         non_query_turns: consecutive turns before this one in which nothing was asked.
         scene_turn: turn in which the present scene was first seen.

@@ -86,11 +86,7 @@ def choose_best(
     teaches nothing leaves the beliefs as they were, so the same question would be the best again, and it does not tell
     asking something from asking something useful, so pointless questions would keep the non-query time low.
 
-    Args:
-        context: whose candidates they are.
-        utilities: (C,) NaN for candidates that are not considered.
-        rng: breaks the ties.
-        features: (C, F) handed on to the choice.
+    The (C,) utilities are NaN for candidates that are not considered; the (C, F) features are handed on to the choice.
     """
     settled = settled_actions(context)
     considered = np.where([action in settled for action in context.candidates], np.nan, utilities)
