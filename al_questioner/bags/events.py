@@ -72,11 +72,7 @@ def decode_run(source: Path, recorded: Recorded, run: Run, document: Document) -
 
 
 class _Decoder:
-    """Turns the messages of a run into events, turn by turn.
-
-    Attributes:
-        feature_names: m names.
-    """
+    """Turns the messages of a run into events, turn by turn."""
 
     def __init__(self, recorded: Recorded, run: Run, begun: EpisodeStarted, feature_names: tuple[str, ...]) -> None:
         self.feature_names = feature_names

@@ -38,13 +38,9 @@ class _Pace(NamedTuple):
 
 
 class Playback:
-    """A position in a bag that moves with a steady clock, which the caller reads and passes in.
+    """A position in a bag that moves with a steady clock, whose seconds the caller reads and passes in as `now`.
 
-    Args:
-        messages: in the order in which they are to be published.
-        rate: recorded seconds in a second.
-        loop: begin again at the end.
-        paused: begin with a pause.
+    Messages are published in the order given, at a rate of recorded seconds in a second.
 
     Raises:
         InputError: no message, or a rate that is not a number above 0.
@@ -99,11 +95,7 @@ class Playback:
         return (self.stamp(now) - self._messages[0].stamp) / SECOND
 
     def stamp(self, now: float) -> int:
-        """Return the recorded time, nanoseconds since the epoch; it stands still while paused and at the end.
-
-        Args:
-            now: seconds of the steady clock.
-        """
+        """Return the recorded time, nanoseconds since the epoch; it stands still while paused and at the end."""
         stamp, since, rate, paused = self._pace
         if paused or since is None:
             return stamp
@@ -146,12 +138,7 @@ class Playback:
         self._pace = _Pace(self.stamp(now), since, rate, self.paused)
 
     def step(self, now: float, turn: bool) -> list[BagMessage]:
-        """Pause, and return the next message, or all up to the end of the next turn.
-
-        Args:
-            now: seconds of the steady clock.
-            turn: return the rest of this turn and the whole next one, instead of one message.
-        """
+        """Pause, and return the next message, or the rest of this turn and the whole next one."""
         if not self.paused:
             self.pause(now)
         if self._next == len(self._messages) and self.loop:

@@ -24,7 +24,6 @@ class Placed(NamedTuple):
     Attributes:
         place: how many messages were received before it.
         stamp: in its header, or of the turn that it begins; nanoseconds.
-        message: it.
     """
 
     place: int

@@ -319,9 +319,8 @@ class ConceptModels:
     def _matching(self, features: ArrayLike) -> Array:
         points = _matrix(features)
         if len(self._points) and points.shape[1] != self._points.shape[1]:
-            raise InputError(
-                f'features have {points.shape[1]} columns, the models were fitted on {self._points.shape[1]}'
-            )
+            found, fitted = points.shape[1], self._points.shape[1]
+            raise InputError(f'features have {found} columns, the models were fitted on {fitted}')
         return points
 
 

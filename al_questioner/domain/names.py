@@ -49,10 +49,7 @@ def listed(names: object) -> tuple[str, ...] | None:
 def check_names(names: Sequence[str], what: str, has_key: bool = True) -> None:
     """Make sure that people can say each name, and that no word means two of them.
 
-    Args:
-        names: the names, such as symbols.
-        what: noun for one of them, for the text of the error.
-        has_key: whether a single letter can be typed for a name.
+    The text of the error calls one of them by the noun `what`; a name has a key if a single letter can be typed for it.
 
     Raises:
         InputError: a name is reserved for something else, cannot be typed as it is, or is like another name; the text

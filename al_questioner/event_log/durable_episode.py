@@ -32,11 +32,7 @@ REFUSED_KEPT, REFUSED_PERIOD = 10, 60.0
 class DurableEpisode:
     """An Episode each event of which is on the disk before its effect is known to anybody.
 
-    Without a log it is the Episode alone.
-
-    Args:
-        wanted: the episode; an empty `episode_id` stands for whichever the log has.
-        log: where it is written; None for nowhere.
+    Without a log it is the Episode alone. An empty `episode_id` stands for whichever episode the log has.
 
     Attributes:
         begun: the episode, as the log has it if there is one already.

@@ -53,11 +53,7 @@ class SessionLog:
     """A log that is written to, by one process at a time.
 
     What `append` has returned from survives whatever happens to the process or, as far as the disk keeps its word, to
-    the machine. Once an event could not be written the log takes no more.
-
-    Args:
-        folder: of the log, made if it is not there.
-        storage: writes it.
+    the machine. Once an event could not be written the log takes no more. Its folder is made if it is not there.
 
     Raises:
         SessionLogError: another process writes to it, it is damaged, or it cannot be written to.
@@ -189,9 +185,7 @@ def repair_log(folder: Path) -> LogContents:
 def _read(folder: Path, live: bool) -> LogContents | None:
     """Read the log of a folder; return None if there is none.
 
-    Args:
-        folder: of the log.
-        live: whether it is written to meanwhile. If it is not, a copy is read: opening a database changes its files.
+    Unless it is live, written to meanwhile, a copy is read: opening a database changes its files.
     """
     names = [DATABASE, DATABASE + _JOURNALS[0], HEAD]
     unfinished = not (folder / DATABASE).exists() and (folder / f'{BROKEN}{DATABASE}').exists()
@@ -199,7 +193,7 @@ def _read(folder: Path, live: bool) -> LogContents | None:
         return None
     if live:
         head = _read_head(folder / HEAD)
-        return _judged(*_read_events(f'file:{_quoted(folder / DATABASE)}?mode=ro'), head)
+        return _judged(*_read_events(f'{(folder / DATABASE).absolute().as_uri()}?mode=ro'), head)
     with tempfile.TemporaryDirectory() as copied:
         for name in names:
             # An interrupted repair may have moved some of the files away and not yet the others.
@@ -207,7 +201,7 @@ def _read(folder: Path, live: bool) -> LogContents | None:
             with contextlib.suppress(FileNotFoundError):
                 shutil.copyfile(kept if unfinished and kept.exists() else source, Path(copied) / name)
         head = _read_head(Path(copied) / HEAD)
-        contents = _judged(*_read_events(f'file:{_quoted(Path(copied) / DATABASE)}'), head)
+        contents = _judged(*_read_events((Path(copied) / DATABASE).absolute().as_uri()), head)
     if unfinished and contents.damage is None:
         return LogContents(contents.events, 'a repair was interrupted')
     return contents
@@ -216,10 +210,6 @@ def _read(folder: Path, live: bool) -> LogContents | None:
 def _is_unused(head: Path) -> bool:
     """Return whether no event was ever noted: a session that began on a full disk, or was killed at once."""
     return not head.exists() or _head_of(0, _START).startswith(head.read_bytes())
-
-
-def _quoted(path: Path) -> str:
-    return str(path.absolute()).replace('%', '%25').replace('?', '%3f').replace('#', '%23')
 
 
 def _read_events(uri: str) -> tuple[list[Event], str | None]:
@@ -286,9 +276,7 @@ class _InUseError(SessionLogError):
 def _locked(folder: Path, make: bool = True) -> Iterator[None]:
     """Hold the lock of a log, which ends with the process however that ends.
 
-    Args:
-        folder: of the log.
-        make: whether it is to write. Readers share the lock and make no file for it: where none is, nobody writes.
+    Readers share the lock and make no file for it: where none is, nobody writes.
     """
     path = folder / LOCK
     if not make and not path.exists():

@@ -32,9 +32,7 @@ class ReplayError(InputError):
 class Replay:
     """Plays the events of an episode to an Episode, in the order in which they came about.
 
-    Args:
-        begun: the episode.
-        strategy: who decides; if not given, the strategy of the settings does, with a person's choices as recorded.
+    If no strategy is given, that of the settings decides, with a person's choices as recorded.
 
     Attributes:
         episode: as it is after the events played so far.

@@ -17,11 +17,7 @@ Measure = Callable[[View], NDArray[np.float32]]
 def perceive(observations: Sequence[Observation], measure: Measure = view_features) -> Scene:
     """Return the scene of n observations: the features of the views, then the sensor readings.
 
-    The readings are in the order of the first observation.
-
-    Args:
-        observations: one per object.
-        measure: `view_features`, or the same with a cache of views that return.
+    The readings are in the order of the first observation. Views that return may be measured with a cache.
 
     Returns:
         A scene with (n, m) features, m = len(VIEW_FEATURE_NAMES) + number of sensors.

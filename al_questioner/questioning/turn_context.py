@@ -77,10 +77,7 @@ class TurnContext:
 
     @property
     def allowance(self) -> float:
-        """Amount that may be spent in the present scene.
-
-        After the k-th of K scenes, k/K of the budget may have been spent.
-        """
+        """Amount that may be spent in the present scene: after the k-th of K scenes, k/K of the budget in all."""
         scenes = math.ceil(self.turns / self.change_interval)
         number = (self.turn - 1) // self.change_interval + 1
         return self.budget * number / scenes - self.spent

@@ -25,7 +25,6 @@ class Choice:
     """A strategy's choice among the candidates of a turn.
 
     Attributes:
-        index: of the chosen candidate.
         utilities: (C,) value of each candidate; NaN for one that the strategy does not consider.
         features: (C, F) of the candidates, if the strategy tells them: the seven of `DECISION_FEATURES`, unless it is
             observed with others.
