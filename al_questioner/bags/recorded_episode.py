@@ -16,7 +16,6 @@ class RecordedTurn(NamedTuple):
 
     Attributes:
         turn: 1-based.
-        scene: what was seen.
         decision: what was weighed and chosen; its query is None.
         record: what was asked, and answered in the end; None if nothing was.
     """

@@ -37,7 +37,6 @@ class State(NamedTuple):
     Attributes:
         place: how many messages were received before it.
         turn: how many turns it says are over.
-        text: of the document.
     """
 
     place: int
@@ -50,7 +49,6 @@ class Run:
     """A learner from its start to its end; one that is started again under the same `episode_id` is another run.
 
     Attributes:
-        episode_id: of its episode.
         world: the simulated world that it spoke of with its turns; None if it was another one.
         document: what it told of the episode; None if that was not recorded.
         begins: where each turn begins, and its stamp.

@@ -66,7 +66,7 @@ class ConceptModels:
         self._warned = False
 
     def fit(self, features: ArrayLike, labels: Sequence[str]) -> ConceptModels:
-        """Fit every classifier.
+        """Fit every classifier, and return the models themselves.
 
         If the labels continue those of the last fit, the fit starts from its result. If one label was added to the same
         features, the new modes follow from the old by the steps of the look-ahead. The result equals that of a fresh
@@ -75,9 +75,6 @@ class ConceptModels:
         Args:
             features: (n, m) standardised features; n = 0 removes all examples.
             labels: n names, each a symbol or `NO_SYMBOL`.
-
-        Returns:
-            The models themselves.
 
         Raises:
             InputError: a shape that does not fit, a value that is not finite, or an unknown label.
@@ -128,7 +125,7 @@ class ConceptModels:
         return models
 
     def predict_proba(self, features: ArrayLike) -> Array:
-        """Return (k, |Y|) q_y(x) in (0, 1), not normalised over y, of (k, m) standardised features.
+        """Return the (k, |Y|) degrees q_y(x), in (0, 1) and not normalised over y, of (k, m) standardised features.
 
         Raises:
             InputError: not m columns, or a value that is not finite.
@@ -154,7 +151,7 @@ class ConceptModels:
         return np.array([self.symbols[column] for column in best])
 
     def score(self, features: ArrayLike, labels: Sequence[str]) -> float:
-        """Return the share of (k, m) standardised features, k > 0, whose most probable symbol is the true one.
+        """Return the share of k > 0 objects, (k, m) standardised features, whose most probable symbol is the true one.
 
         Raises:
             InputError: not k rows of m columns, none at all, or a value that is not finite.

@@ -34,7 +34,6 @@ class View:
         color: (h, w, 3) uint8, blue-green-red as in OpenCV.
         depth: (h, w) uint16 millimetres, 0 where the sensor has no reading.
         mask: (h, w) bool, true on the object.
-        camera: intrinsics of the full frame.
         origin: (column, row) of the crop's top left pixel in the frame, 0-based.
     """
 
@@ -52,7 +51,6 @@ class Observation:
     Attributes:
         object_id: identifies the object as long as it stays in the scene.
         position: (x, y, z) metres in the table's frame.
-        view: the RGB-D crop.
         sensors: reading by name; a name starts with its feature group (`weight_kg`, `base_x`, `arms_left_1`).
     """
 

@@ -86,10 +86,8 @@ class EpisodeSettings:
             say, more is asked, see `names.check_names`.
         budget: query budget, in the unit of `costs`; 0 or more.
         turns: number of turns, 1 or more.
-        strategy: name of a questioning strategy.
         weights: weights and constants of the strategy, by the names that it declares.
         change_interval: turns between scene changes as the robot expects them: the window of the non-query time.
-        costs: price of each kind of query.
         amplitude: variance of the Gaussian processes' kernel.
         length_scale: length scale of the kernel in standard deviations of a feature; None for the square root of
             the number of features in use.

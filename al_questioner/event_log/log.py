@@ -87,29 +87,26 @@ class SessionLog:
             LogWriteError: they cannot be; neither can any event after them.
         """
         with self._in_use:
-            self._append(entries)
-
-    def _append(self, entries: Sequence[tuple[str, bytes]]) -> None:
-        if self._failure:
-            raise LogWriteError(self._failure)
-        number, checksum, events = self._number, self._checksum, []
-        for kind, content in entries:
-            number, stamp = number + 1, time.time_ns()
-            checksum = _chained(checksum, number, kind, stamp, content)
-            events.append(Event(number, kind, stamp, content, checksum))
-        try:
-            self._storage.write(events)
-            self._storage.commit()
-            self._number, self._checksum = number, checksum
-            self._storage.note(_head_of(number, checksum))
-        except (OSError, sqlite3.Error) as error:
-            self._storage.rollback()
-            reason = (isinstance(error, OSError) and error.strerror) or str(error)
-            self._failure = (
-                f'{self.folder}: the session log cannot be written ({reason}): nothing is asked or taken any more;'
-                ' what was acknowledged is safe; see to the disk and start the learner again'
-            )
-            raise LogWriteError(self._failure) from error
+            if self._failure:
+                raise LogWriteError(self._failure)
+            number, checksum, events = self._number, self._checksum, []
+            for kind, content in entries:
+                number, stamp = number + 1, time.time_ns()
+                checksum = _chained(checksum, number, kind, stamp, content)
+                events.append(Event(number, kind, stamp, content, checksum))
+            try:
+                self._storage.write(events)
+                self._storage.commit()
+                self._number, self._checksum = number, checksum
+                self._storage.note(_head_of(number, checksum))
+            except (OSError, sqlite3.Error) as error:
+                self._storage.rollback()
+                reason = (isinstance(error, OSError) and error.strerror) or str(error)
+                self._failure = (
+                    f'{self.folder}: the session log cannot be written ({reason}): nothing is asked or taken any more;'
+                    ' what was acknowledged is safe; see to the disk and start the learner again'
+                )
+                raise LogWriteError(self._failure) from error
 
     def close(self) -> None:
         """Let another process write; nothing can be appended any more."""

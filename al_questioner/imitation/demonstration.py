@@ -28,7 +28,6 @@ class Step:
     """One decision.
 
     Attributes:
-        turn: 1-based.
         actions: the C candidates that were considered.
         features: (C, F) their features, in the order of the demonstration's feature set.
         chosen: index of the one that was chosen.

@@ -63,7 +63,6 @@ class Matching:
 
     Attributes:
         weights: (F,) mean over the window of iterations whose validation gap is smallest.
-        iterations: all that were made.
         kept: index of the last iteration of that window.
         gap: (F,) over the training demonstrations, of new rollouts with the weights.
         validation_gap: (F,) the same over the validation demonstrations; that of training if there are none.

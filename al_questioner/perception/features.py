@@ -64,7 +64,7 @@ class _Patch:
 
 
 def view_features(view: View) -> NDArray[np.float32]:
-    """Measure one object.
+    """Return the (len(VIEW_FEATURE_NAMES),) float32 features of one object, all finite.
 
     - colour: mean L*, a*, b* (unit: L* range 1), spread of L* and of the saturation, and how strongly the object shows
       each of six hues. This is the mean over its pixels of their chroma, shared between the two nearest hues. So a grey
@@ -76,9 +76,6 @@ def view_features(view: View) -> NDArray[np.float32]:
       hull)^2; and log10(h + 1e-5) of Hu's first three invariants. The other invariants are products of higher degree,
       mostly noise on a small mask. The added 1e-5 keeps the logarithm stable at a symmetric shape's zeros.
     - texture: share of edge pixels, standard deviation of the lightness in a fine and in a coarse band, entropy (bits).
-
-    Returns:
-        (len(VIEW_FEATURE_NAMES),) float32, finite.
 
     Raises:
         InputError: colour, depth and mask of different sizes, an empty mask, or focal lengths that are not positive.

@@ -49,7 +49,6 @@ class Episode:
         strategy: who decides; if not given, `make_strategy` makes the one that the settings name.
 
     Attributes:
-        settings: what was given to the learner.
         answers: what was said to the queries.
 
     Raises:

@@ -38,7 +38,6 @@ class TurnContext:
 
     Attributes:
         turn: 1-based.
-        turns: number of turns of the episode.
         spent: part of the budget that was spent so far.
         change_interval: turns between scene changes as the robot expects them: the window of the non-query time.
         non_query_turns: consecutive turns before this one in which nothing was asked.

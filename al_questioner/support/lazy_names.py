@@ -9,11 +9,8 @@ from importlib import import_module
 def lazy_names(package: str, modules: Mapping[str, Collection[str]]) -> tuple[list[str], Callable[[str], object]]:
     """Return the `__all__` and the `__getattr__` of a package whose public names are defined in its modules.
 
-    Type checkers see the imports under TYPE_CHECKING in their place, `X as X`, which a test compares with these.
-
-    Args:
-        package: name of the package.
-        modules: the public names that each module defines; modules are relative to the package.
+    Modules are relative to the package. Type checkers see the imports under TYPE_CHECKING in their place, `X as X`,
+    which a test compares with these.
     """
     homes = {name: module for module, names in modules.items() for name in names}
 
