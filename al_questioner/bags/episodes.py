@@ -28,24 +28,16 @@ class LeftOut(NamedTuple):
 def read_episodes(path: Path, left_out: list[LeftOut] | None = None) -> list[RecordedEpisode]:
     """Return all episodes of a bag in the order in which they began; what other nodes say on such topics is left out.
 
-    An episode that was over before the recording began is none of the bag's: only latched topics tell of it.
-
-    Args:
-        path: of the bag.
-        left_out: takes what cannot be used beside what can; if not given, all must be.
+    An episode that was over before the recording began is none of the bag's: only latched topics tell of it. A list
+    `left_out` takes what cannot be used beside what can; if it is not given, all must be.
 
     Raises:
         BagError: not a bag, a broken one, or one without an episode that can be used; the text names the bag.
     """
-    bag = read_bag(path)
-    episodes: list[RecordedEpisode] = []
-    missing: list[LeftOut] = []
-    for recorded in recorded_in(bag, ('episode', 'turn')):
-        for found in _episodes(path, recorded):
-            if isinstance(found, RecordedEpisode):
-                episodes.append(found)
-            else:
-                missing.append(found)
+    whole = recorded_in(read_bag(path), ('episode', 'turn'))
+    found = [each for recorded in whole for each in _episodes(path, recorded)]
+    episodes = [each for each in found if isinstance(each, RecordedEpisode)]
+    missing = [each for each in found if isinstance(each, LeftOut)]
     if missing and (left_out is None or not episodes):
         raise BagError(f'{path}: {missing[0].reason}')
     if not episodes:

@@ -17,16 +17,7 @@ from typing import NamedTuple
 from al_questioner.bags.reading import BagError, deserialize
 from al_questioner.bags.recorded_episode import RecordedEpisode
 from al_questioner.bags.runs import Placed, Recorded, Run
-from al_questioner.domain import (
-    NO_SYMBOL,
-    Answer,
-    Content,
-    InputError,
-    Outcome,
-    QueryKind,
-    QueryRecord,
-    SceneError,
-)
+from al_questioner.domain import NO_SYMBOL, Answer, Content, InputError, Outcome, QueryKind, QueryRecord, SceneError
 from al_questioner.event_log.events import (
     ActionChosen,
     AnswerAccepted,
@@ -64,7 +55,10 @@ def decode_run(source: Path, recorded: Recorded, run: Run, document: Document) -
     states = _states(recorded, run)
     last = states[-1].document['turn'] if states else 0
     if run.episode_id in recorded.corrected:
-        _check_without_gap(states)
+        missing = set(range(1, last)).difference(state.document['turn'] for state in states)
+        if missing:
+            without = f'turn {min(missing)} was recorded without its learner_state'
+            raise InputError(f'{without}: what was known then cannot be said, as an answer was corrected')
     records, told = _course(states)
     decoder, events = _Decoder(recorded, run, begun, tuple(document['feature_names'])), list[EpisodeEvent]()
     for turn in range(1, last + 1):
@@ -78,11 +72,7 @@ def decode_run(source: Path, recorded: Recorded, run: Run, document: Document) -
 
 
 class _Decoder:
-    """Turns the messages of a run into events, turn by turn.
-
-    Attributes:
-        feature_names: m names.
-    """
+    """Turns the messages of a run into events, turn by turn."""
 
     def __init__(self, recorded: Recorded, run: Run, begun: EpisodeStarted, feature_names: tuple[str, ...]) -> None:
         self.feature_names = feature_names
@@ -191,17 +181,6 @@ def _states(recorded: Recorded, run: Run) -> list[_State]:
         if run.episode_id not in recorded.corrected:
             break
     return found
-
-
-def _check_without_gap(states: Sequence[_State]) -> None:
-    """Make sure that it can be said in which turn an answer was corrected."""
-    turns = {state.document['turn'] for state in states}
-    for turn in range(1, max(turns, default=0)):
-        if turn not in turns:
-            raise InputError(
-                f'turn {turn} was recorded without its learner_state: what was known then cannot be said,'
-                ' as an answer was corrected'
-            )
 
 
 def _course(states: Sequence[_State]) -> tuple[dict[int, QueryRecord], Mapping[int, list[QueryRecord]]]:

@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 from dataclasses import replace
+from itertools import islice
 from typing import NamedTuple
 
 from al_questioner.bags.reading import BagMessage
@@ -37,13 +38,13 @@ class _Pace(NamedTuple):
 
 
 class Playback:
-    """A position in a bag that moves with a steady clock, which the caller reads and passes in.
+    """A position in a bag that moves with a steady clock, whose seconds the caller reads and passes in as `now`.
 
-    Args:
-        messages: messages in the order in which they are to be published.
-        rate: recorded seconds in a second.
-        loop: begin again at the end.
-        paused: begin with a pause.
+    Messages are published in the order given, at a rate of recorded seconds in a second.
+
+    Attributes:
+        position: number of messages that were returned in this round.
+        turn: number of turns that have begun in this round, of `turns` that a round has.
 
     Raises:
         InputError: no message, or a rate that is not a number above 0.
@@ -58,8 +59,8 @@ class Playback:
             raise InputError(f'rate must be a number above 0, not {rate}')
         self.loop = loop
         self._messages = messages
-        self._next = 0
-        self._turn = 0
+        self.position = 0
+        self.turn = 0
         self._pace = _Pace(messages[0].stamp, None, rate, paused)
         self.turns = sum(begins_turn(message) for message in messages)
 
@@ -74,19 +75,9 @@ class Playback:
         return self._pace.paused
 
     @property
-    def position(self) -> int:
-        """Number of messages that were returned in this round."""
-        return self._next
-
-    @property
-    def turn(self) -> int:
-        """Number of turns that have begun in this round."""
-        return self._turn
-
-    @property
     def done(self) -> bool:
         """True once all messages were returned and no other round follows."""
-        return self._next == len(self._messages) and not self.loop
+        return self.position == len(self._messages) and not self.loop
 
     @property
     def duration(self) -> float:
@@ -98,11 +89,7 @@ class Playback:
         return (self.stamp(now) - self._messages[0].stamp) / SECOND
 
     def stamp(self, now: float) -> int:
-        """Return the recorded time, nanoseconds since the epoch; it stands still while paused and at the end.
-
-        Args:
-            now: seconds of the steady clock.
-        """
+        """Return the recorded time, nanoseconds since the epoch; it stands still while paused and at the end."""
         stamp, since, rate, paused = self._pace
         if paused or since is None:
             return stamp
@@ -116,11 +103,11 @@ class Playback:
         """
         if self.paused:
             return []
-        if self._next == len(self._messages) and self.loop:
+        if self.position == len(self._messages) and self.loop:
             self._rewind(now)
         if self._pace.since is None:
             self._pace = self._pace._replace(since=now)
-        stamp, end = self.stamp(now), self._next
+        stamp, end = self.stamp(now), self.position
         while end < len(self._messages) and self._messages[end].stamp <= stamp:
             end += 1
         return self._hand_out(end)
@@ -129,9 +116,9 @@ class Playback:
         """Return the seconds until the next message is due; None if there is none until the user does something."""
         if self.paused or self.done:
             return None
-        if self._next == len(self._messages):
+        if self.position == len(self._messages):
             return 0.0
-        return max(0.0, (self._messages[self._next].stamp - self.stamp(now)) / SECOND / self.rate)
+        return max(0.0, (self._messages[self.position].stamp - self.stamp(now)) / SECOND / self.rate)
 
     def pause(self, now: float) -> None:
         """Pause, or continue after a pause."""
@@ -145,39 +132,29 @@ class Playback:
         self._pace = _Pace(self.stamp(now), since, rate, self.paused)
 
     def step(self, now: float, turn: bool) -> list[BagMessage]:
-        """Pause, and return the next message, or all up to the end of the next turn.
-
-        Args:
-            now: seconds of the steady clock.
-            turn: return the rest of this turn and the whole next one, instead of one message.
-        """
+        """Pause, and return the next message, or the rest of this turn and the whole next one."""
         if not self.paused:
             self.pause(now)
-        if self._next == len(self._messages) and self.loop:
+        if self.position == len(self._messages) and self.loop:
             self._rewind(now)
-        found = self._hand_out(self._end_of_next_turn() if turn else min(self._next + 1, len(self._messages)))
+        found = self._hand_out(self._end_of_next_turn() if turn else min(self.position + 1, len(self._messages)))
         if found:
             self._pace = self._pace._replace(stamp=found[-1].stamp)
         return found
 
     def _end_of_next_turn(self) -> int:
         """Return the index of the message that begins the turn after the next one."""
-        begun = False
-        for at in range(self._next, len(self._messages)):
-            if begins_turn(self._messages[at]):
-                if begun:
-                    return at
-                begun = True
-        return len(self._messages)
+        begins = (at for at in range(self.position, len(self._messages)) if begins_turn(self._messages[at]))
+        return next(islice(begins, 1, None), len(self._messages))
 
     def _hand_out(self, end: int) -> list[BagMessage]:
-        found = list(self._messages[self._next : end])
-        self._next = end
-        self._turn += sum(map(begins_turn, found))
+        found = list(self._messages[self.position : end])
+        self.position = end
+        self.turn += sum(map(begins_turn, found))
         return found
 
     def _rewind(self, now: float) -> None:
-        self._next = self._turn = 0
+        self.position = self.turn = 0
         self._pace = self._pace._replace(stamp=self._messages[0].stamp, since=now)
 
 

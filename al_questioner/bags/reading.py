@@ -26,6 +26,7 @@ from al_questioner.bags.storages import (
     written_order,
 )
 from al_questioner.domain import InputError
+from al_questioner.support.text import one_line
 
 
 class BagError(InputError):
@@ -34,12 +35,9 @@ class BagError(InputError):
 
 @dataclass(frozen=True)
 class Topic:
-    """A topic of a bag.
+    """A topic of a bag: its full name as recorded, the type of its messages, such as 'std_msgs/msg/String'.
 
-    Attributes:
-        name: full name as recorded, with its namespace.
-        type: type of its messages, such as 'std_msgs/msg/String'.
-        latched: whether its publisher was transient local.
+    It is latched if its publisher was transient local.
     """
 
     name: str
@@ -49,14 +47,7 @@ class Topic:
 
 @dataclass(frozen=True)
 class BagMessage:
-    """A message of a bag.
-
-    Attributes:
-        topic: name of its topic.
-        type: type of the message.
-        stamp: time of receipt, nanoseconds since the epoch.
-        data: serialised message, CDR.
-    """
+    """A message of a bag, serialised (CDR), with the time of its receipt in nanoseconds since the epoch."""
 
     topic: str
     type: str
@@ -66,13 +57,7 @@ class BagMessage:
 
 @dataclass(frozen=True)
 class Bag:
-    """Content of a bag.
-
-    Attributes:
-        path: path of the bag.
-        topics: its topics.
-        messages: all messages, in the order of their receipt; the stamps may go back if the recorder's clock did.
-    """
+    """Content of a bag, all messages in the order of their receipt; stamps may go back if the recorder's clock did."""
 
     path: Path
     topics: tuple[Topic, ...]
@@ -102,7 +87,7 @@ def read_bag(path: Path) -> Bag:
                 for connection, stamp, data in written_order(file)
             ]
     except Exception as error:
-        raise BagError(f'{path}: cannot be read ({_one_line(error)}){_hint(path)}') from error
+        raise BagError(f'{path}: cannot be read ({one_line(error) or type(error).__name__}){_hint(path)}') from error
     found = Counter(message.topic for message in messages)
     short = [f'{found[name]} of {count} on {name}' for name, count in expected.items() if found[name] < count]
     if short:
@@ -144,7 +129,7 @@ def deserialize(message: BagMessage) -> Any:
     try:
         return typestore().deserialize_cdr(message.data, message.type)
     except Exception as error:
-        raise BagError(f'{message.topic}: not a {message.type} ({_one_line(error)})') from error
+        raise BagError(f'{message.topic}: not a {message.type} ({one_line(error) or type(error).__name__})') from error
 
 
 def digest(path: Path) -> str:
@@ -206,7 +191,3 @@ def _is_latched(extension: object) -> bool:
     if not isinstance(extension, ConnectionExtRosbag2):
         return False
     return any(profile.durability is QosDurability.TRANSIENT_LOCAL for profile in extension.offered_qos_profiles)
-
-
-def _one_line(error: Exception) -> str:
-    return ' '.join(str(error).split()) or type(error).__name__

@@ -16,7 +16,6 @@ class RecordedTurn(NamedTuple):
 
     Attributes:
         turn: 1-based.
-        scene: what was seen.
         decision: what was weighed and chosen; its query is None.
         record: what was asked, and answered in the end; None if nothing was.
     """
@@ -33,8 +32,6 @@ class RecordedEpisode:
 
     Attributes:
         source: the bag.
-        begun: the episode.
-        feature_names: m names.
         events: what followed its beginning, see `bags.events`.
         turns_over: turns whose end was recorded, from the first on, without a gap.
         records: what came of their queries in the end, in the order of their turns.
@@ -67,9 +64,7 @@ class RecordedEpisode:
     @property
     def change_turns(self) -> tuple[int, ...]:
         """Turns whose scene differs from that of the turn before."""
-        pairs = zip(self.turns, self.turns[1:], strict=False)
-        return tuple(after.turn for before, after in pairs if _differ(before.scene, after.scene))
-
-
-def _differ(before: Scene, after: Scene) -> bool:
-    return before.object_ids != after.object_ids or before.features.tobytes() != after.features.tobytes()
+        looks = [(turn.scene.object_ids, turn.scene.features.tobytes()) for turn in self.turns]
+        return tuple(
+            turn.turn for turn, look, last in zip(self.turns[1:], looks[1:], looks, strict=False) if look != last
+        )

@@ -22,12 +22,9 @@ from al_questioner.support.files import sync_to_disk
 
 @dataclass(frozen=True)
 class RepairReport:
-    """Result of a repair.
+    """Result of a repair: whether nothing had to be done, and the number of messages kept, by topic.
 
-    Attributes:
-        was_whole: true if nothing had to be done.
-        kept: number of messages, by topic.
-        originals: the broken files, which were kept under other names; none if the bag was whole.
+    `originals` are the broken files, which were kept under other names.
     """
 
     was_whole: bool
@@ -39,9 +36,6 @@ def repair(path: Path) -> RepairReport:
     """Rewrite a bag, of one file or several, as one file of every message that reached the disk.
 
     A complete bag is not changed. A repair that is itself interrupted can be repeated.
-
-    Args:
-        path: directory of the bag.
 
     Raises:
         BagError: no bag, nothing readable in it, or its directory cannot be written to.
@@ -117,11 +111,8 @@ def _salvage_mcap(file: Path) -> tuple[list[Topic], list[BagMessage]]:
         if isinstance(record, Schema):
             schemas[record.id] = record
         elif isinstance(record, Channel) and record.schema_id in schemas:
-            topics[record.id] = Topic(
-                record.topic,
-                schemas[record.schema_id].name,
-                _is_latched(record.metadata.get('offered_qos_profiles', '')),
-            )
+            latched = _is_latched(record.metadata.get('offered_qos_profiles', ''))
+            topics[record.id] = Topic(record.topic, schemas[record.schema_id].name, latched)
         elif isinstance(record, Message):
             found.append(record)
     # Only after the whole file, because its end repeats the channels that a broken chunk may have lost.

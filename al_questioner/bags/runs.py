@@ -24,7 +24,6 @@ class Placed(NamedTuple):
     Attributes:
         place: how many messages were received before it.
         stamp: in its header, or of the turn that it begins; nanoseconds.
-        message: it.
     """
 
     place: int
@@ -38,7 +37,6 @@ class State(NamedTuple):
     Attributes:
         place: how many messages were received before it.
         turn: how many turns it says are over.
-        text: of the document.
     """
 
     place: int
@@ -51,7 +49,6 @@ class Run:
     """A learner from its start to its end; one that is started again under the same `episode_id` is another run.
 
     Attributes:
-        episode_id: of its episode.
         world: the simulated world that it spoke of with its turns; None if it was another one.
         document: what it told of the episode; None if that was not recorded.
         begins: where each turn begins, and its stamp.
@@ -77,12 +74,8 @@ class Run:
 class Recorded:
     """Content of a recording in one namespace.
 
-    Args:
-        bag: the bag.
-        namespace: the topics' names without their last parts.
-
     Attributes:
-        namespace: the same.
+        namespace: the topics' names without their last parts.
         runs: of learners, in the order in which they began.
         faults: what could not be read of what should be there.
         corrected: the episodes in which an answer was replaced by another one.
@@ -167,13 +160,12 @@ class Recorded:
             self._episodes.append((place, documents.read(name, deserialize(message).data)))
         elif name in ('answer', 'answer_ack'):
             with contextlib.suppress(InputError):
-                self._take_talk(name, documents.read(name, deserialize(message).data))
-
-    def _take_talk(self, name: str, document: Document) -> None:
-        if name == 'answer' and document.get('replaces') is not None:
-            self._replacing.add((document['episode_id'], document['query_id'], document['answer_id']))
-        elif name == 'answer_ack' and document['accepted']:
-            self._accepted.add((document['episode_id'], document['query_id'], document['answer_id']))
+                document = documents.read(name, deserialize(message).data)
+                ids = (document['episode_id'], document['query_id'], document['answer_id'])
+                if name == 'answer' and document.get('replaces') is not None:
+                    self._replacing.add(ids)
+                elif name == 'answer_ack' and document['accepted']:
+                    self._accepted.add(ids)
 
     def _find_runs(self) -> list[Run]:
         runs: list[Run] = []

@@ -17,17 +17,8 @@ from functools import cache
 from importlib.metadata import distributions
 from io import BytesIO
 from pathlib import Path
-from types import TracebackType
 
-from rosbags.interfaces import (
-    Connection,
-    Qos,
-    QosDurability,
-    QosHistory,
-    QosLiveliness,
-    QosReliability,
-    QosTime,
-)
+from rosbags.interfaces import Connection, Qos, QosDurability, QosHistory, QosLiveliness, QosReliability, QosTime
 from rosbags.rosbag2 import CompressionMode, StoragePlugin, Writer
 from rosbags.rosbag2.storage_mcap import Channel, McapWriter, write_channel, write_string
 from rosbags.rosbag2.storage_sqlite3 import Sqlite3Writer
@@ -121,12 +112,7 @@ class BagWriter:
     Messages before the last `sync` survive a crash of the process and, if the disk stores what it confirms, of the
     machine; `repair` completes a bag that was never closed. After an error of writing, the bag accepts no more
     messages. It is then left for `repair`, or removed if no message had reached the disk. Use it as a context manager,
-    by one thread at a time.
-
-    Args:
-        path: directory of the bag, which must not exist.
-        topics: topics that can be written.
-        storage: 'mcap' or 'sqlite3'.
+    by one thread at a time. Its directory must not exist; the storage is 'mcap' or 'sqlite3'.
 
     Raises:
         BagError: something is at the path already, it cannot be written to, or a type that Jazzy does not have.
@@ -158,12 +144,7 @@ class BagWriter:
         return self._counts
 
     def write(self, topic: str, data: bytes, stamp: int) -> None:
-        """Write a message; it is durable after the next `sync`.
-
-        Args:
-            topic: name of one of the bag's topics.
-            data: serialised message, CDR.
-            stamp: time of receipt, nanoseconds since the epoch.
+        """Write a message (CDR) received at a time, nanoseconds since the epoch; it is durable after the next `sync`.
 
         Raises:
             KeyError: not one of the topics.
@@ -206,9 +187,7 @@ class BagWriter:
     def __enter__(self) -> BagWriter:
         return self
 
-    def __exit__(
-        self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
-    ) -> None:
+    def __exit__(self, *_: object) -> None:
         self.close()
 
     def _connect(self, topic: Topic) -> Connection:

@@ -142,11 +142,9 @@ class ConceptLearner:
         For an object that was seen before, such a reading is ignored. For a new object, it counts as the end of the
         range.
         """
+        ids, names = scene.object_ids, scene.feature_names
         found = np.argwhere(self.are_implausible(scene))
-        return [
-            (scene.object_ids[row], scene.feature_names[column], float(scene.features[row, column]))
-            for row, column in found
-        ]
+        return [(ids[row], names[column], float(scene.features[row, column])) for row, column in found]
 
     def are_implausible(self, scene: Scene) -> NDArray[np.bool_]:
         """Return (n, m) booleans: the implausible readings of a scene, judged by the earlier views."""
@@ -183,13 +181,7 @@ class ConceptLearner:
             self._fit_models()
 
     def label(self, object_id: int, features: FloatArray, symbol: str, turn: int) -> None:
-        """Learn that an object is an example of a symbol, or of none.
-
-        Args:
-            object_id: the object's id in its scene.
-            features: (m,) raw features of the view that was named.
-            symbol: a symbol, or `NO_SYMBOL`.
-            turn: turn of the label.
+        """Learn that an object, with (m,) raw features as it looked then, is an example of a symbol or `NO_SYMBOL`.
 
         Raises:
             InputError: an unknown symbol, or features that do not fit those observed.
@@ -198,20 +190,13 @@ class ConceptLearner:
         self._fit_models()
 
     def label_scene(self, scene: Scene, symbols: Mapping[int, str], turn: int) -> None:
-        """Learn the labels of several objects of a scene at once.
-
-        Args:
-            scene: the scene with their features.
-            symbols: a symbol, or `NO_SYMBOL`, by object id.
-            turn: turn of the labels.
+        """Learn the labels, symbols or `NO_SYMBOL` by object id, of several objects of a scene at once.
 
         Raises:
             InputError: an object is not in the scene, a symbol is unknown, or features do not fit those observed.
         """
         rows = {object_id: _row(scene, object_id) for object_id in symbols}
-        self.labelled_views += [
-            self._labelled_view(object_id, row, symbols[object_id], turn) for object_id, row in rows.items()
-        ]
+        self.labelled_views += [self._labelled_view(each, row, symbols[each], turn) for each, row in rows.items()]
         self._fit_models()
 
     def learn(self, record: QueryRecord, scene: Scene) -> None:

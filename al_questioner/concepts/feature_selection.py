@@ -21,14 +21,10 @@ PValues = Callable[[Array, Sequence[str]], Array]
 
 
 def anova_p_values(features: Array, labels: Sequence[str]) -> Array:
-    """Return the p-value of the one-way analysis of variance of each feature, 1 for a constant feature.
+    """Return the (m,) p-values of the one-way analysis of variance of (n, m) features, 1 for a constant feature.
 
-    Args:
-        features: (n, m).
-        labels: n names, k of them different, 2 <= k < n.
-
-    Returns:
-        (m,) probability of an F statistic at least this large, if the feature had the same mean in all classes.
+    That is the probability of an F statistic at least this large, if the feature had the same mean in all classes. Of
+    the n labels k are different, 2 <= k < n.
     """
     classes, code = np.unique(np.asarray(labels), return_inverse=True)
     n, k = len(features), len(classes)
@@ -46,11 +42,9 @@ def anova_p_values(features: Array, labels: Sequence[str]) -> Array:
 
 
 def rank_p_values(features: Array, labels: Sequence[str]) -> Array:
-    """Return the p-value of the Kruskal-Wallis test of each feature, which uses ranks only; 1 for a constant feature.
+    """Return the (m,) p-values of the Kruskal-Wallis test of (n, m) features, 1 for a constant feature.
 
-    Args:
-        features: (n, m).
-        labels: n names, at least two of them different.
+    It uses ranks only. At least two of the n labels are different.
     """
     names = np.asarray(labels)
     constant = np.ptp(features, axis=0) == 0

@@ -52,16 +52,11 @@ class ConceptModels:
         self.symbols = tuple(symbols)
         if not self.symbols or len(set(self.symbols)) < len(self.symbols) or NO_SYMBOL in self.symbols:
             raise InputError(f'symbols must be distinct names other than {NO_SYMBOL!r}, not {list(symbols)}')
-        for name, value in (
-            ('amplitude', amplitude),
-            ('length_scale', length_scale),
-            ('relative_length_scale', relative_length_scale),
-        ):
+        self.amplitude, self.length_scale, self.relative_length_scale = amplitude, length_scale, relative_length_scale
+        for name in ('amplitude', 'length_scale', 'relative_length_scale'):
+            value = getattr(self, name)
             if value is not None and not (np.isfinite(value) and value > 0):
                 raise InputError(f'{name} must be a number above 0, not {value}')
-        self.amplitude = amplitude
-        self.length_scale = length_scale
-        self.relative_length_scale = relative_length_scale
         self._points: Array = np.empty((0, 0))
         self._labels: tuple[str, ...] = ()
         nothing = np.empty((len(self.symbols), 0))
@@ -71,7 +66,7 @@ class ConceptModels:
         self._warned = False
 
     def fit(self, features: ArrayLike, labels: Sequence[str]) -> ConceptModels:
-        """Fit every classifier.
+        """Fit every classifier, and return the models themselves.
 
         If the labels continue those of the last fit, the fit starts from its result. If one label was added to the same
         features, the new modes follow from the old by the steps of the look-ahead. The result equals that of a fresh
@@ -80,9 +75,6 @@ class ConceptModels:
         Args:
             features: (n, m) standardised features; n = 0 removes all examples.
             labels: n names, each a symbol or `NO_SYMBOL`.
-
-        Returns:
-            The models themselves.
 
         Raises:
             InputError: a shape that does not fit, a value that is not finite, or an unknown label.
@@ -107,10 +99,7 @@ class ConceptModels:
         return self
 
     def refitted(self, features: ArrayLike) -> ConceptModels:
-        """Return new models of the same labels on other features of the objects, for example a subset.
-
-        Args:
-            features: (n, m') standardised features of the n labelled objects.
+        """Return new models of the same labels on (n, m') other features of the n objects, for example a subset.
 
         Raises:
             InputError: not n rows, or a value that is not finite.
@@ -136,13 +125,7 @@ class ConceptModels:
         return models
 
     def predict_proba(self, features: ArrayLike) -> Array:
-        """Return the degree to which each object belongs to each symbol.
-
-        Args:
-            features: (k, m) standardised features.
-
-        Returns:
-            (k, |Y|) q_y(x) in (0, 1), not normalised over y.
+        """Return the (k, |Y|) degrees q_y(x), in (0, 1) and not normalised over y, of (k, m) standardised features.
 
         Raises:
             InputError: not m columns, or a value that is not finite.
@@ -159,13 +142,7 @@ class ConceptModels:
         return np.array(self.symbols)
 
     def predict(self, features: ArrayLike) -> NDArray[np.str_]:
-        """Return the most probable symbol of each object, the first of equal ones.
-
-        Args:
-            features: (k, m) standardised features.
-
-        Returns:
-            (k,) symbols.
+        """Return the (k,) most probable symbols of (k, m) standardised features, the first of equal ones.
 
         Raises:
             InputError: not m columns, or a value that is not finite.
@@ -174,11 +151,7 @@ class ConceptModels:
         return np.array([self.symbols[column] for column in best])
 
     def score(self, features: ArrayLike, labels: Sequence[str]) -> float:
-        """Return the share of objects whose most probable symbol is the true one.
-
-        Args:
-            features: (k, m) standardised features, k > 0.
-            labels: k names.
+        """Return the share of k > 0 objects, (k, m) standardised features, whose most probable symbol is the true one.
 
         Raises:
             InputError: not k rows of m columns, none at all, or a value that is not finite.
@@ -216,11 +189,7 @@ class ConceptModels:
     def look_ahead_chunks(self, scene_features: ArrayLike, exact: bool | None = None) -> Iterator[tuple[slice, Array]]:
         """Yield `look_ahead` in parts, for pools whose whole table does not fit into memory.
 
-        The models must not be fitted between the parts.
-
-        Args:
-            scene_features: (|X|, m) standardised features.
-            exact: as for `look_ahead`.
+        The models must not be fitted between the parts. The arguments are those of `look_ahead`.
 
         Yields:
             Consecutive rows of the table, as a slice, and their part of it, (e, |Y|, |X|, |Y|).
@@ -302,21 +271,14 @@ class ConceptModels:
         operations = exact_operations(n_things, len(self.symbols), len(self._labels))
         if operations > EXACT_OPERATIONS and not self._warned:
             self._warned = True
-            _LOGGER.warning(
-                'look-ahead approximates: %d things, %d symbols and %d labels would cost %.0e operations',
-                n_things,
-                len(self.symbols),
-                len(self._labels),
-                operations,
-            )
+            text = 'look-ahead approximates: %d things, %d symbols and %d labels would cost %.0e operations'
+            _LOGGER.warning(text, n_things, len(self.symbols), len(self._labels), operations)
         return operations <= EXACT_OPERATIONS
 
     def _with_one_more(self, point: Array, targets: Array) -> tuple[Array, Array]:
         """Return kernel matrix and modes, (n + 1, n + 1) and (|Y|, n + 1), after one more example.
 
-        Args:
-            point: (1, m) features.
-            targets: (|Y|, 1) 1 for a positive, 0 for a negative example.
+        That has (1, m) features and (|Y|, 1) targets, 1 where it is positive and 0 where it is negative.
         """
         from al_questioner.concepts.laplace.mode_shift import find_shift
 
@@ -354,9 +316,8 @@ class ConceptModels:
     def _matching(self, features: ArrayLike) -> Array:
         points = _matrix(features)
         if len(self._points) and points.shape[1] != self._points.shape[1]:
-            raise InputError(
-                f'features have {points.shape[1]} columns, the models were fitted on {self._points.shape[1]}'
-            )
+            found, fitted = points.shape[1], self._points.shape[1]
+            raise InputError(f'features have {found} columns, the models were fitted on {fitted}')
         return points
 
 

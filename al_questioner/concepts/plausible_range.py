@@ -31,9 +31,6 @@ class PlausibleRange:
 
     A reading may become implausible later, when more is known of the range.
 
-    Args:
-        n_features: m.
-
     Attributes:
         lowest, highest: (m,) the ends of the range; infinite if no reading lies beyond that end.
     """
@@ -143,11 +140,7 @@ def _implausible_at_the_ends(ordered: Array, most: int) -> tuple[int, int]:
 def _are_far(ordered: Array, below: int, above: int) -> bool:
     """Return whether so many readings at the lower and the upper end are too far from the others."""
     last = len(ordered) - above
-    gaps = []
-    if below:
-        gaps.append(ordered[below] - ordered[below - 1])
-    if above:
-        gaps.append(ordered[last] - ordered[last - 1])
+    gaps = [ordered[at] - ordered[at - 1] for at, count in ((below, below), (last, above)) if count]
     return bool(min(gaps) > _largest_gap(ordered[below:last]))
 
 

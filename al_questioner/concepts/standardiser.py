@@ -19,7 +19,6 @@ class Standardiser:
         count: number of observations.
         mean: (m,) float64.
         scale: (m,) float64, the standard deviation, 1 for a constant feature.
-        plausible_range: range of plausible readings of each feature.
     """
 
     def __init__(self, n_features: int) -> None:

@@ -49,13 +49,7 @@ class _KnownView:
 
 
 class Correction(NamedTuple):
-    """A correction of a view whose only look was wrong.
-
-    Attributes:
-        object_id: id of the object.
-        wrong: (m,) features that it had until now.
-        right: (m,) features that it has.
-    """
+    """A correction of a view whose only look was wrong: (m,) features that the thing had until now, and that it has."""
 
     object_id: int
     wrong: NDArray[np.float32]
@@ -193,7 +187,8 @@ class ViewMemory:
         others = [track.current.kept for other, track in self._tracks.items() if other != object_id]
         table = np.array([look, *others], dtype=np.float64)
         low, high = table.min(axis=0), table.max(axis=0)
-        extent = np.where(high > low, high - low, _size_of(look))
+        sizes = np.where(look == 0, 1.0, np.abs(look))
+        extent = np.where(high > low, high - low, sizes)
         beyond = np.maximum(view.kept - high, low - view.kept) / extent
         return bool((beyond.max() if is_confirmed else _lower_median(beyond[None])[0]) > BEYOND_ALL)
 
@@ -246,12 +241,6 @@ def corrected(scene: Scene, corrections: Sequence[Correction]) -> Scene:
 def _differences(looks: FloatArray, others: Sequence[FloatArray]) -> Array:
     """Return (k, m) differences between one look, or k looks, and (m,) k others."""
     return np.asarray(np.subtract(looks, np.array(others), dtype=np.float64))
-
-
-def _size_of(features: FloatArray) -> Array:
-    """Return (m,) sizes of the values of (m,) features, 1 for zero."""
-    size = np.abs(features).astype(np.float64)
-    return np.where(size == 0, 1.0, size)
 
 
 def _lower_median(values: Array) -> Array:

@@ -31,9 +31,6 @@ class ViewNoise:
     Between two looks at the same object every feature differs by sqrt(2) times its noise, unless the object has
     changed. The mean square of such differences, without the largest ones, is robust against the few that are changes.
 
-    Args:
-        n_features: m.
-
     Attributes:
         count: number of pairs of looks so far.
     """
@@ -118,13 +115,8 @@ def _trimmed_deviations(pairs: Array) -> Array:
 def _degrees_of_freedom(looks: Array) -> float:
     """Return the degrees of freedom of the squared length of a row: trace(C)^2 / trace(C^2) of the rows' covariance C.
 
-    It is estimated from all pairs of rows.
-
-    Args:
-        looks: (n, m) differences in standard deviations.
-
-    Returns:
-        A number from 1 (all features move together) to m (independent).
+    It is estimated from all pairs of rows of (n, m) differences in standard deviations, and lies between 1, where all
+    features move together, and m, where they are independent.
     """
     n, m = looks.shape
     norms = np.linalg.norm(looks, axis=1)

@@ -5,13 +5,7 @@ All are plain frozen dataclasses. Nothing here knows how a value is computed, dr
 
 from __future__ import annotations
 
-from al_questioner.domain.errors import (
-    AnswerError,
-    EpisodeError,
-    InputError,
-    SceneError,
-    SettingsError,
-)
+from al_questioner.domain.errors import AnswerError, EpisodeError, InputError, SceneError, SettingsError
 from al_questioner.domain.query import (
     DECISION_FEATURES,
     NO_SYMBOL,

@@ -49,10 +49,7 @@ def listed(names: object) -> tuple[str, ...] | None:
 def check_names(names: Sequence[str], what: str, has_key: bool = True) -> None:
     """Make sure that people can say each name, and that no word means two of them.
 
-    Args:
-        names: the names, such as symbols.
-        what: noun for one of them, for the text of the error.
-        has_key: whether a single letter can be typed for a name.
+    The text of the error calls one of them by the noun `what`; a name has a key if a single letter can be typed for it.
 
     Raises:
         InputError: a name is reserved for something else, cannot be typed as it is, or is like another name; the text
@@ -132,11 +129,7 @@ def meant(word: str, names: Iterable[str]) -> list[str]:
 def near(word: str, names: Collection[str], commands: Collection[str] = ()) -> str | None:
     """Return the name that a word is probably a misspelling of, or None; it is good for a suggestion only.
 
-    Args:
-        word: a word that means nothing.
-        names: names that may have been meant.
-        commands: commands that may have been meant; one is returned only if it is nearer than every name, and near
-            enough.
+    A command is returned only if it is nearer than every name, and near enough.
     """
     slip = loosely(word[: 2 * LONGEST_QUOTED])
     lowest = {**dict.fromkeys(commands, LIKENESS_OF_COMMANDS), **dict.fromkeys(names, LIKENESS)}

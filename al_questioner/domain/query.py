@@ -50,7 +50,6 @@ class Query:
     Attributes:
         query_id: unique within the episode.
         turn: 1-based turn in which it was asked.
-        action: what is asked.
         choices: answers that count: symbols, object ids as text, or feature groups.
         cost: what it takes from the budget.
         budget_left: budget after this query.

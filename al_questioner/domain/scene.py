@@ -34,7 +34,6 @@ class View:
         color: (h, w, 3) uint8, blue-green-red as in OpenCV.
         depth: (h, w) uint16 millimetres, 0 where the sensor has no reading.
         mask: (h, w) bool, true on the object.
-        camera: intrinsics of the full frame.
         origin: (column, row) of the crop's top left pixel in the frame, 0-based.
     """
 
@@ -52,7 +51,6 @@ class Observation:
     Attributes:
         object_id: identifies the object as long as it stays in the scene.
         position: (x, y, z) metres in the table's frame.
-        view: the RGB-D crop.
         sensors: reading by name; a name starts with its feature group (`weight_kg`, `base_x`, `arms_left_1`).
     """
 
@@ -114,10 +112,8 @@ class Scene:
         finite = np.isfinite(self.features)
         if not finite.all():
             row, column = np.argwhere(~finite)[0]
-            raise SceneError(
-                f'feature {self.feature_names[column]} of object {self.object_ids[row]} is not finite'
-                f' ({self.features[row, column]})'
-            )
+            where = f'feature {self.feature_names[column]} of object {self.object_ids[row]}'
+            raise SceneError(f'{where} is not finite ({self.features[row, column]})')
         if not np.isfinite(self.positions).all():
             row = int(np.argwhere(~np.isfinite(self.positions))[0][0])
             raise SceneError(f'the position of object {self.object_ids[row]} is not finite')

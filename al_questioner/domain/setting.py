@@ -21,12 +21,9 @@ class Setting(Generic[Value]):
     """Value that can be set before a node or a command starts.
 
     Attributes:
-        name: of the parameter.
         default: its value if nobody sets it; also tells the type. An integer given for a float is taken as a float.
         description: one line.
         unit: of a number, empty for a mere count or name.
-        lower: smallest number allowed.
-        upper: largest number allowed.
         word: if not empty, what can be given in the place of a number; the default is one of the two.
     """
 
@@ -62,11 +59,7 @@ class Setting(Generic[Value]):
         return min(self.upper, LARGEST_INTEGER if type(self.default) is int else LARGEST_AMOUNT)
 
     def check(self, value: float, subject: str = '') -> None:
-        """Refuse a number outside the range.
-
-        Args:
-            value: the number.
-            subject: what it is called; the name, unless given.
+        """Refuse a number outside the range; the text calls it by the subject, or by the name if none is given.
 
         Raises:
             SettingsError: it is not finite, or outside the range.

@@ -24,14 +24,8 @@ AMPLITUDE = Setting('amplitude', 100.0, "variance of the Gaussian processes' ker
 
 Beyond the limits all things look alike, or none do, and numbers overflow.
 """
-LENGTH_SCALE: Setting[float | None] = Setting(
-    'length_scale',
-    None,
-    'of the kernel, 0.001 or more; 0: root of the number of features',
-    'standard deviations',
-    1e-3,
-    1e3,
-)
+_OF_LENGTH_SCALE = 'of the kernel, 0.001 or more; 0: root of the number of features'
+LENGTH_SCALE: Setting[float | None] = Setting('length_scale', None, _OF_LENGTH_SCALE, 'standard deviations', 1e-3, 1e3)
 TUNE_EVERY = Setting(
     'tune_every', 0, 'time between re-optimisations of amplitude and length scale; 0: never', 'turns', 0, LARGEST_TURN
 )
@@ -53,14 +47,8 @@ AUTO: Final = 'auto'
 
 ViewTolerance = float | Literal['auto']
 """Difference up to which two looks at a thing are the same view: see `questioning.Episode`."""
-SAME_VIEW = Setting(
-    'view_tolerance',
-    AUTO,
-    'change up to which an object is the same view; auto: what the noise of the sensors explains',
-    'standard deviations',
-    lower=0,
-    word=AUTO,
-)
+_OF_SAME_VIEW = 'change up to which an object is the same view; auto: what the noise of the sensors explains'
+SAME_VIEW = Setting('view_tolerance', AUTO, _OF_SAME_VIEW, 'standard deviations', lower=0, word=AUTO)
 
 
 @dataclass(frozen=True)
@@ -68,9 +56,6 @@ class Costs:
     """Prices of queries, as parts of the budget; asking nothing is free (section 4.2 of the paper).
 
     Attributes:
-        label: price of a label query.
-        demonstration: price of a demonstration query.
-        feature_subset: price of a feature subset query.
         unknown: share of the price that is charged, 0 to 1, if the teacher does not know.
         skip: share if the teacher skips the question.
         unanswered: share if it is withdrawn since nobody has answered.
@@ -101,10 +86,8 @@ class EpisodeSettings:
             say, more is asked, see `names.check_names`.
         budget: query budget, in the unit of `costs`; 0 or more.
         turns: number of turns, 1 or more.
-        strategy: name of a questioning strategy.
         weights: weights and constants of the strategy, by the names that it declares.
         change_interval: turns between scene changes as the robot expects them: the window of the non-query time.
-        costs: price of each kind of query.
         amplitude: variance of the Gaussian processes' kernel.
         length_scale: length scale of the kernel in standard deviations of a feature; None for the square root of
             the number of features in use.

@@ -64,10 +64,8 @@ def without_accents(text: str) -> str:
 
 def holds_word(name: str) -> bool:
     """Return whether a name has a letter, or a character that is a picture."""
-    return any(
-        unicodedata.category(character)[0] == 'L' or (unicodedata.category(character) == 'So' and character > '\u2000')
-        for character in loosely(name)
-    )
+    found = ((unicodedata.category(character), character) for character in loosely(name))
+    return any(category[0] == 'L' or (category == 'So' and character > '\u2000') for category, character in found)
 
 
 def is_number(name: str) -> bool:

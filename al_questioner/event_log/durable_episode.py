@@ -19,7 +19,7 @@ from al_questioner.event_log.events import (
 )
 from al_questioner.event_log.log import LogContents, LogWriteError, SessionLog, SessionLogError
 from al_questioner.event_log.replay import Replay
-from al_questioner.questioning import Episode, PreparedAnswer, Receipt
+from al_questioner.questioning import Episode, Receipt
 from al_questioner.support.differences import differences
 from al_questioner.support.rate_limiter import RateLimiter
 
@@ -32,11 +32,7 @@ REFUSED_KEPT, REFUSED_PERIOD = 10, 60.0
 class DurableEpisode:
     """An Episode each event of which is on the disk before its effect is known to anybody.
 
-    Without a log it is the Episode alone.
-
-    Args:
-        wanted: the episode; an empty `episode_id` stands for whichever the log has.
-        log: where it is written; None for nowhere.
+    Without a log it is the Episode alone. An empty `episode_id` stands for whichever episode the log has.
 
     Attributes:
         begun: the episode, as the log has it if there is one already.
@@ -117,15 +113,11 @@ class DurableEpisode:
         """
         prepared = self.episode.prepare(answer)
         if prepared.is_kept:
-            self._write(self._event_of(prepared))
+            is_late = prepared.receipt is Receipt.LATE
+            reason = self.episode.answers.why_not(answer, prepared.receipt)
+            self._write(LateAnswerKept(answer, reason) if is_late else AnswerAccepted(answer))
             self.episode.commit(prepared)
         return prepared.receipt
-
-    def _event_of(self, prepared: PreparedAnswer) -> EpisodeEvent:
-        answer, receipt = prepared.answer, prepared.receipt
-        if receipt is Receipt.LATE:
-            return LateAnswerKept(answer, self.episode.answers.why_not(answer, receipt))
-        return AnswerAccepted(answer)
 
     def note_refused(self, text: str, reason: str) -> None:
         """Keep a text that was not taken for an answer, once if it is repeated; of a flood of them, keep the number.

@@ -4,12 +4,11 @@ from __future__ import annotations
 
 import base64
 import json
-from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-from al_questioner.domain import Action, QueryKind, Scene
+from al_questioner.domain import Action, Scene
 from al_questioner.event_log.events import (
     ActionChosen,
     AnswerAccepted,
@@ -26,6 +25,7 @@ from al_questioner.event_log.log import LogContents
 from al_questioner.event_log.storage import Event
 from al_questioner.messages import documents
 from al_questioner.messages.documents import Document
+from al_questioner.support.text import one_line
 
 LONGEST_REFUSED = 1000
 """Characters of a refused text that are kept."""
@@ -50,7 +50,7 @@ class Encoder:
             return {'turn': event.turn, 'stamp': event.stamp, 'frame_id': event.frame_id, 'scene': scene}
         if isinstance(event, ActionChosen):
             query = None if event.query is None else documents.query_members(event.query)
-            return {'turn': event.turn, 'action': _action_members(event.action), 'query': query}
+            return {'turn': event.turn, 'action': documents.members_of(event.action), 'query': query}
         if isinstance(event, AnswerAccepted):
             return documents.answer_members(event.answer)
         if isinstance(event, LateAnswerKept):
@@ -58,9 +58,7 @@ class Encoder:
         if isinstance(event, InputRejected):
             counted = {} if event.count == 1 else {'count': event.count}
             return {'text': event.text[:LONGEST_REFUSED], 'reason': event.reason, **counted}
-        if isinstance(event, TurnTimedOut):
-            return {'turn': event.turn, 'query_id': event.query_id}
-        return {'turn': event.turn, 'model_version': event.model_version}
+        return dict(vars(event))
 
     def follow(self, event: EpisodeEvent) -> None:
         """Take note of an event that is in the log already."""
@@ -76,8 +74,7 @@ def decoded(contents: LogContents) -> tuple[list[EpisodeEvent], str | None]:
         try:
             understood = _decode(event, json.loads(event.content), last)
         except (KeyError, TypeError, ValueError) as error:
-            reason = ' '.join(str(error).split())
-            return found, f'event {event.number} ({event.kind}) cannot be understood ({reason})'
+            return found, f'event {event.number} ({event.kind}) cannot be understood ({one_line(error)})'
         if isinstance(understood, SceneObserved):
             last = understood.scene
         found.append(understood)
@@ -97,7 +94,7 @@ def _decode(event: Event, members: Document, last: Scene | None) -> EpisodeEvent
         return SceneObserved(members['turn'], members['stamp'], members['frame_id'], scene)
     if event.kind == 'decision':
         query = None if members['query'] is None else documents.query_of(members['query'])
-        return ActionChosen(members['turn'], _action_of(members['action']), query)
+        return ActionChosen(members['turn'], documents.read_as(Action, members['action']), query)
     if event.kind in ('answer', 'correction'):
         return AnswerAccepted(documents.answer_of(members))
     if event.kind == 'late':
@@ -137,11 +134,3 @@ def _text_of(numbers: NDArray[np.float32]) -> str:
 
 def _numbers_of(text: str, rows: int, columns: int) -> NDArray[np.float32]:
     return np.frombuffer(base64.b64decode(text, validate=True), '<f4').astype(np.float32).reshape(rows, columns)
-
-
-def _action_members(action: Action) -> dict[str, Any]:
-    return {'kind': action.kind.value, 'object_id': action.object_id, 'symbol': action.symbol}
-
-
-def _action_of(members: Document) -> Action:
-    return Action(QueryKind(members['kind']), members['object_id'], members['symbol'])

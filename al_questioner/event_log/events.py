@@ -14,8 +14,6 @@ class EpisodeStarted:
     """The episode: all that determines what is asked, given scenes and answers.
 
     Attributes:
-        episode_id: of the episode.
-        settings: of the episode.
         seed: of the learner.
         view_tolerance: of the learner, see `questioning.Episode`.
         world: the simulated world, as `task`, `seed`, `sample` and `dataset`; None if it is another one.
@@ -31,26 +29,14 @@ class EpisodeStarted:
 
     def members(self) -> Document:
         """Return the event as a JSON object."""
-        return {
-            'episode_id': self.episode_id,
-            **documents.settings_members(self.settings),
-            'seed': self.seed,
-            'view_tolerance': self.view_tolerance,
-            'world': self.world,
-            'version': self.version,
-        }
+        members = dict(vars(self))
+        settings = documents.settings_members(members.pop('settings'))
+        return {'episode_id': members.pop('episode_id'), **settings, **members}
 
 
 @dataclass(frozen=True, eq=False)
 class SceneObserved:
-    """The scene of a turn, as the learner took it.
-
-    Attributes:
-        turn: 1-based.
-        stamp: of the turn, nanoseconds.
-        frame_id: of the cloud.
-        scene: what was seen.
-    """
+    """The scene of a turn, as the learner took it; the stamp is that of the turn, in nanoseconds."""
 
     turn: int
     stamp: int
@@ -63,8 +49,6 @@ class ActionChosen:
     """The choice of a turn.
 
     Attributes:
-        turn: 1-based.
-        action: what was chosen.
         query: the question; None if the action asks none, and in a bag, which need not hold it.
         weighed: the whole decision, without its query; None in a log, which does not hold it.
     """
@@ -92,13 +76,7 @@ class LateAnswerKept:
 
 @dataclass(frozen=True)
 class InputRejected:
-    """A text that could not be taken for an answer, shortened if it is long.
-
-    Attributes:
-        text: what was said.
-        reason: why it is no answer.
-        count: of a flood of them only this is kept, and no text; else 1.
-    """
+    """A text that could not be taken for an answer, shortened if it is long; of a flood of them only the number."""
 
     text: str
     reason: str
@@ -124,16 +102,8 @@ class TurnTimedOut:
     query_id: str | None = None
 
 
-EpisodeEvent = (
-    EpisodeStarted
-    | SceneObserved
-    | ActionChosen
-    | AnswerAccepted
-    | LateAnswerKept
-    | InputRejected
-    | KernelTuned
-    | TurnTimedOut
-)
+_Heard = AnswerAccepted | LateAnswerKept | InputRejected
+EpisodeEvent = EpisodeStarted | SceneObserved | ActionChosen | _Heard | KernelTuned | TurnTimedOut
 
 KINDS = {
     EpisodeStarted: 'episode',

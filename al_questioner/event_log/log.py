@@ -22,6 +22,7 @@ from pathlib import Path
 from al_questioner.domain import EpisodeError, InputError
 from al_questioner.event_log.storage import DATABASE, HEAD, Event, SqliteStorage, StorageFactory, write_anew
 from al_questioner.support.files import make_folder, sync_to_disk
+from al_questioner.support.text import one_line
 
 LOCK = 'session.lock'
 BROKEN = 'broken-'
@@ -42,12 +43,7 @@ class LogWriteError(EpisodeError):
 
 @dataclass(frozen=True)
 class LogContents:
-    """Readable content of a log.
-
-    Attributes:
-        events: all that come before the first damage.
-        damage: what is wrong, and where; None if the log is whole.
-    """
+    """Readable content of a log: the events before the first damage, and what is wrong and where, if anything."""
 
     events: tuple[Event, ...]
     damage: str | None
@@ -57,11 +53,7 @@ class SessionLog:
     """A log that is written to, by one process at a time.
 
     What `append` has returned from survives whatever happens to the process or, as far as the disk keeps its word, to
-    the machine. Once an event could not be written the log takes no more.
-
-    Args:
-        folder: of the log, made if it is not there.
-        storage: writes it.
+    the machine. Once an event could not be written the log takes no more. Its folder is made if it is not there.
 
     Raises:
         SessionLogError: another process writes to it, it is damaged, or it cannot be written to.
@@ -95,29 +87,26 @@ class SessionLog:
             LogWriteError: they cannot be; neither can any event after them.
         """
         with self._in_use:
-            self._append(entries)
-
-    def _append(self, entries: Sequence[tuple[str, bytes]]) -> None:
-        if self._failure:
-            raise LogWriteError(self._failure)
-        number, checksum, events = self._number, self._checksum, []
-        for kind, content in entries:
-            number, stamp = number + 1, time.time_ns()
-            checksum = _chained(checksum, number, kind, stamp, content)
-            events.append(Event(number, kind, stamp, content, checksum))
-        try:
-            self._storage.write(events)
-            self._storage.commit()
-            self._number, self._checksum = number, checksum
-            self._storage.note(_head_of(number, checksum))
-        except (OSError, sqlite3.Error) as error:
-            self._storage.rollback()
-            reason = (isinstance(error, OSError) and error.strerror) or str(error)
-            self._failure = (
-                f'{self.folder}: the session log cannot be written ({reason}): nothing is asked or taken any more;'
-                ' what was acknowledged is safe; see to the disk and start the learner again'
-            )
-            raise LogWriteError(self._failure) from error
+            if self._failure:
+                raise LogWriteError(self._failure)
+            number, checksum, events = self._number, self._checksum, []
+            for kind, content in entries:
+                number, stamp = number + 1, time.time_ns()
+                checksum = _chained(checksum, number, kind, stamp, content)
+                events.append(Event(number, kind, stamp, content, checksum))
+            try:
+                self._storage.write(events)
+                self._storage.commit()
+                self._number, self._checksum = number, checksum
+                self._storage.note(_head_of(number, checksum))
+            except (OSError, sqlite3.Error) as error:
+                self._storage.rollback()
+                reason = (isinstance(error, OSError) and error.strerror) or str(error)
+                self._failure = (
+                    f'{self.folder}: the session log cannot be written ({reason}): nothing is asked or taken any more;'
+                    ' what was acknowledged is safe; see to the disk and start the learner again'
+                )
+                raise LogWriteError(self._failure) from error
 
     def close(self) -> None:
         """Let another process write; nothing can be appended any more."""
@@ -193,9 +182,7 @@ def repair_log(folder: Path) -> LogContents:
 def _read(folder: Path, live: bool) -> LogContents | None:
     """Read the log of a folder; return None if there is none.
 
-    Args:
-        folder: of the log.
-        live: whether it is written to meanwhile. If it is not, a copy is read: opening a database changes its files.
+    Unless it is live, written to meanwhile, a copy is read: opening a database changes its files.
     """
     names = [DATABASE, DATABASE + _JOURNALS[0], HEAD]
     unfinished = not (folder / DATABASE).exists() and (folder / f'{BROKEN}{DATABASE}').exists()
@@ -203,17 +190,15 @@ def _read(folder: Path, live: bool) -> LogContents | None:
         return None
     if live:
         head = _read_head(folder / HEAD)
-        return _judged(*_read_events(f'file:{_quoted(folder / DATABASE)}?mode=ro'), head)
+        return _judged(*_read_events(f'{(folder / DATABASE).absolute().as_uri()}?mode=ro'), head)
     with tempfile.TemporaryDirectory() as copied:
         for name in names:
             # An interrupted repair may have moved some of the files away and not yet the others.
-            sources = [folder / f'{BROKEN}{name}'] * unfinished + [folder / name]
-            for source in sources:
-                if source.exists():
-                    shutil.copyfile(source, Path(copied) / name)
-                    break
+            kept, source = folder / f'{BROKEN}{name}', folder / name
+            with contextlib.suppress(FileNotFoundError):
+                shutil.copyfile(kept if unfinished and kept.exists() else source, Path(copied) / name)
         head = _read_head(Path(copied) / HEAD)
-        contents = _judged(*_read_events(f'file:{_quoted(Path(copied) / DATABASE)}'), head)
+        contents = _judged(*_read_events((Path(copied) / DATABASE).absolute().as_uri()), head)
     if unfinished and contents.damage is None:
         return LogContents(contents.events, 'a repair was interrupted')
     return contents
@@ -222,10 +207,6 @@ def _read(folder: Path, live: bool) -> LogContents | None:
 def _is_unused(head: Path) -> bool:
     """Return whether no event was ever noted: a session that began on a full disk, or was killed at once."""
     return not head.exists() or _head_of(0, _START).startswith(head.read_bytes())
-
-
-def _quoted(path: Path) -> str:
-    return str(path.absolute()).replace('%', '%25').replace('?', '%3f').replace('#', '%23')
 
 
 def _read_events(uri: str) -> tuple[list[Event], str | None]:
@@ -245,7 +226,7 @@ def _read_events(uri: str) -> tuple[list[Event], str | None]:
                 events.append(Event(*row))
                 checksum = row[4]
     except (sqlite3.Error, UnicodeError) as error:
-        return events, f'event {len(events) + 1} cannot be read ({_one_line(error)})'
+        return events, f'event {len(events) + 1} cannot be read ({one_line(error)})'
     return events, None
 
 
@@ -292,9 +273,7 @@ class _InUseError(SessionLogError):
 def _locked(folder: Path, make: bool = True) -> Iterator[None]:
     """Hold the lock of a log, which ends with the process however that ends.
 
-    Args:
-        folder: of the log.
-        make: whether it is to write. Readers share the lock and make no file for it: where none is, nobody writes.
+    Readers share the lock and make no file for it: where none is, nobody writes.
     """
     path = folder / LOCK
     if not make and not path.exists():
@@ -319,8 +298,4 @@ def _unusable(folder: Path) -> Iterator[None]:
     except OSError as error:
         raise SessionLogError(f'{folder}: the session log cannot be used ({error.strerror})') from error
     except sqlite3.Error as error:
-        raise SessionLogError(f'{folder}: the session log cannot be used ({_one_line(error)})') from error
-
-
-def _one_line(error: Exception) -> str:
-    return ' '.join(str(error).split())
+        raise SessionLogError(f'{folder}: the session log cannot be used ({one_line(error)})') from error

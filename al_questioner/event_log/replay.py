@@ -32,9 +32,7 @@ class ReplayError(InputError):
 class Replay:
     """Plays the events of an episode to an Episode, in the order in which they came about.
 
-    Args:
-        begun: the episode.
-        strategy: who decides; if not given, the strategy of the settings does, with a person's choices as recorded.
+    If no strategy is given, that of the settings decides, with a person's choices as recorded.
 
     Attributes:
         episode: as it is after the events played so far.
@@ -158,10 +156,8 @@ def _difference(decision: Decision, recorded: ActionChosen) -> str:
 
 def _difference_of_numbers(decision: Decision, recorded: Decision) -> str:
     """Return in which numbers a decision is not the recorded one; empty if it is the same but for rounding."""
-    for name, ours, theirs in (
-        ('features', decision.features, recorded.features),
-        ('utilities', decision.utilities, recorded.utilities),
-    ):
+    for name in ('features', 'utilities'):
+        ours, theirs = getattr(decision, name), getattr(recorded, name)
         if not np.array_equal(np.isnan(ours), np.isnan(theirs)):
             return f'the {name} of other candidates are missing'
         if not np.allclose(ours, theirs, rtol=ROUNDING, atol=ROUNDING, equal_nan=True):

@@ -33,6 +33,7 @@ def state_members(episode: Episode, beliefs: NDArray[np.float64]) -> Document:
         episode: after its first turn began.
         beliefs: (n, |Y|) q_y(x) of the scene of the present turn.
     """
+    last, members_of = episode.answers.last, documents.members_of
     return {
         'turn': episode.turns_over,
         'turns': episode.settings.turns,
@@ -42,34 +43,21 @@ def state_members(episode: Episode, beliefs: NDArray[np.float64]) -> Document:
         'queries': [documents.record_members(record) for record in episode.records],
         'labels': dict(episode.positives),
         'model_version': episode.concepts.model_version,
-        'last_answer': _last_answer(episode),
+        # Somebody who comes back may want to correct it.
+        'last_answer': None if last is None else {'query': members_of(last[0]), 'answer': members_of(last[1])},
         'teachers': {name: dataclasses.asdict(record) for name, record in episode.teachers.items()},
         'kernel': dataclasses.asdict(episode.concepts.kernel),
         'beliefs': {
-            str(object_id): {
-                symbol: round(float(p), 6) for symbol, p in zip(episode.settings.symbols, row, strict=True)
-            }
+            str(object_id): dict(zip(episode.settings.symbols, (round(float(p), 6) for p in row), strict=True))
             for object_id, row in zip(episode.scene.object_ids, beliefs, strict=True)
         },
     }
 
 
 def noise_text(noise: Mapping[str, float]) -> str:
-    """Describe the sensors' noise for people.
-
-    Args:
-        noise: of each feature by its name, as share of its spread among things.
-    """
+    """Describe the sensors' noise, of each feature as share of its spread among things, for people."""
     if not noise:
         return 'not estimated'
     noisiest = max(noise, key=lambda name: noise[name])
     usual = statistics.median(noise.values())
     return f"{usual:.2g} of a feature's spread (median); the noisiest is {noisiest}: {noise[noisiest]:.2g}"
-
-
-def _last_answer(episode: Episode) -> Document | None:
-    """Return the last answer, which somebody who comes back may want to correct."""
-    if episode.answers.last is None:
-        return None
-    query, answer = episode.answers.last
-    return {'query': documents.query_members(query), 'answer': documents.answer_members(answer)}

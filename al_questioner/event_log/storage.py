@@ -25,9 +25,7 @@ class Event(NamedTuple):
 
     Attributes:
         number: 1 for the first.
-        kind: of the event.
         stamp: when it was written, nanoseconds since the epoch.
-        content: of the event.
         checksum: SHA-256 over it and the checksum before.
     """
 
@@ -67,12 +65,7 @@ StorageFactory = Callable[[Path, bytes], Storage]
 
 
 class SqliteStorage:
-    """A database that is written ahead, and a file for the head.
-
-    Args:
-        folder: of the log.
-        head: of it as it is now.
-    """
+    """A database that is written ahead, and a file for the head, in the folder of the log."""
 
     synchronous = 'FULL'
     """SQLite's word for how far a commit waits for the disk."""

@@ -43,8 +43,6 @@ class SessionSummary:
     """A session, up to where its log can be trusted.
 
     Attributes:
-        folder: of the log.
-        begun: the episode.
         events: with the time at which each was written, nanoseconds since the epoch.
         episode: as it is after these events.
         fault: what is wrong with the log, and where; None if it is whole.

@@ -54,12 +54,7 @@ def _agreement_of_step(weights: Array, step: Step) -> tuple[float, float, float,
 
 @dataclass(frozen=True, eq=False)
 class Imitation:
-    """The learner in a demonstration's place: same world, budget and time, asking by itself.
-
-    Attributes:
-        feature_counts: (F,) as of a demonstration.
-        queries: what it asked.
-    """
+    """The learner in a demonstration's place: same world, budget and time, asking by itself; counts are (F,)."""
 
     feature_counts: Array
     queries: tuple[QueryRecord, ...]
@@ -70,11 +65,7 @@ def imitate(
 ) -> Imitation:
     """Play the demonstration's episode, as far as it goes, with the strategy that is trained and these weights (F,).
 
-    Args:
-        weights: w.
-        demonstration: of a simulated world.
-        world: this world.
-        amplitude: of the learner's classifiers; the demonstration's if not given.
+    The amplitude is that of the learner's classifiers; the demonstration's if not given.
 
     Raises:
         InputError: the demonstration took place in no world that can be played in.

@@ -19,16 +19,11 @@ from al_questioner.simulation import WorldSpec, load_task
 
 
 def read_demonstrations(
-    paths: Sequence[Path],
-    feature_set: FeatureSet = FEATURE_SETS['dt_task_env'],
-    left_out: list[str] | None = None,
+    paths: Sequence[Path], feature_set: FeatureSet = FEATURE_SETS['dt_task_env'], left_out: list[str] | None = None
 ) -> list[Demonstration]:
     """Return the demonstrations of several bags, in the order given; a bag may hold several episodes.
 
-    Args:
-        paths: of the bags.
-        feature_set: whose weights are to be learnt.
-        left_out: takes what of the bags cannot be used, beside what can; if not given, all must be.
+    If a list `left_out` is given, it takes what of the bags cannot be used, beside what can; if not, all must be.
 
     Raises:
         InputError: a bag that is none, broken, of something else, or whose decisions hold nothing to learn from; or an

@@ -54,16 +54,11 @@ def negative_log_likelihood(
 
 
 def fit_choices(
-    demonstrations: Sequence[Demonstration],
-    importance: NDArray[np.float64] | None = None,
-    ridge: float = RIDGE,
+    demonstrations: Sequence[Demonstration], importance: NDArray[np.float64] | None = None, ridge: float = RIDGE
 ) -> Array:
     """Find the (F,) weights under which the expert's choices are most probable.
 
-    Args:
-        demonstrations: one or more.
-        importance: (N,) of each step; by default every kind of query matters the same.
-        ridge: see `RIDGE`.
+    By default every kind of query matters the same; otherwise each step has its importance, (N,).
 
     Raises:
         InputError: no step, or none with more than one candidate.

@@ -28,7 +28,6 @@ class Step:
     """One decision.
 
     Attributes:
-        turn: 1-based.
         actions: the C candidates that were considered.
         features: (C, F) their features, in the order of the demonstration's feature set.
         chosen: index of the one that was chosen.
@@ -53,12 +52,7 @@ class Step:
 
 @dataclass(frozen=True)
 class UnknownWorld:
-    """A world that cannot be played in here.
-
-    Attributes:
-        task_name: as the demonstration names it.
-        reason: why not, in one line.
-    """
+    """A world that cannot be played in here: its task as the demonstration names it, and why not, in one line."""
 
     task_name: str
     reason: str
@@ -70,13 +64,11 @@ class Demonstration:
 
     Attributes:
         name: where it comes from, for people.
-        settings: of the episode.
         world: the simulated world it took place in; what is known of it if it cannot be played in; None if it was
             another one.
         turns: number of turns that were recorded.
         steps: one per turn in which there was something to choose.
         feature_names: of the objects.
-        queries: what was asked, and what came of it.
         change_turns: turns that began with a scene change.
         view_tolerance: of the learner, see `questioning.Episode`.
         feature_set: whose weights are to be learnt.

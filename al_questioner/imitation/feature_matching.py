@@ -63,7 +63,6 @@ class Matching:
 
     Attributes:
         weights: (F,) mean over the window of iterations whose validation gap is smallest.
-        iterations: all that were made.
         kept: index of the last iteration of that window.
         gap: (F,) over the training demonstrations, of new rollouts with the weights.
         validation_gap: (F,) the same over the validation demonstrations; that of training if there are none.
@@ -98,22 +97,16 @@ def match_features(
     free: Identifiability,
     watch: Callable[[int, Iteration], None] | None = None,
 ) -> Matching:
-    """Find the weights.
+    """Find the weights with which rollouts have the feature counts of the training demonstrations.
 
-    Args:
-        training: demonstrations whose feature counts are matched, each in its own world.
-        validation: those that choose among the iterations; empty: the training ones.
-        settings: how.
-        free: what all these demonstrations tell nothing about.
-        watch: called after each iteration with its number, from 1.
+    The validation demonstrations choose among the iterations; if there are none, the training ones do. After each
+    iteration `watch` is called with its number, from 1.
 
     Raises:
         InputError: a demonstration took place in no simulated world.
     """
-    scale = free.scale
-    varies = scale > 0
-    scaled = np.zeros(len(scale))
-    jacobian = None
+    scale, varies = free.scale, free.scale > 0
+    scaled, jacobian = np.zeros(len(scale)), None
     iterations: list[Iteration] = []
     smallest, fell_at = np.array([np.inf, np.inf]), 0
     with Simulator([*training, *validation], settings.jobs) as simulator:
@@ -178,12 +171,9 @@ def jacobian_of_counts(rollouts: Sequence[Sequence[Rollout]], scale: Array) -> A
 
 
 def gauss_newton_step(jacobian: Array, gap: Array, varies: NDArray[np.bool_]) -> Array:
-    """Return the (F,) damped Gauss-Newton step towards a gap of zero, of limited length.
+    """Return the (F,) damped Gauss-Newton step towards a gap, (F,), of zero; its length is limited.
 
-    Args:
-        jacobian: (F, F), see `jacobian_of_counts`.
-        gap: (F,) expert's minus learner's counts.
-        varies: (F,) whether the feature varies among candidates at all.
+    The Jacobian is that of `jacobian_of_counts`; features that do not vary among candidates at all are left out.
     """
     part = jacobian[np.ix_(varies, varies)]
     normal = part.T @ part + DAMPING * np.eye(len(part))

@@ -36,10 +36,11 @@ class Identifiability:
             return 'every weight is identified by the demonstrations'
         parts = []
         if self.cancelling:
-            parts.append(f'{_listed(self.cancelling)}: the same for all candidates of every turn, so the weight is 0')
-        linked = [name for name in self.unidentified if name not in self.cancelling]
+            names = ', '.join(self.cancelling)
+            parts.append(f'{names}: the same for all candidates of every turn, so the weight is 0')
+        linked = ', '.join(name for name in self.unidentified if name not in self.cancelling)
         if linked:
-            parts.append(f'{_listed(linked)}: they vary only together, the prior divides the weight among them')
+            parts.append(f'{linked}: they vary only together, the prior divides the weight among them')
         return f'not identified: {"; ".join(parts)}'
 
     def project(self, weights: Array) -> Array:
@@ -66,7 +67,3 @@ def identify(demonstrations: Sequence[Demonstration]) -> Identifiability:
         tuple(name for name, free in zip(names, involved, strict=True) if free),
         tuple(name for name, size in zip(names, scale, strict=True) if size == 0),
     )
-
-
-def _listed(names: Sequence[str]) -> str:
-    return ', '.join(names)

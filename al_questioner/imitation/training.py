@@ -26,10 +26,8 @@ class Training:
     """Learnt weights.
 
     Attributes:
-        feature_set: what the weights are of.
         weights: (F,), absolute values adding up to 1.
         scale: what they are to be multiplied by to be those of the softmax policy that was trained.
-        settings: how they were learnt.
         free: what the demonstrations tell nothing about.
         validation: number of demonstrations that were held out.
         agreement: with the demonstrations, validation ones included; its log-likelihood is of the softmax whose scale
@@ -61,12 +59,9 @@ def train(
     settings: TrainingSettings,
     watch: Callable[[int, Iteration], None] | None = None,
 ) -> Training:
-    """Learn the weights.
+    """Learn the weights from demonstrations of the same task, for maxent of simulated worlds.
 
-    Args:
-        demonstrations: of the same task; for maxent, of simulated worlds.
-        settings: how.
-        watch: told of each iteration of maxent.
+    Each iteration of maxent is told to `watch`.
 
     Raises:
         InputError: demonstrations that do not fit together, or that the method cannot use.
@@ -82,35 +77,22 @@ def train(
         gap_before, gap_after = matching.iterations[0].gap, matching.gap
     else:
         found = fit_choices(demonstrations, ridge=settings.ridge)
-        gap_before, gap_after = (
-            expected_gap(w, demonstrations, free.scale) for w in (np.zeros(len(free.scale)), found)
-        )
+        ends = (np.zeros(len(free.scale)), found)
+        gap_before, gap_after = (expected_gap(w, demonstrations, free.scale) for w in ends)
     found = free.project(found)
     total = float(np.abs(found).sum())
     if total == 0:
         raise InputError('the demonstrations tell nothing about any weight')
     suiting = fit_temperature(found / total, list(all_steps(demonstrations)))
-    return Training(
-        demonstrations[0].feature_set,
-        found / total,
-        total,
-        settings,
-        free,
-        held_out,
-        agreement(found / total * suiting, demonstrations),
-        gap_before,
-        gap_after,
-        matching,
-    )
+    agreed = agreement(found / total * suiting, demonstrations)
+    gaps, feature_set = (gap_before, gap_after), demonstrations[0].feature_set
+    return Training(feature_set, found / total, total, settings, free, held_out, agreed, *gaps, matching)
 
 
 def expected_gap(weights: Array, demonstrations: Sequence[Demonstration], scale: Array) -> Array:
     """Return the (F,) chosen minus expected features at the expert's steps, mean, in units of the features' scale.
 
-    Args:
-        weights: (F,) w of the softmax.
-        demonstrations: whose steps they are.
-        scale: (F,) see `feature_scale`.
+    The weights, (F,), are those of the softmax; for the scale, (F,), see `feature_scale`.
     """
     gaps = []
     for step in all_steps(demonstrations):
@@ -135,14 +117,12 @@ def check_alike(demonstrations: Sequence[Demonstration]) -> None:
         if other.task_name != first.task_name:
             raise InputError(f'{other.name} is of task {other.task_name}, {first.name} of {first.task_name}')
         if other.settings.symbols != first.settings.symbols:
-            raise InputError(
-                f'{other.name} is about {", ".join(other.settings.symbols)},'
-                f' {first.name} about {", ".join(first.settings.symbols)}'
-            )
+            theirs, ours = ', '.join(other.settings.symbols), ', '.join(first.settings.symbols)
+            raise InputError(f'{other.name} is about {theirs}, {first.name} about {ours}')
         if other.feature_names != first.feature_names:
+            counts = len(other.feature_names), len(first.feature_names)
             raise InputError(
-                f'{other.name} was recorded with other features ({len(other.feature_names)})'
-                f' than {first.name} ({len(first.feature_names)})'
+                f'{other.name} was recorded with other features ({counts[0]}) than {first.name} ({counts[1]})'
             )
 
 
@@ -166,10 +146,7 @@ def validation_text(training: Training, matching: Matching) -> str:
 def weights_document(training: Training, count: int, bags: Sequence[Mapping[str, str]]) -> dict[str, Any]:
     """Return the content of a weights file: the weights, and where they come from.
 
-    Args:
-        training: the weights.
-        count: number of demonstrations.
-        bags: `name` and `sha256` of each bag.
+    That is the number of demonstrations, and `name` and `sha256` of each bag.
     """
     settings, matching = training.settings, training.matching
     source = f'{count} recorded demonstration{"s" if count != 1 else ""} of an expert'

@@ -63,15 +63,16 @@ def cloud_of_scene(scene: Scene, header: Any, types: CloudTypes) -> Any:
 def scene_of_cloud(cloud: Any, known_features: Sequence[str] = ()) -> Scene:
     """Return the scene that an `objects` cloud shows; a cloud without points shows that no object is there.
 
-    Args:
-        cloud: the message.
-        known_features: features of the earlier scenes; a cloud without points need not have their fields.
+    Such a cloud need not have the fields of the features that earlier scenes have made known.
 
     Raises:
         SceneError: a field is missing, or the layout contradicts itself, or the scene is unusable.
     """
     if not cloud.width * cloud.height and (known_features or not cloud.fields):
-        return _empty_scene(tuple(known_features))
+        if not known_features:
+            raise SceneError('the cloud holds neither points nor fields, so its features are unknown')
+        nothing = np.empty((0, 3), np.float32), np.empty((0, len(known_features)), np.float32)
+        return Scene((), *nothing, tuple(known_features))
     points = _points(cloud, MAXIMAL_OBJECTS)
     names = points.dtype.names or ()
     missing = [name for name, _ in _SCENE_HEAD if name not in names]
@@ -93,12 +94,6 @@ def scene_of_cloud(cloud: Any, known_features: Sequence[str] = ()) -> Scene:
     )
 
 
-def _empty_scene(feature_names: tuple[str, ...]) -> Scene:
-    if not feature_names:
-        raise SceneError('the cloud holds neither points nor fields, so its features are unknown')
-    return Scene((), np.empty((0, 3), np.float32), np.empty((0, len(feature_names)), np.float32), feature_names)
-
-
 def cloud_of_decision(
     decision: Decision, symbols: tuple[str, ...], header: Any, types: CloudTypes, scene: Scene | None = None
 ) -> Any:
@@ -106,14 +101,8 @@ def cloud_of_decision(
 
     `x y z` is the position of the candidate's object, NaN if it has none. `kind` is the position in (label,
     demonstration, feature_subset, no_query), `symbol` the position in the episode's symbols. If a candidate names
-    none, `object_id` is 2^32 - 1 and `symbol` -1. `chosen` is 1 for one point.
-
-    Args:
-        decision: the decision.
-        symbols: symbols of the episode.
-        header: header of the cloud.
-        types: the message classes.
-        scene: the scene, for the positions of the objects; without it, no candidate has a position.
+    none, `object_id` is 2^32 - 1 and `symbol` -1. `chosen` is 1 for one point. Without the scene no candidate has a
+    position.
     """
     places = {} if scene is None else dict(zip(scene.object_ids, scene.positions, strict=True))
     nowhere = np.full(3, np.nan, np.float32)
@@ -150,16 +139,12 @@ def decision_of_cloud(cloud: Any, symbols: tuple[str, ...], turn: int) -> Decisi
         values = points[name]
         if not ((least <= values) & (values < end) & (values == np.floor(values))).all():
             raise SceneError(f'the decision cloud names a {name} that does not exist')
+    kinds = [_KINDS[int(kind)] for kind in points['kind']]
+    ids = [None if object_id == _NO_OBJECT else int(object_id) for object_id in points['object_id']]
+    named = [None if symbol == _NO_SYMBOL else symbols[int(symbol)] for symbol in points['symbol']]
     return Decision(
         turn=turn,
-        candidates=tuple(
-            Action(
-                _KINDS[int(point['kind'])],
-                None if point['object_id'] == _NO_OBJECT else int(point['object_id']),
-                None if point['symbol'] == _NO_SYMBOL else symbols[int(point['symbol'])],
-            )
-            for point in points
-        ),
+        candidates=tuple(map(Action, kinds, ids, named)),
         features=np.stack([points[name].astype(np.float64) for name in DECISION_FEATURES], axis=1),
         utilities=points['utility'].astype(np.float64),
         chosen=int(chosen[0]),
@@ -202,10 +187,8 @@ def _points(cloud: Any, most: int) -> NDArray[np.void]:
     data = np.frombuffer(memoryview(cloud.data).cast('B'), np.uint8)
     row = cloud.point_step * cloud.width
     if cloud.row_step < row or len(data) < cloud.row_step * cloud.height:
-        raise SceneError(
-            f'the cloud holds {len(data)} bytes, too few for {cloud.height} x {cloud.width} points'
-            f' of {cloud.point_step} bytes'
-        )
+        size = f'{cloud.height} x {cloud.width} points of {cloud.point_step} bytes'
+        raise SceneError(f'the cloud holds {len(data)} bytes, too few for {size}')
     # Only after the checks: numpy computes with 32 bits here, and would read beyond the data.
     layout = _layout(cloud)
     rows = data[: cloud.row_step * cloud.height].reshape(cloud.height, cloud.row_step)[:, :row]
@@ -218,18 +201,11 @@ def _layout(cloud: Any) -> np.dtype[np.void]:
     formats = [_FORMATS.get(field.datatype, '') for field in cloud.fields]
     for field, format_ in zip(cloud.fields, formats, strict=True):
         if not format_ or field.offset + int(format_[1]) > cloud.point_step:
-            raise SceneError(
-                f'the fields of the cloud do not make a layout: {field.name[:100]!r} of type {field.datatype}'
-                f' at {field.offset} of {cloud.point_step} bytes'
-            )
+            where = f'{field.name[:100]!r} of type {field.datatype} at {field.offset} of {cloud.point_step} bytes'
+            raise SceneError(f'the fields of the cloud do not make a layout: {where}')
     try:
-        return np.dtype(
-            {
-                'names': [field.name for field in cloud.fields],
-                'formats': [order + format_ for format_ in formats],
-                'offsets': [field.offset for field in cloud.fields],
-                'itemsize': cloud.point_step,
-            }
-        )
+        names, offsets = [field.name for field in cloud.fields], [field.offset for field in cloud.fields]
+        formats = [order + format_ for format_ in formats]
+        return np.dtype({'names': names, 'formats': formats, 'offsets': offsets, 'itemsize': cloud.point_step})
     except (ValueError, TypeError) as error:
         raise SceneError(f'the fields of the cloud do not make a layout ({error})') from error

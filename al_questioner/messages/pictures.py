@@ -80,17 +80,9 @@ def markers(
     header: Any,
     types: MarkerTypes,
 ) -> Any:
-    """Return a visualization_msgs/MarkerArray: a sphere and a text per object.
+    """Return a visualization_msgs/MarkerArray: a sphere and a text per object, given (n, |Y|) beliefs in the symbols.
 
     The object that the pending query asks about is larger and white.
-
-    Args:
-        scene: the objects.
-        beliefs: (n, |Y|) probability of each symbol.
-        symbols: the |Y| names.
-        pending: id of the object that the pending query asks about.
-        header: header of every marker.
-        types: the message classes.
     """
     constants = types.constants
     result = [types.marker(header=header, action=constants.DELETEALL)]

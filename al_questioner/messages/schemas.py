@@ -54,42 +54,20 @@ def _member(setting: Setting[Any]) -> JsonSchema:
 
 
 _WORLD = _record({'task': _TEXT, 'seed': _COUNT, 'sample': _COUNT, 'dataset': _OPTIONAL_TEXT})
-_STAMP = _record(
-    {
-        'sec': {'type': 'integer', 'minimum': 0, 'maximum': 2**31 - 1},
-        'nanosec': {'type': 'integer', 'minimum': 0, 'maximum': 999_999_999},
-    }
-)
+_STAMP = _record({'sec': {**_COUNT, 'maximum': 2**31 - 1}, 'nanosec': {**_COUNT, 'maximum': 999_999_999}})
+_ACTION: JsonSchema = {'kind': {'enum': _QUERIES}, 'object_id': _OBJECT_ID, 'symbol': _OPTIONAL_TEXT}
 _QUERY_RECORD = _record(
-    {
-        'turn': _TURN,
-        'kind': {'enum': _QUERIES},
-        'object_id': _OBJECT_ID,
-        'symbol': _OPTIONAL_TEXT,
-        'cost': _AMOUNT,
-        'outcome': {'enum': _OUTCOMES},
-        'groups': _NAMES,
-    },
+    {'turn': _TURN, **_ACTION, 'cost': _AMOUNT, 'outcome': {'enum': _OUTCOMES}, 'groups': _NAMES},
     {'answered_in': _TURN},
 )
-_TEACHER = _record(
-    {
-        'answered': _COUNT,
-        'unknown': _COUNT,
-        'skipped': _COUNT,
-        'corrected': _COUNT,
-        'late': _COUNT,
-        'reliability': _SHARE,
-    }
-)
+_TEACHER_COUNTS = ('answered', 'unknown', 'skipped', 'corrected', 'late')
+_TEACHER = _record({**dict.fromkeys(_TEACHER_COUNTS, _COUNT), 'reliability': _SHARE})
 
 _QUERY = _record(
     {
         'query_id': _TEXT,
         'turn': _TURN,
-        'kind': {'enum': _QUERIES},
-        'object_id': _OBJECT_ID,
-        'symbol': _OPTIONAL_TEXT,
+        **_ACTION,
         'choices': _NAMES,
         'cost': _AMOUNT,
         'budget_left': _AMOUNT,
@@ -97,10 +75,7 @@ _QUERY = _record(
         'model_version': _COUNT,
         'text': _TEXT,
     },
-    {
-        'world': {'oneOf': [_WORLD, {'type': 'null'}]},
-        'known': _OBJECT_IDS,
-    },
+    {'world': {'oneOf': [_WORLD, {'type': 'null'}]}, 'known': _OBJECT_IDS},
 )
 _ANSWER = _record(
     {'query_id': _TEXT, 'answer_id': _TEXT, 'teacher_id': _TEXT, 'outcome': {'enum': _SAYABLE}},
@@ -134,13 +109,7 @@ SCHEMAS: dict[str, JsonSchema] = {
             'view_tolerance': _member(SAME_VIEW),
         },
     ),
-    'turn': _record(
-        {
-            'turn': _TURN,
-            'stamp': _STAMP,
-            'world': {'oneOf': [_WORLD, {'type': 'null'}]},
-        }
-    ),
+    'turn': _record({'turn': _TURN, 'stamp': _STAMP, 'world': {'oneOf': [_WORLD, {'type': 'null'}]}}),
     'query': _QUERY,
     'answer': _ANSWER,
     'answer_ack': _record(

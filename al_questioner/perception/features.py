@@ -16,34 +16,14 @@ from numpy.typing import NDArray
 
 from al_questioner.domain import InputError, View
 
-VIEW_FEATURE_NAMES = (
-    'colour_lightness',
-    'colour_green_red',
-    'colour_blue_yellow',
-    'colour_lightness_spread',
-    'colour_saturation_spread',
-    'colour_red',
-    'colour_yellow',
-    'colour_green',
-    'colour_cyan',
-    'colour_blue',
-    'colour_magenta',
-    'size_length',
-    'size_width',
-    'size_area',
-    'size_depth',
-    'shape_aspect',
-    'shape_solidity',
-    'shape_extent',
-    'shape_circularity',
-    'shape_hu_1',
-    'shape_hu_2',
-    'shape_hu_3',
-    'texture_edges',
-    'texture_fine',
-    'texture_coarse',
-    'texture_entropy',
+_NAMES_BY_GROUP = (
+    ('colour', ('lightness', 'green_red', 'blue_yellow', 'lightness_spread', 'saturation_spread')),
+    ('colour', ('red', 'yellow', 'green', 'cyan', 'blue', 'magenta')),
+    ('size', ('length', 'width', 'area', 'depth')),
+    ('shape', ('aspect', 'solidity', 'extent', 'circularity', 'hu_1', 'hu_2', 'hu_3')),
+    ('texture', ('edges', 'fine', 'coarse', 'entropy')),
 )
+VIEW_FEATURE_NAMES = tuple(f'{group}_{name}' for group, names in _NAMES_BY_GROUP for name in names)
 """Names of the entries of `view_features`; the part before the first underscore is the group."""
 
 NOMINAL_DISTANCE = 0.8
@@ -84,7 +64,7 @@ class _Patch:
 
 
 def view_features(view: View) -> NDArray[np.float32]:
-    """Measure one object.
+    """Return the (len(VIEW_FEATURE_NAMES),) float32 features of one object, all finite.
 
     - colour: mean L*, a*, b* (unit: L* range 1), spread of L* and of the saturation, and how strongly the object shows
       each of six hues. This is the mean over its pixels of their chroma, shared between the two nearest hues. So a grey
@@ -97,12 +77,6 @@ def view_features(view: View) -> NDArray[np.float32]:
       mostly noise on a small mask. The added 1e-5 keeps the logarithm stable at a symmetric shape's zeros.
     - texture: share of edge pixels, standard deviation of the lightness in a fine and in a coarse band, entropy (bits).
 
-    Args:
-        view: crop of any size with at least one pixel in its mask.
-
-    Returns:
-        (len(VIEW_FEATURE_NAMES),) float32, finite.
-
     Raises:
         InputError: colour, depth and mask of different sizes, an empty mask, or focal lengths that are not positive.
     """
@@ -114,12 +88,7 @@ def view_features(view: View) -> NDArray[np.float32]:
     outline = _outline(silhouette)
     patch = _patch(view.color[window], silhouette)
     return np.array(
-        [
-            *_colour(patch),
-            *_size(view, window, silhouette, outline),
-            *_shape(silhouette, outline),
-            *_texture(patch),
-        ],
+        [*_colour(patch), *_size(view, window, silhouette, outline), *_shape(silhouette, outline), *_texture(patch)],
         dtype=np.float32,
     )
 
@@ -177,14 +146,7 @@ def _colour(patch: _Patch) -> list[float]:
     lower = position.astype(np.intp)
     share = position - lower
     hues = np.bincount(lower, chroma * (1 - share), HUES) + np.bincount((lower + 1) % HUES, chroma * share, HUES)
-    return [
-        lightness,
-        green_red,
-        blue_yellow,
-        lab_spread[0, 0] / 255,
-        saturation.std() / 255,
-        *(hues / chroma.size),
-    ]
+    return [lightness, green_red, blue_yellow, lab_spread[0, 0] / 255, saturation.std() / 255, *(hues / chroma.size)]
 
 
 def _size(
@@ -232,12 +194,8 @@ def _texture(patch: _Patch) -> list[float]:
     levels = np.minimum((lightness.take(within) * ENTROPY_BINS).astype(np.intp), ENTROPY_BINS - 1)
     shares = np.bincount(levels) / levels.size
     shares = shares[shares > 0]
-    return [
-        edges.mean(),
-        _spread(lightness - smooth, inner),
-        _spread(smooth - smoother, inner),
-        float(-shares @ np.log2(shares)),
-    ]
+    bands = (_spread(lightness - smooth, inner), _spread(smooth - smoother, inner))
+    return [edges.mean(), *bands, float(-shares @ np.log2(shares))]
 
 
 def _spread(image: NDArray[Any], mask: NDArray[Any]) -> float:

@@ -15,16 +15,9 @@ Measure = Callable[[View], NDArray[np.float32]]
 
 
 def perceive(observations: Sequence[Observation], measure: Measure = view_features) -> Scene:
-    """Return the scene of n observations: the features of the views, then the sensor readings.
+    """Return the scene of n observations: (n, m) features, `VIEW_FEATURE_NAMES` and then the sensor readings.
 
-    The readings are in the order of the first observation.
-
-    Args:
-        observations: one per object.
-        measure: `view_features`, or the same with a cache of views that return.
-
-    Returns:
-        A scene with (n, m) features, m = len(VIEW_FEATURE_NAMES) + number of sensors.
+    The readings are in the order of the first observation. Views that return may be measured with a cache.
 
     Raises:
         SceneError: no observation, or a reading that is not finite.

@@ -19,11 +19,7 @@ from al_questioner.questioning.strategies.dt_task import DtTask
 from al_questioner.questioning.strategies.expected_utility import expected_features
 from al_questioner.questioning.strategies.feature_sets import FEATURE_SETS, FeatureRecorder, FeatureSet
 from al_questioner.questioning.strategies.human import Human, ReplayedPicks
-from al_questioner.questioning.strategies.registry import (
-    STRATEGIES,
-    known_strategies,
-    make_strategy,
-)
+from al_questioner.questioning.strategies.registry import STRATEGIES, known_strategies, make_strategy
 from al_questioner.questioning.strategies.subset_first import UnlabelledFirst
 from al_questioner.questioning.strategies.uncertainty_sampling import UncertaintySampling
 from al_questioner.questioning.strategies.weights import Weights, load_weights, read_weights, shipped_file

@@ -40,8 +40,6 @@ class PreparedAnswer:
     """An answer that was checked, and what taking it will do.
 
     Attributes:
-        answer: what was said.
-        receipt: what becomes of it.
         record: what comes of its query; None if it is not accepted.
         is_kept: whether it changes anything: not if it was heard before, or if too many others are late as well.
     """
@@ -100,11 +98,9 @@ class AnswerHistory:
             return Receipt.LATE if taken else Receipt.ACCEPTED
         if answer.replaces not in taken:
             raise AnswerError(f'no answer {answer.replaces!r} to query {answer.query_id!r} was taken')
-        last = next(reversed(taken))
+        last, to = next(reversed(taken)), f'query {answer.query_id!r}'
         if answer.replaces != last:
-            raise AnswerError(
-                f'answer {answer.replaces!r} to query {answer.query_id!r} was replaced, in the end by {last!r}'
-            )
+            raise AnswerError(f'answer {answer.replaces!r} to {to} was replaced, in the end by {last!r}')
         return Receipt.ACCEPTED
 
     def keeps_late(self, answer: Answer) -> bool:
@@ -121,14 +117,7 @@ class AnswerHistory:
 def content_of(
     answer: Answer, action: Action, symbols: Sequence[str], groups: Sequence[str], scene: Scene
 ) -> tuple[int | None, str | None, tuple[str, ...]]:
-    """Object, symbol and feature groups that a question and its answer speak of.
-
-    Args:
-        answer: what was said.
-        action: what was asked.
-        symbols: the concepts.
-        groups: the feature groups.
-        scene: of the turn in which it was asked.
+    """Object, symbol and feature groups that a question about a scene and its answer speak of.
 
     Raises:
         AnswerError: the answer does not fit the question.

@@ -19,12 +19,8 @@ def class_beliefs(context: TurnContext, reach: float, doubt: float) -> Array:
 
     For each symbol, the nearest labelled view votes with exp(-d^2 / (2 reach^2)), and `doubt` votes are shared among
     all as they were among the answers so far (docs/explanation/value_per_cost.md). If a symbol was asked for
-    in this scene and the teacher showed nothing, no object of the scene is of that symbol.
-
-    Args:
-        context: state of the turn.
-        reach: distance over which a label counts, in standard deviations of a feature, root mean square.
-        doubt: number of votes without a label, above 0.
+    in this scene and the teacher showed nothing, no object of the scene is of that symbol. The reach is in standard
+    deviations of a feature, root mean square; the doubt is above 0.
     """
     votes = doubt * np.tile(class_shares(context), (len(context.scene), 1))
     labels = np.array([view.label for view in context.concepts.labelled_views], dtype=object)

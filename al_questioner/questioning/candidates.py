@@ -18,14 +18,11 @@ def candidates(scene: Scene, symbols: Sequence[str], costs: Costs, budget_left: 
     Returns:
         DQ(y) in the order of the symbols, LQ(x) in the order of the scene, FSQ, NQ; of each kind all of them or none.
     """
-    by_kind = {
-        QueryKind.DEMONSTRATION: [Action(QueryKind.DEMONSTRATION, symbol=symbol) for symbol in symbols],
-        QueryKind.LABEL: [Action(QueryKind.LABEL, object_id=object_id) for object_id in scene.object_ids],
-        QueryKind.FEATURE_SUBSET: [Action(QueryKind.FEATURE_SUBSET)],
-        QueryKind.NO_QUERY: [Action(QueryKind.NO_QUERY)],
-    }
-    kinds = (kind for kind in by_kind if is_affordable(costs.price(kind), budget_left) and is_open(kind, scene))
-    return tuple(action for kind in kinds for action in by_kind[kind])
+    actions = [Action(QueryKind.DEMONSTRATION, symbol=symbol) for symbol in symbols]
+    actions += [Action(QueryKind.LABEL, object_id=object_id) for object_id in scene.object_ids]
+    actions += [Action(QueryKind.FEATURE_SUBSET), Action(QueryKind.NO_QUERY)]
+    kinds = {kind for kind in QueryKind if is_affordable(costs.price(kind), budget_left) and is_open(kind, scene)}
+    return tuple(action for action in actions if action.kind in kinds)
 
 
 def is_open(kind: QueryKind, scene: Scene) -> bool:
@@ -54,7 +51,9 @@ def question_text(action: Action, symbols: Sequence[str]) -> str:
     if action.kind is QueryKind.LABEL:
         return f'What is object {action.object_id}?'
     if action.kind is QueryKind.DEMONSTRATION:
-        return f'Can you show me {_with_article(_spoken(str(action.symbol)))}?'
+        noun = _spoken(str(action.symbol))
+        article = 'some' if noun.endswith('s') else 'an' if noun[0].lower() in 'aeiou' else 'a'
+        return f'Can you show me {article} {noun}?'
     if action.kind is QueryKind.FEATURE_SUBSET:
         spoken = [_spoken(symbol) for symbol in symbols]
         names = f'{", ".join(spoken[:-1])} and {spoken[-1]}'
@@ -64,11 +63,6 @@ def question_text(action: Action, symbols: Sequence[str]) -> str:
 
 def _spoken(symbol: str) -> str:
     return symbol.replace('_', ' ')
-
-
-def _with_article(noun: str) -> str:
-    article = 'some' if noun.endswith('s') else 'an' if noun[0].lower() in 'aeiou' else 'a'
-    return f'{article} {noun}'
 
 
 def choices(action: Action, scene: Scene, symbols: Sequence[str], groups: Sequence[str]) -> tuple[str, ...]:

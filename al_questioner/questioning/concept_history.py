@@ -19,12 +19,6 @@ from al_questioner.questioning.strategies.choice import Strategy
 class ConceptHistory:
     """The concepts of an episode, and the scenes and the tunings that they come from beside the queries.
 
-    Args:
-        settings: of the episode.
-        view_tolerance: see `Episode`.
-        strategy: who decides, and selects features.
-        queries: of the episode, with what came of them.
-
     Attributes:
         concepts: what is known now.
         scenes: those of the turns so far, without the sensors' noise.

@@ -49,7 +49,6 @@ class Episode:
         strategy: who decides; if not given, `make_strategy` makes the one that the settings name.
 
     Attributes:
-        settings: what was given to the learner.
         answers: what was said to the queries.
 
     Raises:
@@ -169,9 +168,6 @@ class Episode:
 
         While a query of an earlier turn waits for its answer nothing is asked. It is withdrawn, and another one
         asked, when what it is about is not in view any more as it was.
-
-        Args:
-            scene: what is seen this turn.
 
         Raises:
             SceneError: the scene's features are not those of the scenes before.

@@ -13,10 +13,7 @@ def new_concept_learner(
 ) -> ConceptLearner:
     """Make the concept learner of these settings, as it is before the first turn.
 
-    Args:
-        settings: of the episode.
-        view_tolerance: see `ConceptLearner`.
-        strategy: who decides, and selects features, in the place of the strategy that the settings name.
+    A strategy that is given selects features in the place of the one that the settings name.
 
     Raises:
         SettingsError: an unknown strategy, or weights that do not fit it.
@@ -24,9 +21,5 @@ def new_concept_learner(
     if strategy is None:
         strategy = make_strategy(settings.strategy, settings.weights)
     return ConceptLearner(
-        settings.symbols,
-        settings.amplitude,
-        settings.length_scale,
-        strategy.selector,
-        view_tolerance,
+        settings.symbols, settings.amplitude, settings.length_scale, strategy.selector, view_tolerance
     )

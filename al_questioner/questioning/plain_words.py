@@ -20,13 +20,8 @@ def read_plain_answer(text: str, query: Query, teacher_id: str = 'plain', others
 
     `snack` answers a label query, `7`, `#7` or `object 7` a demonstration query, `colour,weight` a feature subset
     query; `none` says that a thing belongs to no symbol, or that no such thing is here; `?` is unknown, `skip` skips.
-    What is exactly a choice is that choice, whatever else the word may mean.
-
-    Args:
-        text: what was said.
-        query: that it answers.
-        teacher_id: who said it.
-        others: further words that the person may have meant, for the explanation.
+    What is exactly a choice is that choice, whatever else the word may mean. Where it is no answer, the explanation
+    considers other words, too, that the person may have meant.
 
     Raises:
         AnswerError: the text is no answer to this query, or may mean two; the reason names what would be one.
@@ -53,8 +48,8 @@ def _known(name: str, names: Collection[str]) -> str:
 
 
 def _content(text: str, query: Query, others: Collection[str]) -> Content | Outcome:
-    kind, words = query.action.kind, _words(query)
-    found = meant(text, words)
+    kind = query.action.kind
+    found = meant(text, _words(query))
     if not found and kind is QueryKind.DEMONSTRATION:
         found = meant(re.sub(r'^\s*(object|#)\s*#?', '', text, flags=re.IGNORECASE), query.choices)
     if not found and kind is QueryKind.FEATURE_SUBSET:

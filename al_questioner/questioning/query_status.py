@@ -34,7 +34,6 @@ class QueryBook:
     """The queries of an episode in the order in which they were asked; no more than the last one is pending.
 
     Attributes:
-        by_id: all queries by their ids.
         unanswered_turns: consecutive turns that timed out.
     """
 

@@ -32,13 +32,7 @@ LEAST_BELIEF = 1e-9
 
 @dataclass(frozen=True)
 class Statement:
-    """A label that a teacher gave to one object.
-
-    Attributes:
-        item: turn of the query about the object.
-        teacher_id: the teacher.
-        label: index into the labels.
-    """
+    """A label, by its index, that a teacher gave to one object; `item` is the turn of the query about the object."""
 
     item: int
     teacher_id: str
@@ -77,12 +71,7 @@ def label_beliefs(probabilities: Array) -> Array:
 
 
 def reliabilities(statements: Sequence[Statement], beliefs: Mapping[int, Array]) -> dict[str, float]:
-    """Return the estimated r_t of every teacher, see the formulas above.
-
-    Args:
-        statements: labels that the teachers gave.
-        beliefs: (L,) b_i of every item of the statements.
-    """
+    """Return the estimated r_t of every teacher, see the formulas above, given (L,) b_i of every item."""
     teachers = list(dict.fromkeys(statement.teacher_id for statement in statements))
     items = list(dict.fromkeys(statement.item for statement in statements))
     if not statements:
@@ -113,13 +102,8 @@ def statements_of(
 ) -> list[Statement]:
     """Return the labels that the answers give to objects, including late answers.
 
-    A late demonstration is left out, since it may show another object than the accepted one.
-
-    Args:
-        book: all answers.
-        queries: queries by `query_id`.
-        symbols: the labels, `NO_SYMBOL` comes after them.
-        beliefs: turns in which one object was asked about or shown, and named.
+    A late demonstration is left out, since it may show another object than the accepted one. There are beliefs of the
+    turns in which one object was asked about or shown, and named; the last label is `NO_SYMBOL`.
     """
     labels = (*symbols, NO_SYMBOL)
     taken = [(answer, queries[answer.query_id]) for answer in book.standing()]
@@ -138,11 +122,7 @@ def teacher_records(
 ) -> dict[str, TeacherRecord]:
     """Return the record of every teacher, in the order of their names.
 
-    Args:
-        book: all answers.
-        queries: queries by `query_id`.
-        symbols: the labels, `NO_SYMBOL` comes after them.
-        beliefs: by turn, (L,) beliefs of the models about the object that was named in it, before its label.
+    The beliefs are by turn, (L,) of the models about the object that was named in it, before its label.
     """
     statements = statements_of(book, queries, symbols, beliefs)
     estimated = reliabilities(statements, beliefs)

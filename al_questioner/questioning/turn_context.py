@@ -38,12 +38,7 @@ class TurnContext:
 
     Attributes:
         turn: 1-based.
-        turns: number of turns of the episode.
-        scene: the objects seen this turn.
-        concepts: the concept learner of the episode.
-        budget: budget of the episode.
         spent: part of the budget that was spent so far.
-        costs: price of each kind of query.
         change_interval: turns between scene changes as the robot expects them: the window of the non-query time.
         non_query_turns: consecutive turns before this one in which nothing was asked.
         scene_turn: turn in which the present scene was first seen.
@@ -81,10 +76,7 @@ class TurnContext:
 
     @property
     def allowance(self) -> float:
-        """Amount that may be spent in the present scene.
-
-        After the k-th of K scenes, k/K of the budget may have been spent.
-        """
+        """Amount that may be spent in the present scene: after the k-th of K scenes, k/K of the budget in all."""
         scenes = math.ceil(self.turns / self.change_interval)
         number = (self.turn - 1) // self.change_interval + 1
         return self.budget * number / scenes - self.spent

@@ -55,13 +55,9 @@ class NumberWithin:
 
 
 def add_option(parser: argparse.ArgumentParser, setting: Setting[Any], otherwise: str = DEFAULT, **own: Any) -> None:
-    """Add the option of a setting.
+    """Add the option of a setting; arguments of `add_argument` prevail.
 
-    Args:
-        parser: that gets it.
-        setting: what is set.
-        otherwise: what holds if the option is not given; without the default in it, the option is None then.
-        own: arguments of `add_argument` that prevail.
+    The help says what holds otherwise, if the option is not given; without the default in it, the option is None then.
     """
     kind = type(setting.default)
     if kind is bool:

@@ -93,14 +93,13 @@ def read_parameter_file(path: Path) -> tuple[Mapping[str, Any], list[str]]:
     Raises:
         InputError: the file cannot be read, is not YAML, or holds something other than a mapping.
     """
-    doubts: list[str] = []
+    doubts: list[yaml.MarkedYAMLError] = []
 
     def parse(content: bytes) -> Any:
-        found, faults = strict_yaml.parse_for_ros(content)
-        doubts.extend(_described(path, fault) for fault in faults)
+        found, doubts[:] = strict_yaml.parse_for_ros(content)
         return found
 
-    return _mapping_in(path, parse), doubts
+    return _mapping_in(path, parse), [_described(path, doubt) for doubt in doubts]
 
 
 def _mapping_in(path: Path, parse: Callable[[bytes], Any]) -> Mapping[str, Any]:

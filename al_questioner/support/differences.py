@@ -7,12 +7,9 @@ from typing import Any
 
 
 def differences(theirs: Mapping[str, Any], ours: Mapping[str, Any], ignored: Collection[str] = ()) -> list[str]:
-    """Return the differences, each as `name theirs, not ours`; a member of an inner object is `outer.name`.
+    """Return what differs between the document that was found, theirs, and the one that was expected, ours.
 
-    Args:
-        theirs: the document that was found.
-        ours: the document that was expected.
-        ignored: names that may differ.
+    Each reads `name theirs, not ours`; a member of an inner object is `outer.name`. Ignored names may differ.
     """
     found, wanted = dict(_flat(theirs)), dict(_flat(ours))
     return [

@@ -43,22 +43,17 @@ def install() -> None:
         signal.signal(signal.SIGINT, end_at_once)
 
 
-class _Within:
-    """A context manager that handles interrupts in another way, unless other code has set a handler."""
+@contextlib.contextmanager
+def raised() -> Iterator[None]:
+    """Make an interrupt raise KeyboardInterrupt in this context, where otherwise it would end the process.
 
-    def __init__(self, outside: object, within: object) -> None:
-        self._outside, self._within = outside, within
-
-    def __enter__(self) -> None:
-        _exchange(self._outside, self._within)
-
-    def __exit__(self, *_: object) -> None:
-        _exchange(self._within, self._outside)
-
-
-def raised() -> _Within:
-    """Make an interrupt raise KeyboardInterrupt in this context, where otherwise it would end the process."""
-    return _Within(end_at_once, raise_or_end)
+    Where other code has set a handler, that one stays.
+    """
+    _exchange(end_at_once, raise_or_end)
+    try:
+        yield
+    finally:
+        _exchange(raise_or_end, end_at_once)
 
 
 @contextlib.contextmanager

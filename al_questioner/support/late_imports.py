@@ -7,7 +7,6 @@ rest. This is the only reason for a late import.
 from __future__ import annotations
 
 from collections.abc import Callable
-from functools import cache
 from importlib import import_module
 from typing import Any
 
@@ -15,12 +14,7 @@ from typing import Any
 def late(module: str, name: str) -> Callable[..., Any]:
     """Return a function that imports a module at its first call and then calls the function of this name in it."""
 
-    @cache
-    def found() -> Callable[..., Any]:
-        function: Callable[..., Any] = getattr(import_module(module), name)
-        return function
-
     def call(*arguments: Any, **named: Any) -> Any:
-        return found()(*arguments, **named)
+        return getattr(import_module(module), name)(*arguments, **named)
 
     return call

@@ -19,11 +19,7 @@ from matplotlib.figure import Figure
 from al_questioner.domain import Outcome, QueryKind, QueryRecord
 from al_questioner.support.files import write_bytes
 
-KIND_COLOURS = {
-    QueryKind.LABEL: '#2c6fbb',
-    QueryKind.DEMONSTRATION: '#d1622b',
-    QueryKind.FEATURE_SUBSET: '#3a923a',
-}
+KIND_COLOURS = {QueryKind.LABEL: '#2c6fbb', QueryKind.DEMONSTRATION: '#d1622b', QueryKind.FEATURE_SUBSET: '#3a923a'}
 STYLE: dict[Any, Any] = {
     'axes.spines.top': False,
     'axes.spines.right': False,

@@ -6,16 +6,10 @@ import time
 
 
 class RateLimiter:
-    """A limiter that lets at most so many events pass in any period, by the steady clock.
-
-    Args:
-        most: largest number of events in a period.
-        period: seconds.
-    """
+    """A limiter that lets at most so many events pass in any period of so many seconds, by the steady clock."""
 
     def __init__(self, most: int, period: float) -> None:
-        self._most = most
-        self._period = period
+        self._most, self._period = most, period
         self._passed: list[float] = []
 
     @property
@@ -36,14 +30,11 @@ class RateLimiter:
 class RepeatLimiter:
     """A limiter that lets each kind of event pass once in any period, and at most so many kinds; it counts the others.
 
-    Args:
-        most: largest number of kinds in a period.
-        period: seconds.
+    The period is in seconds.
     """
 
     def __init__(self, most: int, period: float) -> None:
-        self._most = most
-        self._period = period
+        self._most, self._period = most, period
         self._passed: dict[str, float] = {}
         self._held_back = 0
 

@@ -11,8 +11,8 @@ from yaml.error import Mark, MarkedYAMLError
 from yaml.nodes import MappingNode, Node, ScalarNode, SequenceNode
 from yaml.reader import ReaderError
 
-MERGE = 'tag:yaml.org,2002:merge'
-"""Tag of the key <<, which stands for the members of another mapping."""
+_STRING, _MERGE = 'tag:yaml.org,2002:str', 'tag:yaml.org,2002:merge'
+"""Tags of a text, and of the key <<, which stands for the members of another mapping."""
 MOST_BYTES = 1_000_000
 """Largest file that is read, in bytes; people write files a thousand times smaller."""
 DEEPEST = 20
@@ -21,7 +21,6 @@ MOST_VALUES = 100_000
 """Largest number of values with aliases expanded; each of a few lines could stand for ten of the next."""
 LARGEST_WHOLE = 2**63 - 1
 
-_STRING, _MERGE = 'tag:yaml.org,2002:str', 'tag:yaml.org,2002:merge'
 _ROS_WORDS = {'y': True, 'Y': True, 'n': False, 'N': False}
 _WORDS = {'true': True, 'false': False, 'null': None, '~': None, '': None, '.nan': float('nan')}
 
@@ -73,9 +72,7 @@ def text_of(document: Any) -> str:
 class _Loader(yaml.SafeLoader):
     """A safe loader that checks each node as soon as it is complete, when its line is known.
 
-    Args:
-        content: text of the document.
-        doubts: list that collects the ambiguous values; if it is None, such a value is an error.
+    Ambiguous values are collected in the list of doubts; if there is none, such a value is an error.
     """
 
     def __init__(self, content: bytes, doubts: list[MarkedYAMLError] | None = None) -> None:
@@ -128,7 +125,7 @@ class _Loader(yaml.SafeLoader):
             if not isinstance(key, ScalarNode):
                 raise _fault('expected a name as key, found a list or a mapping', key.start_mark)
             # Compare keys by meaning: 1 and 0x1 are the same key, and so are both Unicode forms of an accent.
-            meant = key.value if key.tag == MERGE else self.construct_object(key)
+            meant = key.value if key.tag == _MERGE else self.construct_object(key)
             meant = unicodedata.normalize('NFC', meant) if isinstance(meant, str) else meant
             if meant in lines:
                 self._doubt(f'key {key.value!r} occurs twice, first in line {lines[meant]}', key.start_mark)

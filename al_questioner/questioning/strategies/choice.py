@@ -25,7 +25,6 @@ class Choice:
     """A strategy's choice among the candidates of a turn.
 
     Attributes:
-        index: of the chosen candidate.
         utilities: (C,) value of each candidate; NaN for one that the strategy does not consider.
         features: (C, F) of the candidates, if the strategy tells them: the seven of `DECISION_FEATURES`, unless it is
             observed with others.
@@ -86,11 +85,7 @@ def choose_best(
     teaches nothing leaves the beliefs as they were, so the same question would be the best again, and it does not tell
     asking something from asking something useful, so pointless questions would keep the non-query time low.
 
-    Args:
-        context: whose candidates they are.
-        utilities: (C,) NaN for candidates that are not considered.
-        rng: breaks the ties.
-        features: (C, F) handed on to the choice.
+    The (C,) utilities are NaN for candidates that are not considered; the (C, F) features are handed on to the choice.
     """
     settled = settled_actions(context)
     considered = np.where([action in settled for action in context.candidates], np.nan, utilities)

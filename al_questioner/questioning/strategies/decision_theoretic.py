@@ -16,11 +16,9 @@ from al_questioner.questioning.turn_context import TurnContext
 class DecisionTheoretic:
     """Strategy that takes the candidate of largest expected utility w . E[phi | a] (equations 1 and 2 of the paper).
 
-    Args:
-        weights: by decision feature; a feature without a weight has weight 0.
+    A decision feature without a weight has weight 0.
 
     Attributes:
-        name: of the strategy.
         weight_names: the decision features that it uses.
 
     Raises:
@@ -34,9 +32,8 @@ class DecisionTheoretic:
     def __init__(self, weights: Mapping[str, float]) -> None:
         if not weights:
             ship = f"EpisodeSettings(..., weights=load_weights('{self.name}')) has those that ship"
-            raise SettingsError(
-                f'strategy {self.name} needs weights for some of {", ".join(self.weight_names)}: {ship}'
-            )
+            some = ', '.join(self.weight_names)
+            raise SettingsError(f'strategy {self.name} needs weights for some of {some}: {ship}')
         self.weights = np.array([float(weights.get(feature, 0.0)) for feature in DECISION_FEATURES])
 
     def choose(self, context: TurnContext, rng: np.random.Generator) -> Choice:

@@ -73,21 +73,16 @@ def _after_instance_queries(concepts: ConceptLearner, scene: Scene, q: Array, po
 
 
 def task_features(q: Array, positives: Array) -> Array:
-    """Return the four learning-centric decision features of states.
+    """Return the (..., 4) learning-centric decision features of states, in the order of `DECISION_FEATURES`.
 
     Args:
-        q: (..., |X|, |Y|) beliefs.
+        q: (..., |X|, |Y|) beliefs; where there are no things, what is believed of them is 0.
         positives: (..., |Y|) numbers of positive examples; leading axes broadcast against those of `q`.
-
-    Returns:
-        (..., 4) in the order of `DECISION_FEATURES`; of what is believed of the things, 0 where there are none.
     """
+    uniformity, nothing = phi.class_uniformity(positives), np.zeros(q.shape[:-2])
     if q.shape[-2] == 0:
-        nothing = np.zeros(q.shape[:-2])
-        return _side_by_side(nothing, phi.class_uniformity(positives), nothing, nothing)
-    return _side_by_side(
-        phi.discriminability(q), phi.class_uniformity(positives), phi.instance_variation(q), phi.prediction_margin(q)
-    )
+        return _side_by_side(nothing, uniformity, nothing, nothing)
+    return _side_by_side(phi.discriminability(q), uniformity, phi.instance_variation(q), phi.prediction_margin(q))
 
 
 def environment_features(context: TurnContext) -> Array:

@@ -80,13 +80,8 @@ class ScriptedExpert:
         counts = list(context.concepts.positives.values())
         if max(counts) < MISSED:
             return None
-        tried = {
-            record.symbol
-            for record in context.history
-            if record.kind is QueryKind.DEMONSTRATION and record.turn >= context.scene_turn
-        }
-        for index, (symbol, count) in enumerate(zip(context.symbols, counts, strict=True)):
-            is_settled = Action(QueryKind.DEMONSTRATION, symbol=symbol) in settled
-            if count == 0 and symbol not in tried and not is_settled:
-                return index
-        return None
+        here = [record for record in context.history if record.turn >= context.scene_turn]
+        tried = {record.symbol for record in here if record.kind is QueryKind.DEMONSTRATION}
+        tried |= {action.symbol for action in settled if action.kind is QueryKind.DEMONSTRATION}
+        missed = (index for index, symbol in enumerate(context.symbols) if not counts[index] and symbol not in tried)
+        return next(missed, None)

@@ -26,8 +26,6 @@ class FeatureSet:
     """Features of the candidates; a strategy takes the candidate with the largest weighted sum of them.
 
     Attributes:
-        strategy: its name.
-        names: names of the F features.
         of: function that returns the (C, F) features of the candidates of a turn.
         is_worthless: function that returns, for (C, F) features, (C,) booleans: the candidates never to consider.
     """
@@ -39,11 +37,8 @@ class FeatureSet:
 
 
 FEATURE_SETS: Mapping[str, FeatureSet] = {
-    feature_set.strategy: feature_set
-    for feature_set in (
-        FeatureSet('dt_task_env', DECISION_FEATURES, expected_features),
-        FeatureSet('value_per_cost', VALUE_FEATURES, value_features, is_worthless),
-    )
+    'dt_task_env': FeatureSet('dt_task_env', DECISION_FEATURES, expected_features),
+    'value_per_cost': FeatureSet('value_per_cost', VALUE_FEATURES, value_features, is_worthless),
 }
 """Feature sets by the name of the strategy."""
 
@@ -51,11 +46,8 @@ FEATURE_SETS: Mapping[str, FeatureSet] = {
 class FeatureRecorder:
     """Strategy whose choices carry the features of a feature set, so that they demonstrate how to weigh these.
 
-    A candidate that is worthless to the set counts as not considered, unless it is chosen.
-
-    Args:
-        strategy: the strategy that decides.
-        feature_set: features to compute of every candidate, whatever the strategy computes itself.
+    The strategy decides; whatever it computes itself, the features of the set are computed of every candidate. One that
+    is worthless to the set counts as not considered, unless it is chosen.
     """
 
     def __init__(self, strategy: Strategy, feature_set: FeatureSet) -> None:

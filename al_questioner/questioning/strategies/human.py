@@ -74,9 +74,6 @@ class Lines:
     """Lines of a file descriptor, read without the lock of `sys.stdin`.
 
     A thread that waits for a person holds that lock, and a process that ends in the meantime would be aborted.
-
-    Args:
-        descriptor: 0 for the standard input.
     """
 
     def __init__(self, descriptor: int) -> None:
@@ -211,12 +208,9 @@ def menu(context: TurnContext) -> str:
         lines += _columns([_object(context, row, settled) for row in range(len(context.scene))])
     if QueryKind.DEMONSTRATION in kinds:
         lines.append(f'Show me one (cost {costs.demonstration:g}); examples so far:')
-        lines += _columns(
-            [
-                f'{symbol}: {count}' + _remark(Action(QueryKind.DEMONSTRATION, symbol=symbol), settled)
-                for symbol, count in context.concepts.positives.items()
-            ]
-        )
+        remarks = [_remark(Action(QueryKind.DEMONSTRATION, symbol=symbol), settled) for symbol in context.symbols]
+        counts = context.concepts.positives.items()
+        lines += _columns([f'{symbol}: {n}{remark}' for (symbol, n), remark in zip(counts, remarks, strict=True)])
     if QueryKind.FEATURE_SUBSET in kinds and Action(QueryKind.FEATURE_SUBSET) not in settled:
         lines.append(f'Which properties matter? (cost {costs.feature_subset:g}): f')
     lines.append('Nothing: Enter; help: h')

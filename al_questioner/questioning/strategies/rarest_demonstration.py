@@ -25,12 +25,7 @@ class RarestDemonstration(SubsetFirst):
         if context.labelled.all() or not is_affordable(context.costs.demonstration, context.allowance):
             return np.full(len(counts), np.nan)
         times_labelled = context.concepts.times_labelled(context.scene)
-        exhausted = {
-            record.symbol
-            for record in context.history
-            if record.kind is QueryKind.DEMONSTRATION
-            and record.turn >= context.scene_turn
-            and record.object_id is not None
-            and times_labelled[context.scene.index_of(record.object_id)] > 1
-        }
+        here = (r for r in context.history if r.kind is QueryKind.DEMONSTRATION and r.turn >= context.scene_turn)
+        shown = [(r.symbol, context.scene.index_of(r.object_id)) for r in here if r.object_id is not None]
+        exhausted = {symbol for symbol, row in shown if times_labelled[row] > 1}
         return np.where([symbol in exhausted for symbol in context.symbols], np.nan, -counts)

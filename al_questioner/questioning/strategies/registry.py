@@ -51,11 +51,8 @@ def known_strategies() -> tuple[str, ...]:
 def make_strategy(name: str, weights: Mapping[str, float], pick: Picker | None = None) -> Strategy:
     """Make the strategy of this name; other packages are searched only for a name that is not in `STRATEGIES`.
 
-    Args:
-        name: one of `known_strategies()`.
-        weights: weights and constants by name. A strategy that declares some takes no others, but with weight 0 those
-            that others declare; one that ships and declares none leaves them aside.
-        pick: the person's choices, of the strategy `human`; if not given, it asks at the terminal.
+    A strategy that declares weights and constants takes no others, but with weight 0 those that others declare. One
+    that ships and declares none leaves them aside. The strategy `human` picks as given, or else asks at the terminal.
 
     Raises:
         SettingsError: an unknown name, weights that do not fit the strategy, or a contributed one that cannot be made.
@@ -66,6 +63,5 @@ def make_strategy(name: str, weights: Mapping[str, float], pick: Picker | None =
         of_others = set(chain.from_iterable(weight_names(other) or () for other in STRATEGIES.values()))
         for each, weight in weights.items():
             if each not in declared and (weight != 0 or each not in of_others):
-                uses = ', '.join(declared) or 'none'
-                raise SettingsError(f'strategy {name} does not use {each!r}; it uses {uses}')
+                raise SettingsError(f'strategy {name} does not use {each!r}; it uses {", ".join(declared) or "none"}')
     return Human(pick) if name == 'human' else factory(weights)

@@ -24,11 +24,7 @@ from al_questioner.questioning.turn_context import TurnContext
 
 
 class SubsetFirst(ABC):
-    """Strategy of one early feature subset query, then queries of one kind.
-
-    Attributes:
-        kind: kind of the queries after the first.
-    """
+    """Strategy of one early feature subset query, then queries of one kind."""
 
     selector = None
     kind = QueryKind.LABEL

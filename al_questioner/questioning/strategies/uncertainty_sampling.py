@@ -6,7 +6,7 @@ import numpy as np
 
 from al_questioner.concepts import Selector, select_features
 from al_questioner.domain import QueryKind
-from al_questioner.questioning.strategies.choice import Choice, choose_best, nothing_considered
+from al_questioner.questioning.strategies.choice import Choice, choose_best, nothing_considered, rows_of
 from al_questioner.questioning.strategies.decision_features import prediction_entropy
 from al_questioner.questioning.turn_context import TurnContext
 
@@ -28,11 +28,7 @@ class UncertaintySampling:
 
     def choose(self, context: TurnContext, rng: np.random.Generator) -> Choice:
         """Return the affordable label query of largest entropy; no query if there is none."""
-        utilities = nothing_considered(context)
+        utilities, rows = nothing_considered(context), rows_of(context, QueryKind.LABEL)
         entropy = prediction_entropy(context.probabilities)
-        for row, action in enumerate(context.candidates):
-            if action.kind is QueryKind.LABEL and action.object_id is not None:
-                index = context.scene.index_of(action.object_id)
-                if self._repeats or not context.labelled[index]:
-                    utilities[row] = entropy[index]
+        utilities[rows] = (entropy if self._repeats else np.where(context.labelled, np.nan, entropy))[: len(rows)]
         return choose_best(context, utilities, rng)

@@ -54,9 +54,8 @@ class Constants:
     def __post_init__(self) -> None:
         for name, value in vars(self).items():
             if not (np.isfinite(value) and value >= LEAST):
-                raise SettingsError(
-                    f'strategy value_per_cost: {name} must be a number of {LEAST:g} or more, not {value}'
-                )
+                reason = f'{name} must be a number of {LEAST:g} or more, not {value}'
+                raise SettingsError(f'strategy value_per_cost: {reason}')
 
 
 DEFAULTS = Constants()
@@ -144,11 +143,7 @@ def example_gains(context: TurnContext, decline: float) -> Array:
 
 
 def called_shares(probabilities: Array) -> Array:
-    """Return (n, |Y|) 1 for the symbol that the classifiers call a thing, 0 for others; of a tie, equal shares.
-
-    Args:
-        probabilities: (n, |Y|) q_y(x).
-    """
+    """Return (n, |Y|) 1 for the symbol that classifiers with (n, |Y|) q_y(x) call a thing, else 0; of a tie, shares."""
     best = probabilities.max(axis=1, keepdims=True)
     largest = probabilities >= best - TIE * best
     return np.asarray(largest / largest.sum(axis=1, keepdims=True))

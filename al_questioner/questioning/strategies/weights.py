@@ -18,12 +18,7 @@ MEMBERS = ('weights', 'provenance', 'training')
 
 @dataclass(frozen=True)
 class Weights:
-    """Weights of a strategy.
-
-    Attributes:
-        values: weights and constants, by name.
-        provenance: where they come from, in words.
-    """
+    """Weights and constants of a strategy, by name, and where they come from, in words."""
 
     values: Mapping[str, float]
     provenance: str
