@@ -39,19 +39,6 @@ def test_own_file_is_taken(tmp_path: Path) -> None:
     assert named_file('tasks', str(own), 'task') == own
 
 
-@pytest.mark.parametrize(
-    ('content', 'reason'),
-    [(b'a: [', 'not valid YAML'), (b'- 1', 'found list'), (b'\xff\xfe\xff', 'not valid YAML'), (b'', 'found nothing')],
-)
-def test_broken_yaml_is_one_line(tmp_path: Path, content: bytes, reason: str) -> None:
-    """A broken file would end in a traceback."""
-    path = tmp_path / 'broken.yaml'
-    path.write_bytes(content)
-    with pytest.raises(InputError, match=reason) as caught:
-        read_yaml(path)
-    assert '\n' not in str(caught.value)
-
-
 def test_a_file_that_is_no_yaml_is_told_from_an_unknown_name() -> None:
     """Whoever gives the path of a file that is there would be told that it is not known."""
     with pytest.raises(InputError, match=r'^/etc/passwd is no task file: the name of one ends in .yaml$'):
