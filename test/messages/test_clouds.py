@@ -42,18 +42,14 @@ def make_cloud(scene: Scene | None = None) -> SimpleNamespace:
 
 def foreign_cloud(points: np.ndarray, width: int, height: int = 1, **members: object) -> SimpleNamespace:
     """A cloud of another make, whose points lie as those of a structured array do."""
-    datatypes = {'u1': 2, 'u2': 4, 'i4': 5, 'u4': 6, 'f4': 7, 'f8': 8}
-    layout = points.dtype
-    return SimpleNamespace(
-        fields=[
-            SimpleNamespace(name=name, offset=offset, datatype=datatypes[kind.str[1:]], count=1)
-            for name, (kind, offset) in layout.fields.items()
-        ],
-        width=width,
-        height=height,
-        point_step=layout.itemsize,
-        **{'row_step': width * layout.itemsize, 'is_bigendian': False, 'data': points.tobytes(), **members},
-    )
+    datatypes, layout = {'u1': 2, 'u2': 4, 'i4': 5, 'u4': 6, 'f4': 7, 'f8': 8}, points.dtype
+    fields = [
+        SimpleNamespace(name=name, offset=offset, datatype=datatypes[kind.str[1:]], count=1)
+        for name, (kind, offset) in layout.fields.items()
+    ]
+    row_step = width * layout.itemsize
+    members = {'row_step': row_step, 'is_bigendian': False, 'data': points.tobytes(), **members}
+    return SimpleNamespace(fields=fields, width=width, height=height, point_step=layout.itemsize, **members)
 
 
 @given(hnp.arrays(np.float32, (4, 3), elements=finite), hnp.arrays(np.float32, (4, 2), elements=finite))
