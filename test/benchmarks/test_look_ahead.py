@@ -53,10 +53,10 @@ def test_the_random_states_hold_what_the_table_says():
 
     rng = np.random.default_rng(0)
     states = [random_state(rng) for _ in range(300)]
-    assert min(len(state.labels) for state in states) == 0
-    assert max(len(state.labels) for state in states) > 140
-    assert min(state.amplitude for state in states) < 2
-    assert max(state.amplitude for state in states) > 80
+    numbers, amplitudes = [len(state.labels) for state in states], [state.amplitude for state in states]
+    assert min(numbers) == 0
+    assert max(numbers) > 140
+    assert min(amplitudes) < 2 < 80 < max(amplitudes)
     assert sum(len(state.labels) > 1 and len(set(state.labels)) == 1 for state in states) > 10
     shown_again = [(state.scene[:, None] == state.features).all(axis=2).any() for state in states]
     assert 50 < sum(shown_again) < 150

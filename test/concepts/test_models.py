@@ -2,16 +2,20 @@
 
 import numpy as np
 import pytest
-from scipy.optimize import minimize
-from scipy.special import erf, expit
-from sklearn.gaussian_process._gpc import COEFS, LAMBDAS
+from scipy.special import expit
 
 from al_questioner.concepts import ConceptModels, models
 from al_questioner.concepts.laplace import mode_shift
 from al_questioner.concepts.laplace.look_ahead import PROBABILITY_TOLERANCE
 from al_questioner.domain import NO_SYMBOL, InputError
+from shared.textbook import optimised_probability
 
 SYMBOLS = ('main_dish', 'snack', 'fruit', 'beverage')
+
+
+def assert_close(found, expected, atol=1e-8, what=''):
+    """Compare with an absolute tolerance alone."""
+    np.testing.assert_allclose(found, expected, rtol=0, atol=atol, err_msg=what)
 
 
 def random_task(seed, duplicates=False, one_class=False):
@@ -23,32 +27,6 @@ def random_task(seed, duplicates=False, one_class=False):
         features = features[rng.integers(0, max(1, n // 3), size=n)]
     labels = ['snack'] * n if one_class else list(rng.choice([*SYMBOLS, NO_SYMBOL], size=n))
     return features, labels, rng.normal(size=(7, m)), float(rng.uniform(1, 100)), float(rng.uniform(0.3, 4))
-
-
-def optimised_probability(features, targets, test, amplitude, length_scale):
-    """R&W chapter 3 by the textbook formulas and a general optimiser; any targets, one class included."""
-
-    def covariance(a, b):
-        return amplitude * np.exp(-0.5 * ((a[:, None] - b[None]) ** 2).sum(axis=2) / length_scale**2)
-
-    values, vectors = np.linalg.eigh(covariance(features, features))
-    factor = vectors * np.sqrt(np.maximum(values, 0))  # f = factor z with z standard normal
-    sign = 2 * targets - 1
-    result = minimize(
-        lambda z: 0.5 * z @ z + np.logaddexp(0, -sign * (factor @ z)).sum(),
-        np.zeros(len(values)),
-        jac=lambda z: z - factor.T @ (sign * expit(-sign * (factor @ z))),
-        hess=lambda z: np.eye(len(z)) + (factor.T * (expit(factor @ z) * expit(-factor @ z))) @ factor,
-        method='trust-exact',
-        options={'gtol': 1e-11},
-    )
-    p = expit(factor @ result.x)
-    cross = covariance(features, test)
-    mean = cross.T @ (targets - p)
-    root = np.sqrt(p * (1 - p))
-    inverse = np.linalg.inv(np.eye(len(p)) + root[:, None] * covariance(features, features) * root)
-    variance = amplitude - np.einsum('nk,nm,mk->k', cross, root[:, None] * inverse * root, cross)
-    return (0.5 * COEFS * (1 + erf(LAMBDAS * mean / np.sqrt(1 + 2 * LAMBDAS**2 * variance)))).sum(axis=0)
 
 
 @pytest.mark.parametrize('duplicates', [False, True])
@@ -64,7 +42,7 @@ def test_probabilities_equal_scikit_learn(duplicates, sklearn_probability):
                 expected = sklearn_probability(features, targets, test, amplitude, length_scale)
                 if expected is not None:
                     compared += 1
-                    np.testing.assert_allclose(q[:, column], expected, rtol=0, atol=1e-6)
+                    assert_close(q[:, column], expected, atol=1e-6)
     assert compared > 80
 
 
@@ -78,7 +56,7 @@ def test_probabilities_equal_textbook_formulas_and_a_general_optimiser(duplicate
         for column, symbol in enumerate(SYMBOLS):
             targets = np.array([float(label == symbol) for label in labels])
             expected = optimised_probability(features, targets, test, amplitude, length_scale)
-            np.testing.assert_allclose(q[:, column], expected, rtol=0, atol=1e-6)
+            assert_close(q[:, column], expected, atol=1e-6)
 
 
 def test_one_example_by_hand():
@@ -112,7 +90,7 @@ def test_look_ahead_is_what_fitting_again_gives(n, amplitude):
     for i in range(5):
         for j, symbol in enumerate(SYMBOLS):
             again = ConceptModels(SYMBOLS, amplitude).fit(np.vstack([features, scene[i]]), [*labels, symbol])
-            np.testing.assert_allclose(ahead[i, j], again.predict_proba(scene), rtol=0, atol=PROBABILITY_TOLERANCE)
+            assert_close(ahead[i, j], again.predict_proba(scene), atol=PROBABILITY_TOLERANCE)
 
 
 def test_look_ahead_does_not_depend_on_the_size_of_its_chunks(monkeypatch):
@@ -122,7 +100,7 @@ def test_look_ahead_does_not_depend_on_the_size_of_its_chunks(monkeypatch):
     scene = rng.normal(size=(7, 4))
     whole = fitted.look_ahead(scene)
     monkeypatch.setattr(models, 'CHUNK_NUMBERS', 1)
-    np.testing.assert_allclose(fitted.look_ahead(scene), whole, rtol=0, atol=1e-8)
+    assert_close(fitted.look_ahead(scene), whole)
 
 
 @pytest.mark.parametrize('amplitude', [1.0, 4.0, 25.0, 100.0])
@@ -134,11 +112,9 @@ def test_one_label_more_is_learnt_as_from_nothing(learning_state, amplitude, dup
         for thing, symbol in ((0, state.symbols[0]), (len(state.scene) - 1, NO_SYMBOL)):
             more = state.had_been_labelled(thing, symbol)
             warm, fresh = state.fitted().fit(*more), state.models().fit(*more)
-            np.testing.assert_allclose(warm._posterior.modes, fresh._posterior.modes, rtol=0, atol=1e-8)
-            np.testing.assert_allclose(
-                warm.predict_proba(state.scene), fresh.predict_proba(state.scene), rtol=0, atol=1e-8
-            )
-            np.testing.assert_allclose(warm.look_ahead(state.scene), fresh.look_ahead(state.scene), rtol=0, atol=1e-6)
+            assert_close(warm._posterior.modes, fresh._posterior.modes)
+            assert_close(warm.predict_proba(state.scene), fresh.predict_proba(state.scene))
+            assert_close(warm.look_ahead(state.scene), fresh.look_ahead(state.scene), atol=1e-6)
 
 
 @pytest.mark.parametrize('amplitude', [4.0, 100.0])
@@ -150,10 +126,8 @@ def test_sixty_labels_one_by_one_do_not_drift(learning_state, amplitude):
         growing.fit(state.features[:n], state.labels[:n])
         if n % 15 == 0:
             fresh = state.models().fit(state.features[:n], state.labels[:n])
-            np.testing.assert_allclose(growing._posterior.modes, fresh._posterior.modes, rtol=0, atol=1e-8)
-            np.testing.assert_allclose(
-                growing.predict_proba(state.scene), fresh.predict_proba(state.scene), rtol=0, atol=1e-8
-            )
+            assert_close(growing._posterior.modes, fresh._posterior.modes)
+            assert_close(growing.predict_proba(state.scene), fresh.predict_proba(state.scene))
 
 
 def changed_examples(state, rng):
@@ -178,7 +152,7 @@ def test_every_other_change_is_learnt_as_from_nothing(learning_state, amplitude)
         again, fresh = state.fitted().fit(features, labels), state.models().fit(features, labels)
         scene = np.random.default_rng(7).normal(size=(4, features.shape[1]))
         q, expected = again.predict_proba(scene), fresh.predict_proba(scene)
-        np.testing.assert_allclose(q, expected, rtol=0, atol=1e-8, err_msg=what)
+        assert_close(q, expected, what=what)
 
 
 def test_forgetting_is_complete(learning_state):
@@ -193,7 +167,7 @@ def test_forgetting_is_complete(learning_state):
     fresh = state.models().fit(other, labels)
     for n in (0, 1, 6):
         fitted.fit(other[:n], labels[:n])
-    np.testing.assert_allclose(fitted.predict_proba(other), fresh.predict_proba(other), rtol=0, atol=1e-8)
+    assert_close(fitted.predict_proba(other), fresh.predict_proba(other))
 
 
 def test_models_of_a_subset_leave_the_others_alone(learning_state):
@@ -202,12 +176,8 @@ def test_models_of_a_subset_leave_the_others_alone(learning_state):
     fitted, expected = state.fitted(), state.fitted().predict_proba(state.scene)
     subset = fitted.refitted(state.features[:, :5])
     fresh = state.models().fit(state.features[:, :5], state.labels)
-    np.testing.assert_allclose(
-        subset.predict_proba(state.scene[:, :5]), fresh.predict_proba(state.scene[:, :5]), rtol=0, atol=1e-8
-    )
-    np.testing.assert_allclose(
-        subset.look_ahead(state.scene[:, :5]), fresh.look_ahead(state.scene[:, :5]), rtol=0, atol=1e-6
-    )
+    assert_close(subset.predict_proba(state.scene[:, :5]), fresh.predict_proba(state.scene[:, :5]))
+    assert_close(subset.look_ahead(state.scene[:, :5]), fresh.look_ahead(state.scene[:, :5]), atol=1e-6)
     subset.fit(np.empty((0, 5)), [])
     np.testing.assert_array_equal(fitted.predict_proba(state.scene), expected)
     with pytest.raises(InputError, match='15 labels for 14 feature vectors'):
@@ -254,7 +224,7 @@ def test_a_scene_is_seen_with_what_was_learnt_since(learning_state):
     fitted = state.fitted()
     fitted.predict_proba(state.scene)
     fitted.fit(*state.had_been_labelled(0, state.symbols[1]))
-    np.testing.assert_allclose(fitted.predict_proba(state.scene), state.after(0, state.symbols[1]), rtol=0, atol=1e-8)
+    assert_close(fitted.predict_proba(state.scene), state.after(0, state.symbols[1]))
 
 
 @pytest.mark.parametrize('amplitude', [25.0, 50.0, 100.0])
@@ -281,7 +251,7 @@ def test_a_search_that_came_nowhere_does_no_harm(learning_state, monkeypatch):
     fitted = state.fitted()
     monkeypatch.setattr(mode_shift, 'find_shift', find)
     fitted.fit(*state.had_been_labelled(0, state.symbols[0]))
-    np.testing.assert_allclose(fitted.predict_proba(state.scene), state.after(0, state.symbols[0]), rtol=0, atol=1e-8)
+    assert_close(fitted.predict_proba(state.scene), state.after(0, state.symbols[0]))
 
 
 def test_examples_may_change_in_place_after_a_fit():
@@ -290,9 +260,9 @@ def test_examples_may_change_in_place_after_a_fit():
     fitted = ConceptModels(['a', 'b']).fit(buffer[:2], labels[:2])
     before = fitted.predict_proba([[0.0]])
     buffer[0] = 5.0
-    np.testing.assert_allclose(fitted.predict_proba([[1.0], [0.0]])[1:], before, rtol=0, atol=1e-12)
+    assert_close(fitted.predict_proba([[1.0], [0.0]])[1:], before, atol=1e-12)
     fresh = ConceptModels(['a', 'b']).fit(buffer.copy(), labels).predict_proba([[5.0]])
-    np.testing.assert_allclose(fitted.fit(buffer, labels).predict_proba([[5.0]]), fresh, rtol=0, atol=1e-8)
+    assert_close(fitted.fit(buffer, labels).predict_proba([[5.0]]), fresh)
 
 
 def test_without_examples_everything_is_one_half():
@@ -320,9 +290,8 @@ def test_length_scale_none_is_the_root_of_the_number_of_columns():
     rng = np.random.default_rng(3)
     features, labels, test = rng.normal(size=(6, 9)), list(rng.choice(SYMBOLS, size=6)), rng.normal(size=(4, 9))
     automatic = ConceptModels(SYMBOLS, length_scale=None).fit(features, labels).predict_proba(test)
-    np.testing.assert_array_equal(
-        automatic, ConceptModels(SYMBOLS, length_scale=3.0).fit(features, labels).predict_proba(test)
-    )
+    fixed = ConceptModels(SYMBOLS, length_scale=3.0).fit(features, labels).predict_proba(test)
+    np.testing.assert_array_equal(automatic, fixed)
 
 
 def test_probabilities_stay_inside_the_unit_interval():
@@ -340,7 +309,7 @@ def test_order_of_symbols_and_objects_only_permutes_the_result():
     plain = ConceptModels(SYMBOLS).fit(features, labels).look_ahead(scene)
     shuffled = ConceptModels([SYMBOLS[i] for i in symbols]).fit(features[examples], [labels[i] for i in examples])
     expected = plain[np.ix_(objects, symbols, objects, symbols)]
-    np.testing.assert_allclose(shuffled.look_ahead(scene[objects]), expected, rtol=0, atol=1e-9)
+    assert_close(shuffled.look_ahead(scene[objects]), expected, atol=1e-9)
 
 
 @pytest.mark.parametrize(

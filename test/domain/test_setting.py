@@ -8,6 +8,7 @@ import pytest
 
 from al_questioner.domain import Setting, SettingsError
 
+BUDGET = Setting('budget', 25.0, 'query budget', 'cost', 0)
 DELAY = Setting('delay', 0.0, 'time to answer', 's', 0, 3600)
 
 
@@ -30,12 +31,8 @@ def test_unit_and_range_are_told(setting: Setting[object], explained: str) -> No
         (DELAY, 3600.5, 'delay must lie in [0, 3600] s, not 3600.5'),
         (DELAY, -1, 'delay must lie in [0, 3600] s, not -1'),
         (DELAY, math.nan, 'delay must be a finite number, not nan'),
-        (Setting('budget', 25.0, 'query budget', 'cost', 0), -1.0, 'budget must be 0 or more, not -1.0'),
-        (
-            Setting('budget', 25.0, 'query budget', 'cost', 0),
-            1e13,
-            'budget must lie in [0, 1e+12], not 10000000000000.0',
-        ),
+        (BUDGET, -1.0, 'budget must be 0 or more, not -1.0'),
+        (BUDGET, 1e13, 'budget must lie in [0, 1e+12], not 10000000000000.0'),
         (Setting('seed', 0, 'of all', lower=0), 2**63, f'seed must lie in [0, 9.22337e+18], not {2**63}'),
     ],
 )

@@ -6,12 +6,6 @@ import pytest
 
 from al_questioner.domain import Costs, EpisodeSettings, SettingsError
 
-SYMBOLS = ('a', 'b')
-
-
-def settings(**changes: object) -> EpisodeSettings:
-    return EpisodeSettings(**{'symbols': SYMBOLS, 'budget': 1.0, 'turns': 1, 'strategy': 'random_fsq', **changes})
-
 
 @pytest.mark.parametrize(
     ('changes', 'reason'),
@@ -40,4 +34,4 @@ def settings(**changes: object) -> EpisodeSettings:
 def test_settings_out_of_range_are_refused(changes: dict[str, object], reason: str) -> None:
     """An episode would be played under limits that make no sense."""
     with pytest.raises(SettingsError, match=reason):
-        settings(**changes)
+        EpisodeSettings(**{'symbols': ('a', 'b'), 'budget': 1.0, 'turns': 1, 'strategy': 'random_fsq', **changes})

@@ -26,14 +26,7 @@ from al_questioner.event_log.events import (
     LateAnswerKept,
     SceneObserved,
 )
-from al_questioner.event_log.log import (
-    LogContents,
-    LogWriteError,
-    SessionLog,
-    SessionLogError,
-    read_log,
-    repair_log,
-)
+from al_questioner.event_log.log import LogContents, LogWriteError, SessionLog, SessionLogError, read_log, repair_log
 from al_questioner.event_log.storage import DATABASE, HEAD
 from shared.storages import UnwaitedStorage, WatchedStorage
 
@@ -287,13 +280,13 @@ FLOATS = st_numpy.arrays(
     st.tuples(st.integers(1, 5), st.just(4)),
     elements=st.floats(width=32, allow_nan=False, allow_infinity=False),
 )
+SCENES = FLOATS.map(lambda table: Scene(tuple(range(len(table))), table[:, :3], table, ('a', 'b', 'c', 'd')))
 WORDS = st.text(max_size=8)
+WORLDS = st.none() | st.just({'task': 'x'})
 NAMED = st.text(min_size=1, max_size=8)
 ANSWERS = st.builds(
     Answer,
-    NAMED,
-    NAMED,
-    NAMED,
+    *(NAMED, NAMED, NAMED),
     st.sampled_from(Outcome),
     st.none() | NAMED | st.integers(0, 2**32 - 2) | st.lists(NAMED, max_size=3).map(tuple),
     st.none() | NAMED,
@@ -305,11 +298,7 @@ QUERIES = st.builds(
     st.integers(1, 10_000),
     st.builds(Action, st.sampled_from(QueryKind), st.none() | st.integers(0, 99), st.none() | NAMED),
     st.lists(NAMED).map(tuple),
-    AMOUNTS,
-    AMOUNTS,
-    st.integers(0, 99),
-    st.integers(0, 99),
-    WORDS,
+    *(AMOUNTS, AMOUNTS, st.integers(0, 99), st.integers(0, 99), WORDS),
 )
 SETTINGS = st.builds(
     EpisodeSettings,
@@ -322,16 +311,8 @@ SETTINGS = st.builds(
     length_scale=st.none() | st.floats(0.1, 9),
 )
 EVENTS = st.one_of(
-    st.builds(
-        EpisodeStarted, NAMED, SETTINGS, st.integers(0, 2**63), AMOUNTS, st.none() | st.just({'task': 'x'}), WORDS
-    ),
-    st.builds(
-        SceneObserved,
-        st.integers(1, 99),
-        st.integers(0, 2**62),
-        WORDS,
-        FLOATS.map(lambda table: Scene(tuple(range(len(table))), table[:, :3], table, ('a', 'b', 'c', 'd'))),
-    ),
+    st.builds(EpisodeStarted, NAMED, SETTINGS, st.integers(0, 2**63), AMOUNTS, WORLDS, WORDS),
+    st.builds(SceneObserved, st.integers(1, 99), st.integers(0, 2**62), WORDS, SCENES),
     st.builds(ActionChosen, st.integers(1, 99), st.builds(Action, st.sampled_from(QueryKind)), st.none() | QUERIES),
     st.builds(AnswerAccepted, ANSWERS),
     st.builds(LateAnswerKept, ANSWERS, WORDS),

@@ -1,5 +1,7 @@
 """Accuracy against cost, by hand."""
 
+from itertools import product
+
 import numpy as np
 import pytest
 from matplotlib import image as images
@@ -20,15 +22,9 @@ def test_accuracy_by_cost_by_hand():
 
 def made(*strategies, budgets=(25.0,)):
     """Results of two samples, three turns long."""
-    cells = [
-        Cell('kitchen_table', budget, 3, strategy, sample)
-        for strategy in strategies
-        for budget in budgets
-        for sample in range(2)
-    ]
-    turns = [
-        TurnRow(cell, t, 0.2 * t, 'label', '1', 'fruit', 'answered', float(t)) for cell in cells for t in (1, 2, 3)
-    ]
+    each = product(strategies, budgets, range(2))
+    cells = [Cell('kitchen_table', budget, 3, strategy, sample) for strategy, budget, sample in each]
+    turns = [TurnRow(cell, t, t / 5, 'label', '1', 'fruit', 'answered', float(t)) for cell in cells for t in (1, 2, 3)]
     return Results([EpisodeRow(cell, 0.6, 0.4, 3, 3.0) for cell in cells], turns)
 
 

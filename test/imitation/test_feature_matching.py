@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from scipy.special import softmax
 
-from al_questioner.domain import InputError
+from al_questioner.domain import InputError, QueryKind
 from al_questioner.imitation.feature_matching import (
     Iteration,
     Matching,
@@ -17,7 +17,10 @@ from al_questioner.imitation.feature_matching import (
     match_features,
 )
 from al_questioner.imitation.identifiability import identify
-from al_questioner.imitation.rollouts import Rollout, Simulator
+from al_questioner.imitation.rollouts import Rollout, Simulator, SoftmaxQuestioner
+from al_questioner.questioning import FEATURE_SETS, Episode
+from al_questioner.simulation import PerceivedWorld, WorldSpec, episode_settings, turns
+from shared.lunches import TASK, teacher_of
 
 FEW = MatchingSettings(iterations=16, rollouts=4, patience=16, seed=1)
 
@@ -131,9 +134,7 @@ def test_the_window_with_the_smallest_validation_gap_is_kept():
     assert best_window(iterations(falling, late_best)) == 19
     assert best_window(iterations(falling, falling)) == 29
     assert best_window(iterations(falling[:4], falling[:4])) == 3
-    assert best_window(iterations(falling[:6], [3, 2, 1, 4, 8, 16])) == 2, (
-        'not where it had grown, in short runs either'
-    )
+    assert best_window(iterations(falling[:6], [3, 2, 1, 4, 8, 16])) == 2, 'not where it had grown'
 
 
 def test_a_validation_gap_that_did_not_stay_small_is_told():
@@ -169,56 +170,28 @@ def test_a_demonstration_that_was_cut_off_is_compared_with_as_many_turns(experts
     assert rollout.features.shape == rollout.scores.shape == (4, 7)
 
 
+def records_of(strategy, weights, budget, turn_count):
+    """Queries in a lunch's world of a softmax over the features of a strategy, and the world."""
+    draws = SoftmaxQuestioner(np.array(weights), FEATURE_SETS[strategy])
+    settings = episode_settings(TASK, strategy, budget, turn_count)
+    episode = Episode(settings, np.random.default_rng(0), strategy=draws)
+    world = PerceivedWorld(WorldSpec(TASK, 0, 0).open())
+    return [record for _, record in turns(episode, world, teacher_of(TASK, 0)) if record], world
+
+
 def test_settled_questions_are_not_drawn():
     """The policy would ask the feature subset query again and again, as no learner does."""
-    from al_questioner.domain import QueryKind
-    from al_questioner.imitation.rollouts import SoftmaxQuestioner
-    from al_questioner.questioning import FEATURE_SETS, Episode
-    from al_questioner.simulation import (
-        PerceivedWorld,
-        ScriptedTeacher,
-        WorldSpec,
-        episode_settings,
-        load_task,
-        turns,
-    )
-
-    task = load_task('prepare_lunch')
-    choice = WorldSpec(task, 0, 0)
-    settings = episode_settings(task, 'dt_task_env', 20, 8)
-    likes_spending = SoftmaxQuestioner(np.array([0, 0, 0, 0, 200.0, 0, 0]), FEATURE_SETS['dt_task_env'])
-    episode = Episode(settings, np.random.default_rng(0), strategy=likes_spending)
-    teacher = ScriptedTeacher(task.symbols, task.relevant_groups, 0)
-    asked = [record.kind for _, record in turns(episode, PerceivedWorld(choice.open()), teacher) if record]
-    assert asked.count(QueryKind.FEATURE_SUBSET) <= 1
+    records, _ = records_of('dt_task_env', [0, 0, 0, 0, 200.0, 0, 0], 20, 8)
+    assert [record.kind for record in records].count(QueryKind.FEATURE_SUBSET) <= 1
 
 
 def test_what_is_worthless_to_the_strategy_is_not_drawn():
     """Feature counts would be matched by questions that no learner with these weights asks."""
-    from al_questioner.domain import QueryKind
-    from al_questioner.imitation.rollouts import SoftmaxQuestioner
-    from al_questioner.questioning import FEATURE_SETS, Episode
-    from al_questioner.simulation import (
-        PerceivedWorld,
-        ScriptedTeacher,
-        WorldSpec,
-        episode_settings,
-        load_task,
-        turns,
-    )
-
-    task = load_task('prepare_lunch')
-    settings = episode_settings(task, 'value_per_cost', 500, 30)
     # Indifferent, but for silence: without scene changes, things that are labelled would soon be asked about again.
-    draws = SoftmaxQuestioner(np.array([0, 0, 0, 0, -50.0]), FEATURE_SETS['value_per_cost'])
-    episode = Episode(settings, np.random.default_rng(0), strategy=draws)
-    world = PerceivedWorld(WorldSpec(task, 0, 0).open())
-    teacher = ScriptedTeacher(task.symbols, task.relevant_groups, 0)
-    asked = set()
-    for _, record in turns(episode, world, teacher):
-        if record and record.kind is QueryKind.LABEL:
+    records, world = records_of('value_per_cost', [0, 0, 0, 0, -50.0], 500, 30)
+    asked = []
+    for record in records:
+        if record.kind is QueryKind.LABEL:
             scene = world.scene(record.turn)
-            view = record.object_id, scene.features[scene.index_of(record.object_id)].tobytes()
-            assert view not in asked
-            asked.add(view)
-    assert len(asked) > 10
+            asked.append((record.object_id, scene.features[scene.index_of(record.object_id)].tobytes()))
+    assert len(asked) == len(set(asked)) > 10

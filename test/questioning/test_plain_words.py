@@ -23,16 +23,11 @@ def query(kind: QueryKind, choices: tuple[str, ...] = ()) -> Query:
 @pytest.mark.parametrize(
     ('kind', 'text', 'content'),
     [
-        (QueryKind.LABEL, 'snack', 'snack'),
-        (QueryKind.LABEL, '  Main_Dish\n', 'main_dish'),
-        (QueryKind.LABEL, 'main dish', 'main_dish'),
-        (QueryKind.LABEL, 'ｓｎａｃｋ', 'snack'),
+        *((QueryKind.LABEL, text, 'snack') for text in ('snack', 'ｓｎａｃｋ')),
+        *((QueryKind.LABEL, text, 'main_dish') for text in ('  Main_Dish\n', 'main dish')),
         (QueryKind.LABEL, 'none', 'none'),
-        (QueryKind.DEMONSTRATION, '7', 7),
-        (QueryKind.DEMONSTRATION, 'object 12', 12),
-        (QueryKind.DEMONSTRATION, '#7', 7),
-        (QueryKind.DEMONSTRATION, ' Object #7', 7),
-        (QueryKind.DEMONSTRATION, '１２', 12),
+        *((QueryKind.DEMONSTRATION, text, 7) for text in ('7', '#7', ' Object #7')),
+        *((QueryKind.DEMONSTRATION, text, 12) for text in ('object 12', '１２')),
         (QueryKind.DEMONSTRATION, 'None', 'none'),
         (QueryKind.FEATURE_SUBSET, 'colour,weight', ('colour', 'weight')),
         (QueryKind.FEATURE_SUBSET, 'Size , ', ('size',)),
@@ -49,11 +44,8 @@ def test_words_of_the_contract_are_understood(kind: QueryKind, text: str, conten
 @pytest.mark.parametrize(
     ('text', 'outcome'),
     [
-        ('?', Outcome.UNKNOWN),
-        ('？', Outcome.UNKNOWN),
-        ('Unknown', Outcome.UNKNOWN),
-        ('skip', Outcome.SKIP),
-        ('SKİP\n', Outcome.SKIP),
+        *((text, Outcome.UNKNOWN) for text in ('?', '？', 'Unknown')),
+        *((text, Outcome.SKIP) for text in ('skip', 'SKİP\n')),
     ],
 )
 def test_every_question_can_be_left_open(kind: QueryKind, text: str, outcome: Outcome) -> None:
@@ -65,14 +57,9 @@ def test_every_question_can_be_left_open(kind: QueryKind, text: str, outcome: Ou
 @pytest.mark.parametrize(
     ('kind', 'text'),
     [
-        (QueryKind.LABEL, 'snacks'),
-        (QueryKind.LABEL, ''),
-        (QueryKind.LABEL, '7'),
-        (QueryKind.DEMONSTRATION, '8'),
-        (QueryKind.DEMONSTRATION, 'snack'),
-        (QueryKind.FEATURE_SUBSET, 'colour,smell'),
-        (QueryKind.FEATURE_SUBSET, 'none'),
-        (QueryKind.FEATURE_SUBSET, ' , '),
+        *((QueryKind.LABEL, text) for text in ('snacks', '', '7')),
+        *((QueryKind.DEMONSTRATION, text) for text in ('8', 'snack')),
+        *((QueryKind.FEATURE_SUBSET, text) for text in ('colour,smell', 'none', ' , ')),
     ],
 )
 def test_what_is_no_answer_is_refused_with_the_choices(kind: QueryKind, text: str) -> None:

@@ -77,17 +77,11 @@ def test_the_record_of_each_teacher(toy):
     episode = Episode(own, random_stream(2, 'learner'))
     world = toy.world(3)
     assert episode.teachers == {}
-    for turn in range(1, 7):
+    first = [('anna', Outcome.ANSWERED, ('size',)), ('anna', Outcome.UNKNOWN, None), ('bert', Outcome.SKIP, None)]
+    for turn, said in enumerate([*first, *[('anna', Outcome.ANSWERED, 'snack')] * 3], start=1):
         query = episode.ask(world.scene(turn)).query
-        if turn == 1:
-            assert query.action.kind is QueryKind.FEATURE_SUBSET
-            episode.tell(Answer(query.query_id, 'a', 'anna', Outcome.ANSWERED, ('size',)))
-        elif turn == 2:
-            episode.tell(Answer(query.query_id, 'a', 'anna', Outcome.UNKNOWN))
-        elif turn == 3:
-            episode.tell(Answer(query.query_id, 'a', 'bert', Outcome.SKIP))
-        else:
-            episode.tell(Answer(query.query_id, 'a', 'anna', Outcome.ANSWERED, 'snack'))
+        episode.tell(Answer(query.query_id, 'a', *said))
+        if turn > len(first):
             episode.take(Answer(query.query_id, 'late', 'bert', Outcome.ANSWERED, 'fruit'))
     episode.tell(Answer(query.query_id, 'b', 'anna', Outcome.ANSWERED, 'fruit', replaces='a'))
     anna, bert = episode.teachers['anna'], episode.teachers['bert']

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import dataclasses
+from collections.abc import Callable
 from pathlib import Path
 
 from al_questioner.domain import Answer, Decision
@@ -11,11 +12,12 @@ from al_questioner.event_log.encoding import decoded
 from al_questioner.event_log.events import EpisodeStarted, SceneObserved
 from al_questioner.event_log.log import SessionLog, read_log
 from al_questioner.questioning import Receipt
-from al_questioner.simulation import PerceivedWorld, ScriptedTeacher, episode_settings, load_task
+from al_questioner.simulation import PerceivedWorld, episode_settings
+from shared.lunches import TASK, teacher
 
-TASK = load_task('prepare_lunch')
-TEACHER = ScriptedTeacher(TASK.symbols, TASK.relevant_groups, 4)
+TEACHER = teacher()
 WORLD = {'task': 'prepare_lunch', 'seed': 4, 'sample': 4, 'dataset': None}
+Start = Callable[..., DurableEpisode]
 
 
 def begun(**changes: object) -> EpisodeStarted:

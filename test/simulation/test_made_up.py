@@ -7,16 +7,9 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from al_questioner.simulation import (
-    PerceivedWorld,
-    ScriptedTeacher,
-    Task,
-    WorldSpec,
-    episode_settings,
-    load_task,
-    run_episode,
-)
+from al_questioner.simulation import PerceivedWorld, Task, WorldSpec, episode_settings, load_task, run_episode
 from al_questioner.simulation.made_up import MadeUpWorld, made_up_scene
+from shared.lunches import teacher_of
 
 
 def made_up(task: Task, seed: int = 1) -> PerceivedWorld:
@@ -35,8 +28,7 @@ def test_any_task_is_learnt_from_made_up_features(name: str) -> None:
     task = workshop(load_task(name)).of_sample(1)
     world = made_up(task)
     settings = episode_settings(task, 'farthest_fsq', budget=25, turns=40)
-    teacher = ScriptedTeacher(task.symbols, task.relevant_groups, 1)
-    result = run_episode(WorldSpec(task, 1, 1), settings, teacher, world=world)
+    result = run_episode(WorldSpec(task, 1, 1), settings, teacher_of(task, 1), world=world)
     assert result.final_accuracy > 0.6
     assert result.queries[0].groups == task.relevant_groups
     assert len(world.scene(1)) == task.scenes.objects

@@ -8,9 +8,8 @@ from pathlib import Path
 import pytest
 
 from al_questioner.domain import SettingsError
-from al_questioner.simulation import episode_settings, load_task
-
-TASK = load_task('prepare_lunch')
+from al_questioner.simulation import episode_settings
+from shared.lunches import TASK
 
 
 def test_settings_come_from_the_task_unless_given() -> None:
