@@ -8,9 +8,9 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from al_questioner.concepts.concept_models import ConceptModels
 from al_questioner.concepts.feature_selection import Selector, select_features
 from al_questioner.concepts.laplace.hyperparameters import Kernel, tuned_kernel
-from al_questioner.concepts.models import ConceptModels
 from al_questioner.concepts.standardiser import Standardiser
 from al_questioner.domain import (
     NO_SYMBOL,

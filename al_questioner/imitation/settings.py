@@ -35,7 +35,7 @@ class TrainingSettings:
     """Settings of a training.
 
     Attributes:
-        method: 'maxent', see `feature_matching`, or 'choice', see `choice_likelihood`.
+        method: 'maxent', see `max_entropy_irl`, or 'choice', see `choice_likelihood`.
         validation: number of demonstrations, the last ones, that choose among the iterations of maxent.
         ridge: of the choice likelihood.
         matching: settings of maxent.

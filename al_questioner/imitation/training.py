@@ -14,8 +14,8 @@ from al_questioner.domain import InputError
 from al_questioner.imitation.assessment import Agreement, agreement
 from al_questioner.imitation.choice_likelihood import fit_choices, fit_temperature
 from al_questioner.imitation.demonstration import Demonstration, all_steps
-from al_questioner.imitation.feature_matching import Iteration, Matching, match_features
 from al_questioner.imitation.identifiability import Identifiability, identify
+from al_questioner.imitation.max_entropy_irl import Iteration, Matching, match_features
 from al_questioner.imitation.settings import TrainingSettings
 from al_questioner.questioning import FeatureSet
 from al_questioner.support.arrays import Array

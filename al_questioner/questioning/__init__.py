@@ -3,7 +3,7 @@
 from al_questioner.questioning.answers import PreparedAnswer, Receipt
 from al_questioner.questioning.episode import Episode
 from al_questioner.questioning.initial_concepts import new_concept_learner
-from al_questioner.questioning.plain_words import read_plain_answer, respelt
+from al_questioner.questioning.plain_answers import read_plain_answer, respelt
 from al_questioner.questioning.strategies.choice import (
     Choice,
     Strategy,

@@ -26,7 +26,7 @@ from al_questioner.domain import EpisodeError, InputError
 from al_questioner.messages import documents
 from al_questioner.messages.documents import Document
 from al_questioner.ros import qos
-from al_questioner.ros.hearing import Hearing, full_name, unserved
+from al_questioner.ros.flexible_subscription import FlexibleSubscription, full_name, unserved
 from al_questioner.ros.overrides import check_overrides, overriding_options
 from al_questioner.ros.types import text
 from al_questioner.ros.worker import Cancel, Worker
@@ -78,7 +78,7 @@ class QuestionerNode(Node):
         check_overrides(self, topics)
         self.episode_id = ''
         self._advertised: list[str] = []
-        self._hearings: list[Hearing] = []
+        self._hearings: list[FlexibleSubscription] = []
         self._refused: Counter[str] = Counter()
         self._last_refusal = ''
         self._refused_at = -math.inf
@@ -121,8 +121,8 @@ class QuestionerNode(Node):
     def listen(
         self, message_type: type, topic: str, hear: Callable[[Any], None], profile: QoSProfile, raw: bool = False
     ) -> None:
-        """Have the executor's thread call a function with every message of a topic: see `Hearing`."""
-        self._hearings.append(Hearing(self, message_type, topic, hear, profile, raw))
+        """Have the executor's thread call a function with every message of a topic: see `FlexibleSubscription`."""
+        self._hearings.append(FlexibleSubscription(self, message_type, topic, hear, profile, raw))
 
     def document_publisher(self, kind: str, profile: QoSProfile = qos.LATCHED) -> Callable[[Document], None]:
         """Make a function that writes documents of this kind, of the current episode, to the topic of the same name."""

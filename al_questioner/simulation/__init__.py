@@ -11,7 +11,6 @@ if TYPE_CHECKING:
     from al_questioner.simulation.evaluation import EpisodeResult as EpisodeResult
     from al_questioner.simulation.evaluation import Evaluation as Evaluation
     from al_questioner.simulation.evaluation import accuracy as accuracy
-    from al_questioner.simulation.opening import make_world as make_world
     from al_questioner.simulation.perceived_world import PerceivedWorld as PerceivedWorld
     from al_questioner.simulation.playing import TurnWatcher as TurnWatcher
     from al_questioner.simulation.playing import play as play
@@ -25,13 +24,14 @@ if TYPE_CHECKING:
     from al_questioner.simulation.task import load_task as load_task
     from al_questioner.simulation.task_reading import Interval as Interval
     from al_questioner.simulation.world import World as World
+    from al_questioner.simulation.world_factory import make_world as make_world
     from al_questioner.simulation.world_spec import WorldSpec as WorldSpec
 
 __all__, __getattr__ = lazy_names(
     __name__,
     {
         'evaluation': ['EpisodeResult', 'Evaluation', 'accuracy'],
-        'opening': ['make_world'],
+        'world_factory': ['make_world'],
         'perceived_world': ['PerceivedWorld'],
         'playing': ['TurnWatcher', 'play', 'run_episode', 'turns'],
         'rgbd_dataset.dataset': ['DatasetWorld'],

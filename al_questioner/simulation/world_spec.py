@@ -46,6 +46,6 @@ class WorldSpec:
             InputError: the task needs a dataset that is not there, or cannot be read.
         """
         # Imported here, because drawing and reading pictures take long to import, and a learner needs neither.
-        from al_questioner.simulation.opening import make_world
+        from al_questioner.simulation.world_factory import make_world
 
         return make_world(self.task, self.seed, self.sample, self.dataset)

@@ -12,7 +12,7 @@ from collections.abc import Callable
 import numpy as np
 
 from al_questioner.domain import Answer, AnswerError, Query, QueryKind, Scene
-from al_questioner.questioning.plain_words import read_plain_answer
+from al_questioner.questioning.plain_answers import read_plain_answer
 from al_questioner.terminal.commands import WISHES
 from al_questioner.terminal.sentences import said_in_words
 from al_questioner.terminal.view_state import EpisodeProgress, PastAnswer, Phase, Picture, Prompt, ViewState

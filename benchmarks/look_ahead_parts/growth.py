@@ -17,7 +17,7 @@ from look_ahead_parts.states import State, clustered_state
 from measuring import median_and_spread, print_table
 
 from al_questioner.concepts import ConceptModels
-from al_questioner.concepts.models import EXACT_OPERATIONS, exact_operations
+from al_questioner.concepts.concept_models import EXACT_OPERATIONS, exact_operations
 from al_questioner.questioning.strategies.decision_features import symbol_given_object
 from al_questioner.support.arrays import Array
 

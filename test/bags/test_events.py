@@ -9,7 +9,7 @@ import pytest
 
 from al_questioner.bags import RecordedEpisode, read_episodes
 from al_questioner.bags.events import NOT_RECORDED
-from al_questioner.bags.of_session import write_bag
+from al_questioner.bags.from_session import write_bag
 from al_questioner.domain import Answer, Outcome
 from al_questioner.event_log.events import ActionChosen, AnswerAccepted, KernelTuned, SceneObserved, TurnTimedOut
 from al_questioner.event_log.log import read_log

@@ -88,10 +88,10 @@ def test_an_approximating_model_is_told_from_an_exact_one(state, monkeypatch: py
     """The growth table says when the cheaper mode switches on."""
     from look_ahead_parts.growth import approximates
 
-    from al_questioner.concepts import models
+    from al_questioner.concepts import concept_models
 
     assert not approximates(state.models(), state)
-    monkeypatch.setattr(models, 'EXACT_OPERATIONS', 1.0)
+    monkeypatch.setattr(concept_models, 'EXACT_OPERATIONS', 1.0)
     assert approximates(state.models(), state)
 
 

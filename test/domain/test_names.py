@@ -13,7 +13,7 @@ from al_questioner.domain import InputError
 from al_questioner.domain.names import check_names, joined, meant, near, parted, quoted, unsayable
 from al_questioner.domain.reserved_words import RESERVED
 from al_questioner.domain.spelling import loosely
-from al_questioner.questioning.plain_words import OUTCOMES
+from al_questioner.questioning.plain_answers import OUTCOMES
 from al_questioner.terminal.commands import WISHES
 from al_questioner.terminal.keypad import COMMANDS
 

@@ -14,7 +14,7 @@ from al_questioner.experiments.semantics import SEMANTICS, SOURCES_OF_1
 from al_questioner.experiments.storing import Store
 from al_questioner.questioning import STRATEGIES
 from al_questioner.simulation import PerceivedWorld, ScriptedTeacher, WorldSpec, episode_settings, run_episode
-from al_questioner.simulation.made_up import MadeUpWorld, made_up_scene
+from al_questioner.simulation.made_up_world import MadeUpWorld, made_up_scene
 from shared.lunches import TASK
 
 PLAN = Plan(tasks=('prepare_lunch',), conditions=(Condition(2, 2),), strategies=('random_fsq',), samples=(0,))

@@ -22,7 +22,7 @@ from al_questioner.simulation import (
     load_task,
     play,
 )
-from al_questioner.simulation.made_up import MadeUpWorld, made_up_scene
+from al_questioner.simulation.made_up_world import MadeUpWorld, made_up_scene
 from al_questioner.support.files import check_writable, make_folder, write_text
 
 PATIENCE = 30.0

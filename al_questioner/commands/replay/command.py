@@ -88,7 +88,7 @@ def _run(
     Raises:
         InputError: the node must not go on.
     """
-    from al_questioner.ros.keys import Keys
+    from al_questioner.ros.keyboard import Keys
     from al_questioner.ros.running import Spinner
 
     node: Shown | None = None

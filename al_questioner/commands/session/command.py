@@ -40,7 +40,7 @@ def main(given: argparse.Namespace) -> int:
         written += write_tables(summary, given.csv)
     if given.bag is not None:
         # Only now, as a robot may lack what bags need.
-        from al_questioner.bags.of_session import write_bag
+        from al_questioner.bags.from_session import write_bag
 
         write_bag(summary, given.bag)
         written.append(given.bag)

@@ -13,11 +13,11 @@ from rich.table import Table
 
 from al_questioner.bags import digest
 from al_questioner.bags.storages import STORAGE_SUFFIXES
-from al_questioner.commands.train_weights.eagerness import FreePlay, tell_eagerness, warn_of_amplitudes
+from al_questioner.commands.train_weights.query_counts import FreePlay, tell_eagerness, warn_of_amplitudes
 from al_questioner.domain import InputError
 from al_questioner.imitation.assessment import predict_queries
 from al_questioner.imitation.bags import read_demonstrations
-from al_questioner.imitation.feature_matching import Iteration
+from al_questioner.imitation.max_entropy_irl import Iteration
 from al_questioner.imitation.settings import MatchingSettings, TrainingSettings
 from al_questioner.imitation.training import Training, train, validation_text, weights_document
 from al_questioner.questioning import FEATURE_SETS, read_weights

@@ -13,7 +13,7 @@ from matplotlib.ticker import MaxNLocator
 
 from al_questioner.domain import QueryRecord
 from al_questioner.imitation.demonstration import Demonstration
-from al_questioner.imitation.feature_matching import WINDOW, mean_gaps
+from al_questioner.imitation.max_entropy_irl import WINDOW, mean_gaps
 from al_questioner.imitation.training import Training
 from al_questioner.support.plotting import (
     KIND_COLOURS,

@@ -17,7 +17,7 @@ from visualization_msgs.msg import MarkerArray
 from al_questioner.concepts import compile_models
 from al_questioner.domain import Answer, AnswerError, Content, Decision, EpisodeError, InputError, Query, Scene
 from al_questioner.event_log.events import SceneObserved
-from al_questioner.event_log.reports import episode_members, noise_text, state_members
+from al_questioner.event_log.state_documents import episode_members, noise_text, state_members
 from al_questioner.event_log.storage import SqliteStorage, StorageFactory
 from al_questioner.messages import documents
 from al_questioner.messages.clouds import cloud_of_decision, scene_of_cloud

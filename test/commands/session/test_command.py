@@ -14,7 +14,7 @@ from typing import Any
 import numpy as np
 import pytest
 
-from al_questioner.bags import of_session, read_episodes
+from al_questioner.bags import from_session, read_episodes
 from al_questioner.cli import main
 from al_questioner.domain import Answer, EpisodeSettings, Outcome, Scene, random_stream
 from al_questioner.event_log import log as session_log
@@ -162,14 +162,14 @@ def test_nothing_is_left_of_a_bag_whose_writing_ends_in_between(
     """The part that was written is finished like a whole bag, and nobody could tell that it is none."""
     write_session(tmp_path / 'log', world)
     left = iter(range(5))
-    whole = of_session.state_members
+    whole = from_session.state_members
 
     def state_members(*arguments: Any) -> Any:
         if next(left, None) is None:
             raise fault
         return whole(*arguments)
 
-    monkeypatch.setattr(of_session, 'state_members', state_members)
+    monkeypatch.setattr(from_session, 'state_members', state_members)
     assert main(['session', str(tmp_path / 'log'), '--bag', str(tmp_path / 'bag')]) in (2, 130)
     assert [path.name for path in tmp_path.iterdir()] == ['log']
 

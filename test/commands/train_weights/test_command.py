@@ -19,7 +19,7 @@ from al_questioner.domain import DECISION_FEATURES, InputError
 from al_questioner.event_log.replay import first_divergence
 from al_questioner.imitation.bags import decisions_anew, read_demonstrations
 from al_questioner.imitation.demonstration import teacher_of
-from al_questioner.imitation.feature_matching import Iteration
+from al_questioner.imitation.max_entropy_irl import Iteration
 from al_questioner.questioning import FEATURE_SETS
 from al_questioner.simulation import WorldSpec, episode_settings, load_task, run_episode
 from shared.checkout import ROOT

@@ -13,7 +13,7 @@ from al_questioner.bags.topics import CLOUD, STRING, TYPES
 from al_questioner.bags.writing import BagWriter
 from al_questioner.event_log.events import ActionChosen, AnswerAccepted, EpisodeEvent, LateAnswerKept, SceneObserved
 from al_questioner.event_log.replay import Replay
-from al_questioner.event_log.reports import episode_members, state_members
+from al_questioner.event_log.state_documents import episode_members, state_members
 from al_questioner.event_log.summary import SessionSummary
 from al_questioner.messages import documents
 from al_questioner.messages.clouds import CloudTypes, cloud_of_decision, cloud_of_scene

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from al_questioner.simulation import PerceivedWorld, Task, WorldSpec, episode_settings, load_task, run_episode
-from al_questioner.simulation.made_up import MadeUpWorld, made_up_scene
+from al_questioner.simulation.made_up_world import MadeUpWorld, made_up_scene
 from shared.lunches import teacher_of
 
 

@@ -7,7 +7,8 @@ import pytest
 from scipy.special import softmax
 
 from al_questioner.domain import InputError, QueryKind
-from al_questioner.imitation.feature_matching import (
+from al_questioner.imitation.identifiability import identify
+from al_questioner.imitation.max_entropy_irl import (
     Iteration,
     Matching,
     MatchingSettings,
@@ -16,7 +17,6 @@ from al_questioner.imitation.feature_matching import (
     jacobian_of_counts,
     match_features,
 )
-from al_questioner.imitation.identifiability import identify
 from al_questioner.imitation.rollouts import Rollout, Simulator, SoftmaxQuestioner
 from al_questioner.questioning import FEATURE_SETS, Episode
 from al_questioner.simulation import PerceivedWorld, WorldSpec, episode_settings, turns

@@ -25,7 +25,7 @@ NO_WARNINGS = SubscriptionEventCallbacks(use_default_callbacks=False)
 """Event callbacks without warnings: a publisher that one subscription does not fit is received by another."""
 
 
-class Hearing:
+class FlexibleSubscription:
     """Subscriber to a topic with the quality of service that each of its publishers offers.
 
     A subscription that requests more than a publisher offers receives nothing from it. One that requests less receives

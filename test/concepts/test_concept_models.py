@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from scipy.special import expit
 
-from al_questioner.concepts import ConceptModels, models
+from al_questioner.concepts import ConceptModels, concept_models
 from al_questioner.concepts.laplace import mode_shift
 from al_questioner.concepts.laplace.look_ahead import PROBABILITY_TOLERANCE
 from al_questioner.domain import NO_SYMBOL, InputError
@@ -99,7 +99,7 @@ def test_look_ahead_does_not_depend_on_the_size_of_its_chunks(monkeypatch):
     fitted = ConceptModels(SYMBOLS).fit(rng.normal(size=(9, 4)), list(rng.choice(SYMBOLS, size=9)))
     scene = rng.normal(size=(7, 4))
     whole = fitted.look_ahead(scene)
-    monkeypatch.setattr(models, 'CHUNK_NUMBERS', 1)
+    monkeypatch.setattr(concept_models, 'CHUNK_NUMBERS', 1)
     assert_close(fitted.look_ahead(scene), whole)
 
 

@@ -14,7 +14,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from al_questioner.ros.keys import Keys, split_keys
+from al_questioner.ros.keyboard import Keys, split_keys
 
 DEADLINE = 30.0
 
