@@ -1,4 +1,4 @@
-"""Communicative actions of a turn, and the wording of each as a question to the teacher."""
+"""Communicative actions of a turn, and the answers that each query can have."""
 
 from __future__ import annotations
 
@@ -40,29 +40,6 @@ def is_open(kind: QueryKind, scene: Scene) -> bool:
 def is_affordable(cost: float, budget_left: float) -> bool:
     """Return whether the budget can pay a cost; a cost of 0 is always affordable."""
     return cost <= budget_left + BUDGET_ROUNDING
-
-
-def question_text(action: Action, symbols: Sequence[str]) -> str:
-    """Return the question in plain English.
-
-    Raises:
-        ValueError: the action asks nothing.
-    """
-    if action.kind is QueryKind.LABEL:
-        return f'What is object {action.object_id}?'
-    if action.kind is QueryKind.DEMONSTRATION:
-        noun = _spoken(str(action.symbol))
-        article = 'some' if noun.endswith('s') else 'an' if noun[0].lower() in 'aeiou' else 'a'
-        return f'Can you show me {article} {noun}?'
-    if action.kind is QueryKind.FEATURE_SUBSET:
-        spoken = [_spoken(symbol) for symbol in symbols]
-        names = f'{", ".join(spoken[:-1])} and {spoken[-1]}'
-        return f'Which properties matter for telling {names} apart?'
-    raise ValueError('NQ asks nothing')
-
-
-def _spoken(symbol: str) -> str:
-    return symbol.replace('_', ' ')
 
 
 def choices(action: Action, scene: Scene, symbols: Sequence[str], groups: Sequence[str]) -> tuple[str, ...]:

@@ -23,9 +23,10 @@ from al_questioner.domain import (
     ViewTolerance,
 )
 from al_questioner.questioning.answers import AnswerHistory, PreparedAnswer, Receipt, content_of
-from al_questioner.questioning.candidates import choices, question_text
+from al_questioner.questioning.candidates import choices
 from al_questioner.questioning.concept_history import ConceptHistory
 from al_questioner.questioning.query_status import QueryBook, query_id
+from al_questioner.questioning.question_wording import question_text
 from al_questioner.questioning.reliability import TeacherRecord, teacher_records
 from al_questioner.questioning.strategies.choice import Strategy, ask_nothing
 from al_questioner.questioning.strategies.registry import make_strategy

@@ -7,7 +7,7 @@ from rich.console import Console
 from rich.markup import escape
 
 from al_questioner.domain import NO_SYMBOL, Action, EpisodeSettings, Outcome, QueryKind, QueryRecord
-from al_questioner.questioning.candidates import question_text
+from al_questioner.questioning.question_wording import question_text
 from al_questioner.simulation import Task
 from al_questioner.support.text import number_of
 

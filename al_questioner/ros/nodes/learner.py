@@ -25,6 +25,7 @@ from al_questioner.messages.documents import Document
 from al_questioner.messages.pictures import markers
 from al_questioner.messages.stamps import nanoseconds, stamp_members
 from al_questioner.questioning import Receipt, make_strategy, read_plain_answer, respelt
+from al_questioner.questioning.answer_acknowledgement import acknowledgement
 from al_questioner.ros import qos
 from al_questioner.ros.learner_session import session_of, settings_of
 from al_questioner.ros.node import QuestionerNode
@@ -218,10 +219,10 @@ class LearnerNode(QuestionerNode):
             receipt = self._durable.take(answer)
         except InputError as error:
             self._durable.note_refused(message.data, str(error))
-            self._acknowledge(answer, accepted=False, reason=str(error))
+            self._publish_ack(acknowledgement(answer, None, str(error)))
             raise
         reason = episode.answers.why_not(answer, receipt)
-        self._acknowledge(answer, accepted=receipt is not Receipt.LATE, reason=reason)
+        self._publish_ack(acknowledgement(answer, receipt, reason))
         if receipt is Receipt.LATE:
             self.reject('answer', reason)
             # It is kept all the same, for how far its teacher can be relied on.
@@ -235,10 +236,6 @@ class LearnerNode(QuestionerNode):
             self._end_turn()
         else:
             self._tell_state()
-
-    def _acknowledge(self, answer: Answer | None, accepted: bool, reason: str) -> None:
-        ids = (None, None) if answer is None else (answer.query_id, answer.answer_id)
-        self._publish_ack({'query_id': ids[0], 'answer_id': ids[1], 'accepted': accepted, 'reason': reason})
 
     def _read_answer(self, content: str) -> Answer:
         if content.lstrip().startswith('{'):
