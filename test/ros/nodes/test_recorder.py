@@ -98,7 +98,7 @@ def test_what_was_missed_is_said(graph: Any, tmp_path: Path) -> None:
     person = graph.ears.create_publisher(String, 'answer', qos.EVENTS)
     queries = graph.listen('query')
     graph.start_robot(**{**EPISODE, 'strategy': 'u_sampling'})
-    graph.wait_for(lambda: queries, 'a question')
+    graph.wait_for(lambda: queries and person.get_subscription_count(), 'a question, and a learner that listens')
     person.publish(String(data='snack'))
     # The second turn lasts until somebody answers, however late the recorder comes.
     graph.wait_for(lambda: queries[-1]['query_id'] == 'q2', 'another question')
