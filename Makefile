@@ -74,10 +74,6 @@ reproduction: setup
 	$(RUN) al_questioner experiment --out out/reproduction --weights-file out/reproduction/weights.yaml --samples 20 \
 		--task prepare_lunch pack_lunchbox kitchen_table --amplitude 4 --repeat-shown --ceilings --studies --page docs/results/reproduction.md
 
-# The pages of docs/reference that are written from the code; a test compares.
-generated: setup
-	$(VENV)/bin/python tools/python_api.py
-
 # The site, in out/site; a link that leads nowhere is an error.
 docs: $(DOCUMENTED)
 	$(RUN) mkdocs build
@@ -85,6 +81,11 @@ docs: $(DOCUMENTED)
 $(DOCUMENTED): setup.cfg | $(INSTALLED)
 	$(RUN) pip install --quiet --editable '.[docs]'
 	@touch $@
+
+# The files and pages that are written from the code; tests compare them.
+generated: setup
+	$(VENV)/bin/python tools/generate.py
+	$(VENV)/bin/python tools/python_api.py
 
 lint: setup
 	$(RUN) ruff format --check .

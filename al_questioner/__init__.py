@@ -8,48 +8,32 @@ from typing import TYPE_CHECKING
 from al_questioner.support.lazy_names import lazy_names
 
 if TYPE_CHECKING:
-    from al_questioner.concepts import ConceptModels
-    from al_questioner.domain import Answer, Costs, EpisodeSettings, InputError, Outcome, Query, QueryKind, Scene
-    from al_questioner.questioning import Episode, load_weights, make_strategy
-    from al_questioner.simulation import load_task, run_episode
+    from al_questioner.concepts import ConceptModels as ConceptModels
+    from al_questioner.domain import Answer as Answer
+    from al_questioner.domain import Costs as Costs
+    from al_questioner.domain import EpisodeSettings as EpisodeSettings
+    from al_questioner.domain import InputError as InputError
+    from al_questioner.domain import Outcome as Outcome
+    from al_questioner.domain import Query as Query
+    from al_questioner.domain import QueryKind as QueryKind
+    from al_questioner.domain import Scene as Scene
+    from al_questioner.questioning import Episode as Episode
+    from al_questioner.questioning import load_weights as load_weights
+    from al_questioner.questioning import make_strategy as make_strategy
+    from al_questioner.simulation import load_task as load_task
+    from al_questioner.simulation import run_episode as run_episode
 
 __version__ = '0.1.0'
 
-__all__ = [
-    'Answer',
-    'ConceptModels',
-    'Costs',
-    'Episode',
-    'EpisodeSettings',
-    'InputError',
-    'Outcome',
-    'Query',
-    'QueryKind',
-    'Scene',
-    'load_task',
-    'load_weights',
-    'make_strategy',
-    'run_episode',
-]
-
-_HOMES = {
-    'Answer': 'domain',
-    'Costs': 'domain',
-    'EpisodeSettings': 'domain',
-    'InputError': 'domain',
-    'Outcome': 'domain',
-    'Query': 'domain',
-    'QueryKind': 'domain',
-    'Scene': 'domain',
-    'ConceptModels': 'concepts',
-    'Episode': 'questioning',
-    'load_weights': 'questioning',
-    'make_strategy': 'questioning',
-    'load_task': 'simulation',
-    'run_episode': 'simulation',
-}
-
-__getattr__ = lazy_names(__name__, _HOMES)
+__all__, __getattr__ = lazy_names(
+    __name__,
+    {
+        'concepts': ['ConceptModels'],
+        'domain': ['Answer', 'Costs', 'EpisodeSettings', 'InputError', 'Outcome', 'Query', 'QueryKind', 'Scene'],
+        'questioning': ['Episode', 'load_weights', 'make_strategy'],
+        'simulation': ['load_task', 'run_episode'],
+    },
+)
 
 
 def __dir__() -> list[str]:

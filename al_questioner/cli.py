@@ -18,11 +18,11 @@ from al_questioner.support import interrupts
 from al_questioner.support.missing_modules import remedy
 
 NO_ROOM = (errno.ENOSPC, errno.EDQUOT, errno.EFBIG)
-"""On the disk, or for a file of that size: no fault of the program, wherever it comes from."""
+"""Errors of a full disk, or of a file that may not grow: no fault of the program."""
 
 
 class Executable(NamedTuple):
-    """What a command line is read by, and who does what it says: functions as `MODULE:NAME`.
+    """Parser and main function of a command, each as `MODULE:NAME`.
 
     They are in modules of their own so that a wrong option, or `--help`, does not wait for what the work needs.
     """
@@ -82,7 +82,7 @@ EXECUTABLES = {
 
 
 def usage() -> str:
-    """What `--help` prints."""
+    """Return the text that `--help` prints."""
     width = max(map(len, EXECUTABLES))
     lines = [f'  {name:<{width}}  {description}' for name, (*_, description) in EXECUTABLES.items()]
     return '\n'.join(

@@ -35,7 +35,7 @@ def test_set(world: World) -> tuple[np.ndarray, tuple[str, ...]]:
 
 def told(task: Task, pool: Scene, labels: list[str], rows: list[int], with_subset: bool) -> ConceptLearner:
     """A learner that saw the whole pool and was told the labels of some rows."""
-    concepts = ConceptLearner(task.symbols)
+    concepts = ConceptLearner(task.symbols, 4.0)
     concepts.observe(pool)
     if with_subset:
         concepts.restrict_to_groups(task.relevant_groups)

@@ -106,10 +106,7 @@ def play(case: Case) -> Outcome:
     choice = WorldSpec(task, case.sample, case.sample)
     result = run_episode(choice, settings, teacher, world=opened(case.task, case.sample))
     return Outcome(
-        result.final_accuracy,
-        statistics.mean(result.accuracy),
-        result.kernel.amplitude,
-        result.kernel.length_scale,
+        result.final_accuracy, statistics.mean(result.accuracy), result.kernel.amplitude, result.kernel.length_scale
     )
 
 

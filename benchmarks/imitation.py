@@ -25,10 +25,10 @@ import numpy as np
 from measuring import print_table
 
 from al_questioner.domain import DECISION_FEATURES, EpisodeSettings, QueryKind
-from al_questioner.imitation.assessment import agreement, count_gap, imitate
+from al_questioner.imitation.assessment import Imitation, agreement, imitate
 from al_questioner.imitation.bags import read_demonstrations
 from al_questioner.imitation.choice_likelihood import fit_temperature
-from al_questioner.imitation.demonstration import Demonstration, all_steps, demonstrate, feature_scale
+from al_questioner.imitation.demonstration import Demonstration, all_steps, feature_scale
 from al_questioner.imitation.settings import MatchingSettings, TrainingSettings
 from al_questioner.imitation.training import train
 from al_questioner.questioning import read_weights
@@ -41,6 +41,7 @@ from al_questioner.simulation import (
     run_episode,
 )
 from al_questioner.support.configuration import config_dir
+from demonstrating import demonstrate
 
 AMPLITUDE = 4.0
 """Of the demonstrations' learners."""
@@ -89,6 +90,13 @@ def imitation_rows(
     return rows
 
 
+def count_gap(imitations: Sequence[Imitation], demonstrations: Sequence[Demonstration], scale: Array) -> Array:
+    """Return expert's minus learner's feature counts, (F,), means over the episodes, in units of the scale (F,)."""
+    expert = np.mean([demonstration.feature_counts for demonstration in demonstrations], axis=0)
+    learner = np.mean([imitation.feature_counts for imitation in imitations], axis=0)
+    return np.asarray(np.divide(expert - learner, scale, out=np.zeros_like(scale), where=scale > 0))
+
+
 def condition_rows(policies: Mapping[str, Array], task_name: str, samples: int) -> list[list[str]]:
     """A row for each policy and condition."""
     task = load_task(task_name)
@@ -110,17 +118,10 @@ def condition_rows(policies: Mapping[str, Array], task_name: str, samples: int) 
                 for result in results
             ]
             last = [max((q.turn for q in result.queries), default=0) for result in results]
-            rows.append(
-                [
-                    name,
-                    f'{budget} / {turns}',
-                    f'{min(queries)} to {max(queries)}',
-                    f'{max(result.spent for result in results):g}',
-                    ' '.join(subset),
-                    f'{min(last)} to {max(last)}',
-                    f'{np.mean([result.final_accuracy for result in results]):.3f}',
-                ]
-            )
+            asked, spent = f'{min(queries)} to {max(queries)}', f'{max(result.spent for result in results):g}'
+            accuracy = f'{np.mean([result.final_accuracy for result in results]):.3f}'
+            cells = [asked, spent, ' '.join(subset), f'{min(last)} to {max(last)}', accuracy]
+            rows.append([name, f'{budget} / {turns}', *cells])
     return rows
 
 

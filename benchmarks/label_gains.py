@@ -39,7 +39,7 @@ from al_questioner.simulation import (
     load_task,
     turns,
 )
-from al_questioner.support.arguments import number_within
+from al_questioner.support.arguments import NumberWithin
 
 EXAMPLES = (range(1), range(1, 2), range(2, 4), range(4, 8), range(8, 1000))
 """Groups of numbers of examples."""
@@ -174,12 +174,12 @@ def main() -> None:
     parser.add_argument('--task', nargs='+', default=['prepare_lunch', 'pack_lunchbox', 'kitchen_table'])
     strategies = [name for name in known_strategies() if name != 'human']
     parser.add_argument('--strategy', nargs='+', default=['random_fsq', 'value_per_cost'], choices=strategies)
-    parser.add_argument('--budget', type=number_within(float, 0, 1e6), default=25.0)
-    parser.add_argument('--turns', type=number_within(int, 1, 10_000), default=40)
-    parser.add_argument('--first', type=number_within(int, 0, 1_000_000), default=1000)
-    parser.add_argument('--samples', type=number_within(int, 1, 100_000), default=20)
-    parser.add_argument('--every', type=number_within(int, 1, 10_000), default=5)
-    parser.add_argument('--jobs', type=number_within(int, 1, 1024), default=os.cpu_count())
+    parser.add_argument('--budget', type=NumberWithin(float, 0, 1e6), default=25.0)
+    parser.add_argument('--turns', type=NumberWithin(int, 1, 10_000), default=40)
+    parser.add_argument('--first', type=NumberWithin(int, 0, 1_000_000), default=1000)
+    parser.add_argument('--samples', type=NumberWithin(int, 1, 100_000), default=20)
+    parser.add_argument('--every', type=NumberWithin(int, 1, 10_000), default=5)
+    parser.add_argument('--jobs', type=NumberWithin(int, 1, 1024), default=os.cpu_count())
     given = parser.parse_args()
     try:
         for task in given.task:

@@ -1,10 +1,8 @@
-"""What the benchmarks share: timing calls, summing them up, and printing tables."""
+"""What the benchmarks share: summing times up, and printing tables."""
 
 from __future__ import annotations
 
-import time
-from collections.abc import Callable, Sequence
-from typing import Any
+from collections.abc import Sequence
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -12,17 +10,6 @@ from rich.console import Console
 from rich.table import Table
 
 Seconds = NDArray[np.float64]
-
-
-def time_calls(function: Callable[[], Any], repeats: int) -> Seconds:
-    """(repeats,) seconds that each call of a function took, after one that does not count."""
-    function()
-    result = np.empty(repeats)
-    for i in range(repeats):
-        start = time.perf_counter()
-        function()
-        result[i] = time.perf_counter() - start
-    return result
 
 
 def median_and_spread(values: ArrayLike) -> tuple[float, float]:
@@ -35,13 +22,7 @@ def median_and_spread(values: ArrayLike) -> tuple[float, float]:
 
 
 def print_table(title: str, columns: Sequence[str], rows: Sequence[Sequence[str]]) -> None:
-    """Print a table whose first column is text and whose others are numbers, or text to the right.
-
-    Args:
-        title: above the table.
-        columns: their headings.
-        rows: cells; a row that is empty draws a line.
-    """
+    """Print a table; all columns but the first are aligned to the right, and an empty row draws a line."""
     table = Table(title=title, title_justify='left', title_style='bold')
     for i, column in enumerate(columns):
         table.add_column(column, justify='right' if i else 'left', no_wrap=True)

@@ -23,7 +23,7 @@ import numpy as np
 from al_questioner.domain import InputError
 from al_questioner.experiments.figures import draw_cost_curves
 from al_questioner.experiments.plan import CONTROLS, PAPER_CONDITIONS, PAPER_STRATEGIES, Condition
-from al_questioner.experiments.results import EpisodeRow, Results, read_together
+from al_questioner.experiments.results import EpisodeRow, Results, read_results
 from al_questioner.experiments.statistics import best_of, holm, paired_p, u_test
 from al_questioner.support.arrays import Array
 
@@ -46,11 +46,28 @@ def main() -> int:
         results = read_together(given.folders)
         print_all(results, given.strategy)
         if given.figures:
-            print(*draw_cost_curves(on_common_samples(results), given.figures), sep='\n')
+            common = on_common_samples(results)
+            print(*(draw_cost_curves(common, task, given.figures) for task in common.tasks), sep='\n')
     except InputError as error:
         print(f'questioners: {error}', file=sys.stderr)
         return 2
     return 0
+
+
+def read_together(folders: Sequence[Path]) -> Results:
+    """Read the tables of several experiments as if they were one.
+
+    Raises:
+        InputError: a table is missing or is none of an experiment, or a folder holds an episode of one before it.
+    """
+    together = Results([], [])
+    for folder in folders:
+        found = read_results(folder)
+        twice = {row.cell for row in together.episodes} & {row.cell for row in found.episodes}
+        if twice:
+            raise InputError(f'{folder}: an episode is there twice: {min(twice)}')
+        together = Results([*together.episodes, *found.episodes], [*together.turns, *found.turns])
+    return together
 
 
 def print_all(results: Results, strategy: str) -> None:

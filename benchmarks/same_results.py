@@ -23,7 +23,7 @@ from pathlib import Path
 from unittest import mock
 
 from al_questioner.cli import main as run
-from al_questioner.domain import Answer, LateAnswerError, Outcome
+from al_questioner.domain import Answer, Outcome
 from al_questioner.event_log.durable_episode import DurableEpisode
 from al_questioner.event_log.events import EpisodeStarted, SceneObserved
 from al_questioner.event_log.log import SessionLog
@@ -43,16 +43,7 @@ def write_episodes(folder: Path) -> None:
     for task, strategy, seed in itertools.product(TASKS, sorted(set(STRATEGIES) - {'human'}), SEEDS):
         kept = folder / f'{task}-{strategy}-{seed}.json'
         # The pictures are those of the last one.
-        options = [
-            '--task',
-            task,
-            '--strategy',
-            strategy,
-            '--seed',
-            str(seed),
-            '--out',
-            str(folder.parent / 'pictures'),
-        ]
+        options = [f'--task={task}', f'--strategy={strategy}', f'--seed={seed}', f'--out={folder.parent / "pictures"}']
         capture(['demo', '--offline', *options, '--json', str(kept)])
 
 
@@ -91,8 +82,7 @@ def write_session(folder: Path) -> None:
                 session.take(teacher.answer(query, world.truth(turn)))
                 session.take(teacher.answer(query, world.truth(turn)))
             session.tune()
-        with contextlib.suppress(LateAnswerError):
-            session.take(Answer('q1', 'b1', 'bert', Outcome.SKIP))
+        session.take(Answer('q1', 'b1', 'bert', Outcome.SKIP))
         session.take(Answer('q1', 'c1', 'scripted', Outcome.UNKNOWN, replaces='q1/scripted'))
         session.note_refused('pudding', 'it does not answer')
         session.close()

@@ -12,7 +12,6 @@ a busy machine treats them alike. --folder says on which disk.
 from __future__ import annotations
 
 import argparse
-import contextlib
 import itertools
 import json
 import os
@@ -20,7 +19,7 @@ import tempfile
 import threading
 import time
 import uuid
-from collections.abc import Callable, Iterator
+from collections.abc import Callable
 from functools import partial
 from pathlib import Path
 from typing import Any
@@ -28,23 +27,32 @@ from typing import Any
 import numpy as np
 from measuring import print_table
 from rclpy.context import Context
-from rclpy.executors import ExternalShutdownException, SingleThreadedExecutor
 from rclpy.node import Node
 from rclpy.parameter import Parameter
 from std_msgs.msg import String
+from turn_parts.recording import spinning
 
 from al_questioner.domain import Answer, Outcome
-from al_questioner.event_log.events import ActionChosen, AnswerAccepted, Encoder, SceneObserved, decoded
+from al_questioner.event_log.encoding import Encoder, decoded
+from al_questioner.event_log.events import ActionChosen, AnswerAccepted, SceneObserved
 from al_questioner.event_log.log import SessionLog, read_log
+from al_questioner.event_log.storage import SqliteStorage, StorageFactory
 from al_questioner.messages import documents
 from al_questioner.ros import qos
-from al_questioner.ros.nodes import learner
+from al_questioner.ros.nodes.learner import LearnerNode
 from al_questioner.ros.nodes.perception import PerceptionNode
 
-KINDS: dict[str, Callable[[Path], SessionLog] | None] = {
+
+class UnwaitedStorage(SqliteStorage):
+    """Does not wait for the disk."""
+
+    synchronous = 'OFF'
+
+
+KINDS: dict[str, StorageFactory | None] = {
     'no log': None,
-    'synchronous OFF': partial(SessionLog, synchronous=False),
-    'synchronous FULL': SessionLog,
+    'synchronous OFF': UnwaitedStorage,
+    'synchronous FULL': SqliteStorage,
 }
 DEADLINE = 600.0
 
@@ -75,28 +83,10 @@ class Client(Node):
             self.done.set()
 
 
-@contextlib.contextmanager
-def spinning(context: Context) -> Iterator[SingleThreadedExecutor]:
-    """An executor in a thread."""
-    executor = SingleThreadedExecutor(context=context)
-
-    def spin() -> None:
-        with contextlib.suppress(ExternalShutdownException):
-            executor.spin()
-
-    thread = threading.Thread(target=spin, daemon=True)
-    thread.start()
-    yield executor
-    executor.shutdown()
-    thread.join(5)
-
-
 def over_topics(kind: str, answers: int, folder: Path) -> list[float]:
     """Seconds from each answer to its acknowledgement."""
-    make = KINDS[kind]
-    learner.SessionLog = make or SessionLog
+    storage = KINDS[kind]
     context, namespace = Context(), f'bench_{uuid.uuid4().hex[:8]}'
-    context.init()
     world = {'task': 'kitchen_table', 'seed': 1}
     episode = {**world, 'strategy': 'u_sampling', 'budget': float(answers), 'turns': answers}
 
@@ -106,25 +96,22 @@ def over_topics(kind: str, answers: int, folder: Path) -> list[float]:
 
     with spinning(context) as executor:
         client = Client(answers, namespace=namespace, context=context)
-        nodes = [client, made(PerceptionNode, **world)]
-        nodes.append(made(learner.LearnerNode, **episode, session='' if make is None else str(folder)))
-        for node in nodes:
+        learner = partial(LearnerNode, storage=storage or SqliteStorage)
+        session = str(folder) if storage else ''
+        for node in (client, made(PerceptionNode, **world), made(learner, **episode, session=session)):
             executor.add_node(node)
         if not client.done.wait(DEADLINE):
             raise SystemExit(f'only {len(client.seconds)} of {answers} answers were acknowledged')
-    for node in nodes:
-        node.destroy_node()
-    context.try_shutdown()
     return client.seconds
 
 
 def appends(kind: str, events: list[Any], folder: Path) -> tuple[list[float], list[float]]:
     """Seconds that writing each answer, and each scene with its decision, takes."""
-    make = KINDS[kind]
-    if make is None:
+    storage = KINDS[kind]
+    if storage is None:
         return [], []
     encoder, answers, turns = Encoder(), [], []
-    with make(folder) as log:
+    with SessionLog(folder, storage) as log:
         for first, second in itertools.pairwise(events):
             start = time.perf_counter()
             if isinstance(first, SceneObserved) and isinstance(second, ActionChosen):

@@ -124,15 +124,11 @@ def report_offline(played: Sequence[PlayedEpisode], settings: EpisodeSettings, p
         of_episode = float(np.median(seconds.sum(axis=1)))
         rows.append([stage, *typical(seconds), f'{of_episode:.3f}', f'{of_episode / total:.1%}'])
         figures[stage] = dict(zip(('median', 'spread'), in_ms(seconds), strict=True), total_s=of_episode)
+    whole = np.concatenate([episode.per_turn(OFFLINE_STAGES) for episode in played])
     rows += [
         ['making the world, once', '', '', f'{making:.3f}', f'{making / total:.1%}'],
         [],
-        [
-            'the whole episode',
-            *typical(np.concatenate([episode.per_turn(OFFLINE_STAGES) for episode in played])),
-            f'{total:.3f}',
-            '100.0%',
-        ],
+        ['the whole episode', *typical(whole), f'{total:.3f}', '100.0%'],
     ]
     print_table(
         f'Offline: {settings.turns} turns, {asked} queries, {settings.strategy}; {len(played)} episodes',

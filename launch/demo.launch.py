@@ -18,36 +18,31 @@ from launch.actions import DeclareLaunchArgument, OpaqueFunction, Shutdown
 from launch.events.process import ProcessExited
 from launch_ros.actions import Node
 
+from al_questioner.ros.settings import LEARNER_SETTINGS, WORLD_SETTINGS
+from al_questioner.simulation.world_spec import TASK
+
 PACKAGE = 'al_questioner'
 FILE_NAME = 'demo.launch.py'
 TRUTH = {'true': True, '1': True, 'false': False, '0': False}
 
-WORLD_ARGUMENTS = {
-    'dataset': (str, 'root of a directory of RGB-D crops, for tasks that read one'),
-    'seed': (int, 'seed of everything that is drawn at random, 0 or more'),
-}
-LEARNER_ARGUMENTS = {
-    'strategy': (str, 'questioning strategy'),
-    'budget': (float, 'query budget, in the cost of a label query, 0 or more'),
-    'turns': (int, 'length of the episode in turns, 1 or more'),
-    'turn_period': (float, 'least time from turn to turn in seconds; 0: as fast as the nodes can go'),
-    'session': (str, 'folder of the log that the episode is written to and goes on from'),
-}
+WORLD_ARGUMENTS = ('dataset', 'seed')
+LEARNER_ARGUMENTS = ('strategy', 'budget', 'turns', 'turn_period', 'session')
+SETTINGS = {setting.name: setting for setting in (*WORLD_SETTINGS, *LEARNER_SETTINGS)}
 CHOICES = {
     'perception': (('simulated', 'none'), 'who shows objects: the simulated table, or none of these nodes'),
     'teacher': (('scripted', 'none'), 'who answers: the script, or none of these nodes'),
 }
 
 
-def given(context: LaunchContext, arguments: dict[str, tuple[type, str]]) -> dict[str, str | int | float | bool]:
+def given(context: LaunchContext, arguments: tuple[str, ...]) -> dict[str, str | int | float | bool]:
     """The parameters that the user set on the command line; all others keep their value in the parameter file.
 
     Raises:
         ValueError: a value that is no number where one is expected.
     """
     parameters = {}
-    for name, (kind, _) in arguments.items():
-        text = context.launch_configurations[name]
+    for name in arguments:
+        text, kind = context.launch_configurations[name], type(SETTINGS[name].default)
         if text:
             try:
                 parameters[name] = kind(text)
@@ -132,12 +127,10 @@ def generate_launch_description() -> LaunchDescription:
     """What `ros2 launch al_questioner demo.launch.py` starts."""
     # Who includes this file has a robot to run, whose end is not for the learner to say.
     is_included = not any(map(_names_this_file, [None, *sys.argv], sys.argv))
-    optional = WORLD_ARGUMENTS | LEARNER_ARGUMENTS | {'use_sim_time': (bool, 'whether time comes from /clock')}
+    parameters = [SETTINGS[name] for name in (*WORLD_ARGUMENTS, *LEARNER_ARGUMENTS)]
+    optional = {'use_sim_time': 'whether time comes from /clock', **{each.name: each.explained for each in parameters}}
     texts = {
-        'task': (
-            'kitchen_table',
-            'a name in config/tasks, whose config/params/TASK.yaml is used, or the path of a YAML file',
-        ),
+        'task': (TASK.default, f'{TASK.description}; config/params/TASK.yaml is used if there is one'),
         'namespace': ('', 'namespace of the graph, within that of who includes this file; for several robots'),
         'params_file': ('', "parameter file in the place of the task's; empty: config/params/TASK.yaml"),
         'bag': ('', 'where a recorder beside the nodes writes a new bag; empty: no recorder'),
@@ -146,7 +139,7 @@ def generate_launch_description() -> LaunchDescription:
             'whether all ends when the learner does; by default not where another launch file includes this one',
         ),
         **{name: (values[0], f'{text}: {" or ".join(values)}') for name, (values, text) in CHOICES.items()},
-        **{name: ('', f"{text}; empty: the parameter file's value") for name, (_, text) in optional.items()},
+        **{name: ('', f'{text}; unless set, that of the parameter file') for name, text in optional.items()},
     }
     return LaunchDescription(
         [

@@ -16,7 +16,9 @@ from pathlib import Path
 import hypothesis
 import pytest
 
+from al_questioner.cli import main
 from al_questioner.support.missing_modules import FOR_BAGS, remedy
+from shared.checkout import ROOT
 
 if os.environ.get('RMW_IMPLEMENTATION', 'rmw_fastrtps_cpp') == 'rmw_fastrtps_cpp':
     os.environ['FASTRTPS_DEFAULT_PROFILES_FILE'] = str(Path(__file__).with_name('loopback.xml'))
@@ -28,6 +30,9 @@ else:
 hypothesis.settings.register_profile('patient', deadline=None, suppress_health_check=[hypothesis.HealthCheck.too_slow])
 hypothesis.settings.load_profile('patient')
 
+# So that the processes of tests run this checkout.
+os.environ['PYTHONPATH'] = os.pathsep.join(filter(None, (str(ROOT), os.environ.get('PYTHONPATH'))))
+
 # So that nodes of other runs on this machine are not heard.
 os.environ['ROS_DOMAIN_ID'] = str(1 + os.getpid() % 100)
 
@@ -37,7 +42,7 @@ DEADLINE = 90.0
 
 MISSING_FOR_BAGS = [module for module in FOR_BAGS if find_spec(module) is None]
 """A robot on which rosdep alone installed what the package needs has none of them."""
-USES_BAGS = re.compile('BagMessage|BagWriter|RecorderNode|read_bag|read_sessions|--bag|--record')
+USES_BAGS = re.compile('shared.bags|BagMessage|BagWriter|RecorderNode|read_bag|read_sessions|--bag|--record')
 
 
 def pytest_ignore_collect(collection_path: Path) -> bool | None:
@@ -80,9 +85,10 @@ class PseudoTerminal:
             assert self._read(), f'ended before {is_shown!r} appeared:\n{self.text}'
         return self.text
 
-    def press(self, keys: str) -> None:
-        """Type."""
+    def press(self, keys: str, until: str | Callable[[str], object] = '') -> str:
+        """Type, and wait until the screen shows something; returns the screen."""
         self.child.send(keys)
+        return self.wait_for(until) if until else self.text
 
     def local_modes(self) -> int:
         """Whether the terminal echoes, edits lines, and so on."""
@@ -115,6 +121,18 @@ class PseudoTerminal:
         self.raw += content
         self._stream.feed(content)
         return True
+
+
+@pytest.fixture
+def refusal(capfd: pytest.CaptureFixture[str]) -> Callable[..., str]:
+    """A function that calls an executable, which must end with status 2, and gives the one line that it says."""
+
+    def refused(*command: object) -> str:
+        assert main([*map(str, command)]) == 2, command
+        (line,) = capfd.readouterr().err.splitlines()
+        return line
+
+    return refused
 
 
 @pytest.fixture

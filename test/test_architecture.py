@@ -12,7 +12,7 @@ from xml.etree import ElementTree
 import pytest
 
 import al_questioner
-from checkout import ROOT
+from shared.checkout import ROOT
 
 PACKAGE = 'al_questioner'
 
@@ -144,14 +144,14 @@ def test_every_room_has_its_place_in_the_order() -> None:
 @pytest.mark.parametrize(
     ('module', 'source'),
     [
-        ('al_questioner.concepts.models', 'from al_questioner.questioning import Episode'),
-        ('al_questioner.concepts.models', 'from al_questioner import questioning'),
-        ('al_questioner.concepts.models', 'from ..questioning import Episode'),
-        ('al_questioner.concepts.models', 'from .. import questioning'),
-        ('al_questioner.concepts.models', 'def late():\n    import al_questioner.questioning.episode'),
-        ('al_questioner.concepts.models', "importlib.import_module('al_questioner.questioning')"),
+        ('al_questioner.concepts.concept_models', 'from al_questioner.questioning import Episode'),
+        ('al_questioner.concepts.concept_models', 'from al_questioner import questioning'),
+        ('al_questioner.concepts.concept_models', 'from ..questioning import Episode'),
+        ('al_questioner.concepts.concept_models', 'from .. import questioning'),
+        ('al_questioner.concepts.concept_models', 'def late():\n    import al_questioner.questioning.episode'),
+        ('al_questioner.concepts.concept_models', "importlib.import_module('al_questioner.questioning')"),
         ('al_questioner.simulation.playing', 'from al_questioner.event_log import log'),
-        ('al_questioner.perception.scene', 'from ..concepts.models import ConceptModels'),
+        ('al_questioner.perception.scene', 'from ..concepts.concept_models import ConceptModels'),
         ('al_questioner.domain', 'from al_questioner import support'),
         ('al_questioner.messages.clouds', 'from sensor_msgs.msg import PointCloud2'),
         ('al_questioner.commands.demo.progress', 'if True:\n    import rclpy.node'),
@@ -165,7 +165,7 @@ def test_the_check_sees_a_forbidden_import(module: str, source: str) -> None:
 @pytest.mark.parametrize(
     ('module', 'source', 'is_package'),
     [
-        ('al_questioner.questioning.episode', 'from ..concepts import models', False),
+        ('al_questioner.questioning.episode', 'from ..concepts import concept_models', False),
         ('al_questioner.questioning', 'from .episode import Episode', True),
         ('al_questioner.questioning', 'from ..domain import Scene', True),
         ('al_questioner.questioning.episode', 'from . import candidates', False),

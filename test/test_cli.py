@@ -13,7 +13,7 @@ from pathlib import Path
 import pytest
 
 from al_questioner.cli import EXECUTABLES
-from checkout import ROOT
+from shared.checkout import ROOT
 
 HEAVY = ('scipy', 'numba', 'matplotlib', 'rclpy', 'joblib', 'rosbags', 'prompt_toolkit', 'al_questioner.ros.node')
 """What takes long to import."""
@@ -68,23 +68,17 @@ def test_values_that_are_refused_wait_for_little() -> None:
     assert loaded(calls(*experiments)) == []
 
 
-def test_a_learner_in_python_is_there_at_once() -> None:
+def test_a_learner_in_python_is_there_at_once_and_a_session_shown_without_pictures_tests_and_ros() -> None:
     assert loaded('import al_questioner.questioning') == []
-
-
-def test_all_of_a_session_is_shown_without_pictures_tests_and_ros() -> None:
     assert {'matplotlib', 'rclpy', 'joblib'}.isdisjoint(loaded('import al_questioner.commands.session.command'))
 
 
-def ended(*command: str, status: int, encoding: str = 'utf-8', stdout: int = subprocess.PIPE) -> tuple[str, str]:
-    """What an executable prints to either side before it ends with a status."""
-    done = subprocess.run(
-        [*MODULE, *command],
-        env={**os.environ, 'PYTHONIOENCODING': encoding},
-        stdout=stdout,
-        stderr=subprocess.PIPE,
-        check=False,
-    )
+def ended(
+    *command: str, status: int, encoding: str = 'utf-8', stdout: int = subprocess.PIPE, **environment: str
+) -> tuple[str, str]:
+    """What an executable, run in the checkout, prints to either side before it ends with a status."""
+    given = {**os.environ, 'PYTHONIOENCODING': encoding, **environment}
+    done = subprocess.run([*MODULE, *command], env=given, cwd=ROOT, stdout=stdout, stderr=subprocess.PIPE)
     error = done.stderr.decode(encoding)
     assert done.returncode == status, error
     assert 'Traceback' not in error
@@ -144,15 +138,8 @@ def test_an_interrupt_while_modules_are_imported_ends_quietly(tmp_path: Path, mo
         '    raise ImportError("as compiled modules say") from error\n'
         'raise ImportError("nobody was interrupted")\n'
     )
-    done = subprocess.run(
-        [*MODULE, *command],
-        env={**os.environ, 'PYTHONPATH': str(tmp_path)},
-        cwd=ROOT,
-        capture_output=True,
-        text=True,
-        check=False,
-    )
-    assert (done.returncode, done.stderr) == (130, '')
+    path = os.pathsep.join((str(tmp_path), os.environ['PYTHONPATH']))
+    assert ended(*command, status=130, PYTHONPATH=path)[1] == ''
 
 
 def test_an_interrupt_that_is_ignored_in_the_background_stays_ignored() -> None:

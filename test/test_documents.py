@@ -12,7 +12,7 @@ from pathlib import Path
 
 import pytest
 
-from checkout import ROOT
+from shared.checkout import ROOT
 
 DOCS = ROOT / 'docs'
 DOCUMENTS = (

@@ -6,7 +6,7 @@ import re
 
 import numpy as np
 
-from checkout import ROOT
+from shared.checkout import ROOT
 
 PAGE = (ROOT / 'docs' / 'how_to' / 'use_it_in_python.md').read_text(encoding='utf-8')
 SNIPPETS = re.findall(r'```python\n(.*?)```', PAGE, flags=re.DOTALL)

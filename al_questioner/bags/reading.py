@@ -1,4 +1,4 @@
-"""Reading rosbag2 bags, without ROS: whole ones, whose message counts are right."""
+"""Reading of complete rosbag2 bags, whose message counts are right, without ROS."""
 
 from __future__ import annotations
 
@@ -26,6 +26,7 @@ from al_questioner.bags.storages import (
     written_order,
 )
 from al_questioner.domain import InputError
+from al_questioner.support.text import one_line
 
 
 class BagError(InputError):
@@ -34,12 +35,9 @@ class BagError(InputError):
 
 @dataclass(frozen=True)
 class Topic:
-    """A topic of a bag.
+    """A topic of a bag: its full name as recorded, the type of its messages, such as 'std_msgs/msg/String'.
 
-    Attributes:
-        name: as it was recorded, namespace included.
-        type: of its messages, such as 'std_msgs/msg/String'.
-        latched: whether its publisher was transient local.
+    It is latched if its publisher was transient local.
     """
 
     name: str
@@ -49,14 +47,7 @@ class Topic:
 
 @dataclass(frozen=True)
 class BagMessage:
-    """A message of a bag.
-
-    Attributes:
-        topic: name of its topic.
-        type: of the message.
-        stamp: when it was received, nanoseconds since the epoch.
-        data: serialised, CDR.
-    """
+    """A message of a bag, serialised (CDR), with the time of its receipt in nanoseconds since the epoch."""
 
     topic: str
     type: str
@@ -66,14 +57,7 @@ class BagMessage:
 
 @dataclass(frozen=True)
 class Bag:
-    """What a bag holds.
-
-    Attributes:
-        path: where it lies.
-        topics: its topics.
-        messages: all messages, in the order in which they were received; the recorder's clock may have gone back
-            meanwhile, and with it the stamps.
-    """
+    """Content of a bag, all messages in the order of their receipt; stamps may go back if the recorder's clock did."""
 
     path: Path
     topics: tuple[Topic, ...]
@@ -81,10 +65,10 @@ class Bag:
 
 
 def read_bag(path: Path) -> Bag:
-    """Read a bag of any storage and compression that rosbags knows.
+    """Read a bag of any storage and compression that rosbags supports.
 
-    What a file says of a topic, such as its quality of service, need not be what the metadata say: only the names and
-    numbers count.
+    The files and the metadata may differ, for example in the quality of service of a topic. Only the names and the
+    numbers of messages have to agree.
 
     Raises:
         BagError: there is no bag, it is of ROS 1, broken or empty, or messages are missing that its metadata count.
@@ -103,7 +87,7 @@ def read_bag(path: Path) -> Bag:
                 for connection, stamp, data in written_order(file)
             ]
     except Exception as error:
-        raise BagError(f'{path}: cannot be read ({_one_line(error)}){_hint(path)}') from error
+        raise BagError(f'{path}: cannot be read ({one_line(error) or type(error).__name__}){_hint(path)}') from error
     found = Counter(message.topic for message in messages)
     short = [f'{found[name]} of {count} on {name}' for name, count in expected.items() if found[name] < count]
     if short:
@@ -114,7 +98,7 @@ def read_bag(path: Path) -> Bag:
 
 
 def _topics(connections: Sequence[Connection]) -> tuple[Topic, ...]:
-    """Each topic once, of each of its types; it is latched if anything says so."""
+    """Return each topic once, with each of its types; it is latched if any connection is."""
     latched: dict[tuple[str, str], bool] = {}
     for connection in connections:
         key = (connection.topic, connection.msgtype)
@@ -123,10 +107,10 @@ def _topics(connections: Sequence[Connection]) -> tuple[Topic, ...]:
 
 
 def _in_order_of_receipt(messages: Sequence[BagMessage]) -> list[BagMessage]:
-    """Messages, given as they were written, in the order in which they were received.
+    """Return messages, given in the order of writing, in the order of their receipt.
 
-    A file may hold one topic after the other, so the stamps tell the order; but not where the recorder's clock went
-    back, which shows within a topic.
+    A file may hold one topic after the other, so the messages are sorted by stamp. But if the stamps go back within a
+    topic, the recorder's clock was set back, and the order of writing is kept.
     """
     last: dict[str, int] = {}
     for message in messages:
@@ -137,7 +121,7 @@ def _in_order_of_receipt(messages: Sequence[BagMessage]) -> list[BagMessage]:
 
 
 def deserialize(message: BagMessage) -> Any:
-    """The message as an object of rosbags, whose members are those of ROS.
+    """Return the message as an object of rosbags, whose members are those of ROS.
 
     Raises:
         BagError: a type that ROS 2 Jazzy does not have, or bytes that do not fit it.
@@ -145,11 +129,11 @@ def deserialize(message: BagMessage) -> Any:
     try:
         return typestore().deserialize_cdr(message.data, message.type)
     except Exception as error:
-        raise BagError(f'{message.topic}: not a {message.type} ({_one_line(error)})') from error
+        raise BagError(f'{message.topic}: not a {message.type} ({one_line(error) or type(error).__name__})') from error
 
 
 def digest(path: Path) -> str:
-    """SHA-256 of all files of a bag that hold messages, in order, as hexadecimal digits.
+    """Return the SHA-256 of all files of a bag that hold messages, in order, as hexadecimal digits.
 
     Raises:
         BagError: there is no such file.
@@ -165,7 +149,7 @@ def digest(path: Path) -> str:
 
 @lru_cache(maxsize=1)
 def typestore() -> Typestore:
-    """The message types of ROS 2 Jazzy."""
+    """Return the message types of ROS 2 Jazzy."""
     return get_typestore(Stores.ROS2_JAZZY)
 
 
@@ -173,7 +157,7 @@ def _check_there(path: Path) -> None:
     if not path.exists():
         raise BagError(f'{path}: there is no such bag')
     for file in [path, *(filter(holds_messages, path.iterdir()) if path.is_dir() else [])]:
-        # To open a pipe would wait for a writer.
+        # Opening a pipe would wait for a writer.
         if file.exists() and not (file.is_file() or file.is_dir()):
             raise BagError(f'{file}: is no bag, but a device or a pipe')
     is_bag = path.is_dir() and (path / 'metadata.yaml').is_file()
@@ -197,8 +181,8 @@ def _check_there(path: Path) -> None:
 
 
 def _hint(path: Path) -> str:
-    """What can be done about a broken bag: nothing without a file that is not compressed."""
-    # An interrupted repair may have left the originals alone.
+    """Return advice on a broken bag, or an empty text if it has no uncompressed file that could be repaired."""
+    # An interrupted repair may have left only the originals.
     usable = path.is_dir() and (any(storage_files(path)) or any(path.glob(f'*{BROKEN}')))
     return f'; try record --repair {path}' if usable else ''
 
@@ -207,7 +191,3 @@ def _is_latched(extension: object) -> bool:
     if not isinstance(extension, ConnectionExtRosbag2):
         return False
     return any(profile.durability is QosDurability.TRANSIENT_LOCAL for profile in extension.offered_qos_profiles)
-
-
-def _one_line(error: Exception) -> str:
-    return ' '.join(str(error).split()) or type(error).__name__

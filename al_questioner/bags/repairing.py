@@ -1,4 +1,4 @@
-"""Making a bag whole whose recording was killed."""
+"""Repair of a bag after its recording was killed."""
 
 from __future__ import annotations
 
@@ -22,12 +22,9 @@ from al_questioner.support.files import sync_to_disk
 
 @dataclass(frozen=True)
 class RepairReport:
-    """What came of a repair.
+    """Result of a repair: whether nothing had to be done, and the number of messages kept, by topic.
 
-    Attributes:
-        was_whole: nothing had to be done.
-        kept: number of messages, by topic.
-        originals: the broken files, which were kept under other names; none if the bag was whole.
+    `originals` are the broken files, which were kept under other names.
     """
 
     was_whole: bool
@@ -38,10 +35,7 @@ class RepairReport:
 def repair(path: Path) -> RepairReport:
     """Rewrite a bag, of one file or several, as one file of every message that reached the disk.
 
-    A whole bag is left alone. A repair that is itself interrupted can be repeated.
-
-    Args:
-        path: directory of the bag.
+    A complete bag is not changed. A repair that is itself interrupted can be repeated.
 
     Raises:
         BagError: no bag, nothing readable in it, or its directory cannot be written to.
@@ -59,10 +53,10 @@ def repair(path: Path) -> RepairReport:
 
 
 def _broken_files(path: Path) -> list[Path]:
-    """The files to repair a bag from, in order: an interrupted repair may have renamed some of them, or all.
+    """Return the files to repair a bag from, in order; an interrupted repair may have renamed some or all of them.
 
     Raises:
-        BagError: there are files of a repair before, or files that do not belong together.
+        BagError: there are files of an earlier repair, or files that do not belong together.
     """
     files, kept = list(storage_files(path)), [*filter(Path.is_file, path.glob(f'*{BROKEN}'))]
     if any(_kept_as(file) in kept for file in files):
@@ -82,7 +76,7 @@ def _kept_as(file: Path) -> Path:
 
 
 def _rewrite(path: Path, broken: Sequence[Path]) -> RepairReport:
-    """Make one file of all that can be read of the broken ones."""
+    """Write one file with all that can be read from the broken ones."""
     name = broken[0].name.removesuffix(BROKEN)
     is_mcap = name.endswith('.mcap')
     try:
@@ -99,7 +93,7 @@ def _rewrite(path: Path, broken: Sequence[Path]) -> RepairReport:
                     writer.write(message.topic, message.data, message.stamp)
             for file in broken:
                 file.rename(_kept_as(file))
-            # The messages last: as long as they are not there, the bag is seen to be broken.
+            # The messages come last: until they are there, the bag is detected as broken.
             for file in (rewritten / 'metadata.yaml', *storage_files(rewritten)):
                 file.replace(path / file.name)
         sync_to_disk(path)
@@ -109,7 +103,7 @@ def _rewrite(path: Path, broken: Sequence[Path]) -> RepairReport:
 
 
 def _salvage_mcap(file: Path) -> tuple[list[Topic], list[BagMessage]]:
-    """Topics and messages of a file, as far as it can be read."""
+    """Return the topics and messages of a file, as far as it can be read."""
     schemas: dict[int, Schema] = {}
     topics: dict[int, Topic] = {}
     found: list[Message] = []
@@ -117,14 +111,11 @@ def _salvage_mcap(file: Path) -> tuple[list[Topic], list[BagMessage]]:
         if isinstance(record, Schema):
             schemas[record.id] = record
         elif isinstance(record, Channel) and record.schema_id in schemas:
-            topics[record.id] = Topic(
-                record.topic,
-                schemas[record.schema_id].name,
-                _is_latched(record.metadata.get('offered_qos_profiles', '')),
-            )
+            latched = _is_latched(record.metadata.get('offered_qos_profiles', ''))
+            topics[record.id] = Topic(record.topic, schemas[record.schema_id].name, latched)
         elif isinstance(record, Message):
             found.append(record)
-    # Only now, as the end of a file repeats the channels that a broken chunk may have lost.
+    # Only after the whole file, because its end repeats the channels that a broken chunk may have lost.
     messages = [
         BagMessage(topics[message.channel_id].name, topics[message.channel_id].type, message.log_time, message.data)
         for message in found
@@ -134,12 +125,12 @@ def _salvage_mcap(file: Path) -> tuple[list[Topic], list[BagMessage]]:
 
 
 def _is_latched(offered_qos_profiles: str) -> bool:
-    """Whether a profile is transient local, in the words of today or the numbers of earlier versions."""
+    """Return whether a profile is transient local, by its name or by the number that earlier versions wrote."""
     return re.search(r'durability: (transient_local|1)\b', offered_qos_profiles) is not None
 
 
 def _complete_records(file: Path) -> Iterator[object]:
-    """The records up to the first that is not complete, without the chunks whose checksum is wrong."""
+    """Yield the records before the first incomplete one, without the chunks whose checksum is wrong."""
     with file.open('rb') as stream:
         try:
             for record in StreamReader(stream, emit_chunks=True).records:
@@ -158,11 +149,11 @@ def _records_of_chunk(chunk: Chunk) -> list[object]:
 
 
 def _salvage_sqlite3(file: Path) -> tuple[list[Topic], list[BagMessage]]:
-    """Topics and messages of a file, as far as it can be read."""
+    """Return the topics and messages of a file, as far as it can be read."""
     topics: dict[int, Topic] = {}
     messages: list[BagMessage] = []
     try:
-        # Closed at once: its journal must not be taken for that of the new file.
+        # Closed at once, because its journal must not be taken for that of the new file.
         with contextlib.closing(sqlite3.connect(file)) as database:
             # The first versions of rosbag2 had no such column.
             columns = [row[1] for row in database.execute('PRAGMA table_info(topics)')]
@@ -176,13 +167,13 @@ def _salvage_sqlite3(file: Path) -> tuple[list[Topic], list[BagMessage]]:
                 if number in topics and isinstance(stamp, int) and isinstance(data, bytes):
                     messages.append(BagMessage(topics[number].name, topics[number].type, stamp, data))
     except sqlite3.Error:
-        # What was read before the broken page is kept.
+        # The rows before the broken page are kept.
         pass
     return list(topics.values()), messages
 
 
 def _consistent(topics: Iterable[Topic], messages: Iterable[BagMessage]) -> tuple[list[Topic], list[BagMessage]]:
-    """One topic of each name, of a type that can be written, and its messages."""
+    """Return one topic of each name, of a type that can be written, and its messages."""
     known = typestore().fielddefs
     by_name: dict[str, Topic] = {}
     for topic in topics:
@@ -191,7 +182,7 @@ def _consistent(topics: Iterable[Topic], messages: Iterable[BagMessage]) -> tupl
     kept: list[BagMessage] = []
     for message in messages:
         if message.topic in by_name and by_name[message.topic].type == message.type:
-            # What cannot be decompressed is damaged, as a chunk with a wrong checksum is.
+            # Data that cannot be decompressed is damaged, like a chunk with a wrong checksum.
             with contextlib.suppress(Exception):
                 kept.append(replace(message, data=plain(message.data)))
     return list(by_name.values()), kept

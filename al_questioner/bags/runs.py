@@ -1,4 +1,4 @@
-"""What a bag holds of each run of a learner, sorted by what the messages say and not by the recorder's clock."""
+"""Runs of learners in a bag, told apart by what the messages say and not by the recorder's clock."""
 
 from __future__ import annotations
 
@@ -24,7 +24,6 @@ class Placed(NamedTuple):
     Attributes:
         place: how many messages were received before it.
         stamp: in its header, or of the turn that it begins; nanoseconds.
-        message: it.
     """
 
     place: int
@@ -38,7 +37,6 @@ class State(NamedTuple):
     Attributes:
         place: how many messages were received before it.
         turn: how many turns it says are over.
-        text: of the document.
     """
 
     place: int
@@ -51,7 +49,6 @@ class Run:
     """A learner from its start to its end; one that is started again under the same `episode_id` is another run.
 
     Attributes:
-        episode_id: of its episode.
         world: the simulated world that it spoke of with its turns; None if it was another one.
         document: what it told of the episode; None if that was not recorded.
         begins: where each turn begins, and its stamp.
@@ -66,23 +63,19 @@ class Run:
 
     @property
     def place(self) -> int:
-        """Where it begins."""
+        """Place of its first message."""
         return min((begin.place for begin in self.begins.values()), default=0)
 
     def takes(self, turn: int, stamp: int) -> bool:
-        """Whether a turn of this stamp can be one of these: stamps grow from turn to turn."""
+        """Return whether a turn of this stamp can be one of these: stamps grow from turn to turn."""
         return all((turn - other) * (stamp - begin.stamp) > 0 for other, begin in self.begins.items() if other != turn)
 
 
 class Recorded:
-    """What was recorded in one namespace.
-
-    Args:
-        bag: the bag.
-        namespace: the topics' names without their last parts.
+    """Content of a recording in one namespace.
 
     Attributes:
-        namespace: the same.
+        namespace: the topics' names without their last parts.
         runs: of learners, in the order in which they began.
         faults: what could not be read of what should be there.
         corrected: the episodes in which an answer was replaced by another one.
@@ -113,7 +106,7 @@ class Recorded:
         self.runs = self._find_runs()
 
     def decision(self, begin: Placed) -> Placed | None:
-        """What was decided in a turn; None if that was not recorded.
+        """Return the decision of a turn; None if it was not recorded.
 
         Where a clock went back, learners may have given the same stamp: then the one next to the turn's beginning.
         """
@@ -121,7 +114,7 @@ class Recorded:
         return min(found, key=lambda decision: abs(decision.place - begin.place), default=None)
 
     def clouds(self, run: Run, turn: int) -> Iterator[Placed]:
-        """The messages on `objects` that a learner may have taken in a turn, first the one that it would take first."""
+        """Yield the messages on `objects` that a learner may have taken in a turn, in the order of its tries."""
         begin, after, decision = run.begins[turn], run.begins.get(turn + 1), self.decision(run.begins[turn])
         end = math.inf if decision is None else decision.place
         # What comes after the last turn of a learner may be the next one's.
@@ -139,7 +132,7 @@ class Recorded:
             latest = max(latest, cloud.stamp)
 
     def hint(self) -> str:
-        """What could not be read, in brackets, for those who miss something."""
+        """Return the first message that could not be read, in brackets, for people who miss something."""
         return f' ({self.faults[0]})' if self.faults else ''
 
     def _take(self, place: int, message: BagMessage) -> None:
@@ -167,13 +160,12 @@ class Recorded:
             self._episodes.append((place, documents.read(name, deserialize(message).data)))
         elif name in ('answer', 'answer_ack'):
             with contextlib.suppress(InputError):
-                self._take_talk(name, documents.read(name, deserialize(message).data))
-
-    def _take_talk(self, name: str, document: Document) -> None:
-        if name == 'answer' and document.get('replaces') is not None:
-            self._replacing.add((document['episode_id'], document['query_id'], document['answer_id']))
-        elif name == 'answer_ack' and document['accepted']:
-            self._accepted.add((document['episode_id'], document['query_id'], document['answer_id']))
+                document = documents.read(name, deserialize(message).data)
+                ids = (document['episode_id'], document['query_id'], document['answer_id'])
+                if name == 'answer' and document.get('replaces') is not None:
+                    self._replacing.add(ids)
+                elif name == 'answer_ack' and document['accepted']:
+                    self._accepted.add(ids)
 
     def _find_runs(self) -> list[Run]:
         runs: list[Run] = []
@@ -209,20 +201,20 @@ class Recorded:
 
 
 def recorded_in(bag: Bag, kinds: Sequence[str]) -> list[Recorded]:
-    """What was recorded in each namespace that holds documents of these kinds, in the order of their first ones."""
+    """Return the content of each namespace that holds documents of these kinds, in the order of their first ones."""
     ours = (message for message in bag.messages if any(is_document(message, kind) for kind in kinds))
     return [Recorded(bag, namespace) for namespace in dict.fromkeys(m.topic.rpartition('/')[0] for m in ours)]
 
 
 def _topics_of_objects(bag: Bag, namespace: str) -> frozenset[str]:
-    """The topic `objects` of a namespace, or if it has none, as perception was remapped, those of the others."""
+    """Return the topic `objects` of a namespace, or, where perception was remapped, those of the others."""
     found = [topic.name for topic in bag.topics if last_name(topic.name) == 'objects' and topic.type == CLOUD]
     own = f'{namespace}/objects'
     return frozenset([own] if own in found else found)
 
 
 def _run_at(runs: list[Run], episode_id: str, place: int) -> Run:
-    """The run of an episode that goes on at a place."""
+    """Return the run of an episode that goes on at a place."""
     same = [run for run in runs if run.episode_id == episode_id]
     if not same:
         runs.append(Run(episode_id))
@@ -231,7 +223,7 @@ def _run_at(runs: list[Run], episode_id: str, place: int) -> Run:
 
 
 def _glance(place: int, message: BagMessage) -> tuple[str, State]:
-    """The episode of a `learner_state`, and what is needed to sort it in: there are many, and most are not needed.
+    """Read the episode of a `learner_state`, and what is needed to sort it: most of them are not needed.
 
     Raises:
         InputError: it tells of no turn.

@@ -1,4 +1,4 @@
-"""What a recorded learner saw in each turn, as it was recorded."""
+"""Scenes of a recorded learner, turn by turn."""
 
 from __future__ import annotations
 
@@ -28,7 +28,7 @@ class RecordedScenes:
 
 
 def scenes_of(bag: Bag) -> RecordedScenes:
-    """The scenes of the episode in a bag, for which its topics `turn` and `objects` are enough.
+    """Return the scenes of the episode in a bag, for which its topics `turn` and `objects` are enough.
 
     A turn whose scene was not recorded is left out.
 
@@ -50,7 +50,7 @@ def scenes_of(bag: Bag) -> RecordedScenes:
 
 
 def _clouds_taken(recorded: Recorded, run: Run) -> Iterator[tuple[int, BagMessage]]:
-    """By turn, the first cloud that a learner can take: other nodes may have shown something on the same topic."""
+    """Return, by turn, the first cloud that a learner can take: other nodes may publish on the same topic."""
     names: tuple[str, ...] = ()
     for turn in sorted(run.begins):
         for cloud in recorded.clouds(run, turn):

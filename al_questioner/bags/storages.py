@@ -1,4 +1,4 @@
-"""The files of bags: which ones hold messages, and what is in them, in the order in which it was written."""
+"""Files of bags: which ones hold messages, and their content in the order of writing."""
 
 from __future__ import annotations
 
@@ -19,43 +19,43 @@ if TYPE_CHECKING:
 STORAGE_SUFFIXES = {'mcap': '.mcap', 'sqlite3': '.db3'}
 """Suffix of a bag's file by the name of its storage."""
 COMPRESSED = '.zstd'
-"""Added to the name of a file that was compressed as a whole."""
+"""Suffix added to the name of a file that was compressed as a whole."""
 
 BROKEN = '.broken'
-"""Added to the name of a file that a repair keeps as it was."""
+"""Suffix added to the name of a broken file that a repair keeps."""
 
 _ZSTD = b'\x28\xb5\x2f\xfd'
-"""How everything begins that zstd has compressed; a serialised message begins with 0."""
+"""First bytes of data that zstd has compressed; a serialised message begins with 0."""
 _ROS_1 = b'#ROSBAG V'
 _MCAP_OF_ROS_1 = b'\x04\x00\x00\x00ros1'
-"""The profile in the first record of a file."""
+"""Profile of ROS 1 in the first record of an MCAP file."""
 
 
 def storage_files(path: Path) -> Iterator[Path]:
-    """The files of a bag's directory that hold messages and are not compressed."""
+    """Yield the files of a bag's directory that hold messages and are not compressed."""
     for suffix in STORAGE_SUFFIXES.values():
         yield from sorted(filter(Path.is_file, path.glob(f'*{suffix}')), key=lambda file: place_of(file.name))
 
 
 def place_of(name: str) -> tuple[int, str]:
-    """Where a file comes among those of a bag, which are numbered without leading zeros."""
+    """Return the sort key of a file among those of a bag, which are numbered without leading zeros."""
     number = re.search(r'_(\d+)\.(mcap|db3)', name)
     return (int(number[1]) if number else -1, name)
 
 
 def holds_messages(file: Path) -> bool:
-    """Whether it is one of the files of a bag, compressed or not."""
+    """Return whether a file is a storage file of a bag, compressed or not."""
     return file.suffix != BROKEN and bool({*file.suffixes} & {*STORAGE_SUFFIXES.values()})
 
 
 def is_compressed(path: Path) -> bool:
-    """Whether it is a compressed file of messages, or a directory with one."""
+    """Return whether a path is a compressed storage file, or a directory with one."""
     files = path.iterdir() if path.is_dir() else [path]
     return any(holds_messages(file) and file.suffix == COMPRESSED for file in files)
 
 
 def of_ros_1(path: Path) -> Path | None:
-    """The file that was recorded by ROS 1: the path itself, or one of a bag's directory; None if there is none."""
+    """Return the file that ROS 1 recorded: the path itself, or one of a bag's directory; None if there is none."""
     files = (
         [path] if path.is_file() else list(storage_files(path)) or [*filter(Path.is_file, sorted(path.glob('*.bag')))]
     )
@@ -68,14 +68,14 @@ def of_ros_1(path: Path) -> Path | None:
 
 
 def files_of(reader: Reader) -> list[ReaderProtocol]:
-    """The readers of the single files of an open bag, in order."""
+    """Return the readers of the single files of an open bag, in order."""
     return reader.storage.storages if isinstance(reader.storage, DirectoryReader) else [reader.storage]
 
 
 def written_order(storage: ReaderProtocol) -> Iterator[tuple[Connection, int, bytes]]:
-    """The messages of a file, with their topics and stamps, as they were written.
+    """Yield the messages of a file, with their topics and stamps, in the order of writing.
 
-    The stamps are those of the recorder's clock, which may have gone back: their order is another one then.
+    The stamps come from the recorder's clock. If it was set back, they are in another order.
     """
     if isinstance(storage, McapReader):
         found: Iterator[tuple[Connection, int, bytes]] = storage.messages_scan(storage.connections)
@@ -88,10 +88,10 @@ def written_order(storage: ReaderProtocol) -> Iterator[tuple[Connection, int, by
 
 
 def plain(data: bytes) -> bytes:
-    """A message, decompressed if it was compressed."""
+    """Return the bytes of a message, decompressed if necessary."""
     if not data.startswith(_ZSTD):
         return data
-    # Read by the library that wrote it: its name depends on the version of Python.
+    # Use the library of the writer: its name depends on the version of Python.
     from rosbags.rosbag2 import reader
 
     return bytes(reader.zstd.decompress(data))  # type: ignore[attr-defined]

@@ -1,4 +1,4 @@
-"""Which topics a recording has, and which messages on them are ours: other nodes use the same names."""
+"""Topics of a recording, and a test for our messages on them, since other nodes may use the same names."""
 
 from __future__ import annotations
 
@@ -18,15 +18,15 @@ TYPES: Mapping[str, str] = {
     'decision': CLOUD,
     'learner_state': STRING,
 }
-"""What a recording holds: message type by the last part of the topic's name."""
+"""Message type of each recorded topic, by the last part of the topic's name."""
 
 
 def last_name(topic: str) -> str:
-    """The last part of a topic's name."""
+    """Return the last part of a topic's name."""
     return topic.rpartition('/')[2]
 
 
 def is_document(message: BagMessage, kind: str) -> bool:
-    """Whether a message on the topic of a kind of document is one, whole or damaged, and not another node's."""
+    """Return whether a message on the topic of a kind of document is such a document, whole or damaged."""
     is_there = last_name(message.topic) == kind and message.type == STRING
     return is_there and f'al_questioner/{kind}/'.encode() in message.data

@@ -1,4 +1,4 @@
-"""Writing rosbag2 bags that survive the end of the writing process."""
+"""Writing of rosbag2 bags that remain readable if the writing process is killed."""
 
 from __future__ import annotations
 
@@ -17,17 +17,8 @@ from functools import cache
 from importlib.metadata import distributions
 from io import BytesIO
 from pathlib import Path
-from types import TracebackType
 
-from rosbags.interfaces import (
-    Connection,
-    Qos,
-    QosDurability,
-    QosHistory,
-    QosLiveliness,
-    QosReliability,
-    QosTime,
-)
+from rosbags.interfaces import Connection, Qos, QosDurability, QosHistory, QosLiveliness, QosReliability, QosTime
 from rosbags.rosbag2 import CompressionMode, StoragePlugin, Writer
 from rosbags.rosbag2.storage_mcap import Channel, McapWriter, write_channel, write_string
 from rosbags.rosbag2.storage_sqlite3 import Sqlite3Writer
@@ -37,17 +28,20 @@ from al_questioner.bags.storages import STORAGE_SUFFIXES, storage_files
 from al_questioner.support.files import sync_to_disk
 
 FIRST = '_0'
-"""Added to the name of a bag for that of its first file: `ros2 bag reindex` looks for a number."""
+"""Suffix added to the name of a bag for its first file; `ros2 bag reindex` expects a number."""
 _STORAGES = {'mcap': StoragePlugin.MCAP, 'sqlite3': StoragePlugin.SQLITE3}
 _FOREVER = QosTime(9223372036, 854775807)
 _CRC_OFFSET = 33
-"""Bytes from the beginning of an MCAP chunk record to its checksum: opcode, length, two times, uncompressed size."""
+"""Number of bytes from the beginning of an MCAP chunk record to its checksum.
+
+These are the opcode, the length, two times and the uncompressed size.
+"""
 
 
 class _DurableMcap(McapWriter):
-    """rosbags' writer keeps messages in memory until a chunk of 1 MiB is full; this one can be told to end a chunk.
+    """MCAP writer of rosbags that can end a chunk on request; otherwise messages stay in memory until it has 1 MiB.
 
-    It also writes the chunk's checksum, without which a flipped bit would be another message, and the hash of each
+    It also writes the chunk's checksum, without which a flipped bit would not be noticed, and the hash of each
     topic's type.
     """
 
@@ -82,9 +76,9 @@ class _DurableMcap(McapWriter):
 
 
 class _DurableSqlite3(Sqlite3Writer):
-    """rosbags' writer makes one transaction of the whole recording; this one can be told to commit.
+    """SQLite writer of rosbags that can commit on request; otherwise the whole recording is one transaction.
 
-    It may be used by another thread than the one that made it, as long as there is only one at a time.
+    It may be used by another thread than the one that made it, but only by one at a time.
     """
 
     def __init__(self, path: Path, compression: CompressionMode) -> None:
@@ -113,17 +107,12 @@ class _Writer(Writer):
 
 
 class BagWriter:
-    """A new bag, of the format that ROS 2 Jazzy writes.
+    """Writer of a new bag, in the format that ROS 2 Jazzy writes.
 
-    What was written before the last `sync` survives whatever happens to the process or, as far as the disk keeps its
-    word, to the machine; `repair` makes a bag whole that was never closed. Once something could not be written the bag
-    takes no more and is left for `repair`, or removed if no message had reached the disk. Use it as a context manager,
-    by one thread at a time.
-
-    Args:
-        path: directory of the bag, which must not exist.
-        topics: what can be written.
-        storage: 'mcap' or 'sqlite3'.
+    Messages before the last `sync` survive a crash of the process and, if the disk stores what it confirms, of the
+    machine; `repair` completes a bag that was never closed. After an error of writing, the bag accepts no more
+    messages. It is then left for `repair`, or removed if no message had reached the disk. Use it as a context manager,
+    by one thread at a time. Its directory must not exist; the storage is 'mcap' or 'sqlite3'.
 
     Raises:
         BagError: something is at the path already, it cannot be written to, or a type that Jazzy does not have.
@@ -155,12 +144,7 @@ class BagWriter:
         return self._counts
 
     def write(self, topic: str, data: bytes, stamp: int) -> None:
-        """Write a message; it is safe after the next `sync`.
-
-        Args:
-            topic: name of one of the bag's topics.
-            data: serialised message, CDR.
-            stamp: when it was received, nanoseconds since the epoch.
+        """Write a message (CDR) received at a time, nanoseconds since the epoch; it is durable after the next `sync`.
 
         Raises:
             KeyError: not one of the topics.
@@ -173,7 +157,7 @@ class BagWriter:
         self._counts[topic] += 1
 
     def sync(self) -> None:
-        """Bring what was written to the disk.
+        """Flush all written messages to the disk.
 
         Raises:
             OSError: it cannot be written.
@@ -183,17 +167,17 @@ class BagWriter:
         self._holds_messages = any(self._counts.values())
 
     def close(self) -> None:
-        """Finish the bag: its index, and `metadata.yaml`; one that could not be written to is left as it is.
+        """Write the index and `metadata.yaml`; a bag with an earlier error of writing is left as it is.
 
         Raises:
             OSError: it cannot be written.
         """
         if not self._writer.storage:
             return
-        # First what there is: without an index it can still be repaired.
+        # Messages first: without an index the bag can still be repaired.
         self.sync()
         if not any(self._counts.values()):
-            # rosbags would write the largest integer for the start of nothing.
+            # rosbags would write the largest integer as the start of an empty bag.
             self._writer.min_timestamp = 0
         with self._disk():
             self._writer.close()
@@ -203,9 +187,7 @@ class BagWriter:
     def __enter__(self) -> BagWriter:
         return self
 
-    def __exit__(
-        self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
-    ) -> None:
+    def __exit__(self, *_: object) -> None:
         self.close()
 
     def _connect(self, topic: Topic) -> Connection:
@@ -215,15 +197,15 @@ class BagWriter:
 
     @contextlib.contextmanager
     def _disk(self) -> Iterator[None]:
-        """Make every error of the disk an OSError, after which nothing may follow what was half written."""
+        """Convert every error of the disk to an OSError, and allow no more writing after it."""
         try:
             yield
         except (OSError, sqlite3.Error) as error:
-            # What was buffered is tried once more, and fails once more.
+            # This tries to write the buffer once more, and fails once more.
             with contextlib.suppress(OSError, sqlite3.Error):
                 self._writer.abort()
             if not self._holds_messages:
-                # There is nothing to repair, and a new try must not find a bag in its way.
+                # There is nothing to repair, and a new attempt needs the path.
                 shutil.rmtree(self.path, ignore_errors=True)
             if isinstance(error, sqlite3.Error):
                 raise OSError(errno.EIO, str(error), str(self.path)) from error
@@ -238,9 +220,9 @@ class BagWriter:
 
 @cache
 def ros_distribution() -> str:
-    """The name of the ROS distribution, such as 'jazzy': of the environment, or of the installed rclpy; or empty.
+    """Return the name of the ROS distribution, such as 'jazzy', or an empty text if it is not known.
 
-    `ros2 bag` leaves it empty, too, where it is not known.
+    It comes from the environment or from the installed rclpy. `ros2 bag` also writes an empty text for an unknown one.
     """
     named = os.environ.get('ROS_DISTRO', '')
     if named:
@@ -250,7 +232,7 @@ def ros_distribution() -> str:
 
 
 def _with_distribution(metadata: str) -> str:
-    """The metadata of rosbags, which writes its own name for the distribution, with the right one."""
+    """Return the metadata of rosbags with the name of the ROS distribution, for which rosbags writes its own name."""
     return re.sub(r'(?m)^( *ros_distro: )rosbags$', lambda line: line[1] + json.dumps(ros_distribution()), metadata)
 
 
@@ -260,7 +242,7 @@ def _named_as_first(path: Path) -> Path:
 
 
 def _qos(latched: bool) -> Qos:
-    """The profiles of `ros/qos.py`, in the words of rosbags."""
+    """Return the profiles of `ros/qos.py` as rosbags expects them."""
     return Qos(
         history=QosHistory.KEEP_LAST,
         depth=1 if latched else 10,

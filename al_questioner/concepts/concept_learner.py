@@ -1,4 +1,4 @@
-"""Everything the learner has been told, and the models that follow from it."""
+"""Record of all that the learner has been taught, and the models that follow from it."""
 
 from __future__ import annotations
 
@@ -8,9 +8,9 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from al_questioner.concepts.concept_models import ConceptModels
 from al_questioner.concepts.feature_selection import Selector, select_features
 from al_questioner.concepts.laplace.hyperparameters import Kernel, tuned_kernel
-from al_questioner.concepts.models import ConceptModels
 from al_questioner.concepts.standardiser import Standardiser
 from al_questioner.domain import (
     NO_SYMBOL,
@@ -26,15 +26,15 @@ from al_questioner.domain import (
 from al_questioner.support.arrays import Array
 
 VIEW_TOLERANCE = 1e-3
-"""Root mean square change, in standard deviations, up to which an object is still the same view: none but rounding.
+"""Largest root mean square change, in standard deviations, of a view that counts as the same: rounding only.
 
-Noise is taken out before, by a `ViewMemory`.
+Noise is removed earlier, by a `ViewMemory`.
 """
 
 
 @dataclass(frozen=True, eq=False)
 class LabelledView:
-    """One thing the teacher named: what it looked like, what it is, and when it was said."""
+    """One object that the teacher named: its features, its label, and the turn of the label."""
 
     object_id: int
     features: NDArray[np.float32]
@@ -43,25 +43,26 @@ class LabelledView:
 
 
 class ConceptLearner:
-    """What was seen and what was told, as concept models: a deterministic function of the events, in their order.
+    """Concept models of all that was observed and taught: a deterministic function of the events, in their order.
 
-    The features are standardised with what was seen, restricted to what the teacher called relevant, and, if so
-    wished, to what a computational selector picks from the labels so far. Models are fitted at every event. The kernel
-    is the configured one until `tune` is called.
+    The features are standardised with the observed views. They are restricted to those that the teacher called
+    relevant, and, if there is a selector, to those that it selects from the labels so far. Models are fitted at every
+    event. The kernel is the configured one until `tune` is called.
 
     Args:
         symbols: the concepts to ground.
         amplitude: variance of the Gaussian processes' kernel.
-        length_scale: of the kernel in standard deviations; None for the square root of the number of features in use.
+        length_scale: length scale of the kernel in standard deviations; None for the square root of the number of
+            features in use.
         selector: selects features computationally after every label; None for all that the teacher has not ruled out.
-        view_tolerance: an object whose features moved by less is still the same view; root mean square over the
-            features, in standard deviations. The default means 'not at all'.
+        view_tolerance: largest change of an object's features in the same view; root mean square over the features, in
+            standard deviations. The default allows rounding only.
     """
 
     def __init__(
         self,
         symbols: Sequence[str],
-        amplitude: float = 4.0,
+        amplitude: float,
         length_scale: float | None = None,
         selector: Selector | None = None,
         view_tolerance: float = VIEW_TOLERANCE,
@@ -91,35 +92,30 @@ class ConceptLearner:
 
     @property
     def model_version(self) -> int:
-        """How often an event has called for new models.
+        """Number of events that required new models.
 
-        It counts events and not fits, so that looking at the models in between changes nothing.
+        It counts events and not fits, so that reading the models between events does not change it.
         """
         return self._version
 
     @property
     def subset_was_told(self) -> bool:
-        """Whether the teacher has said which features are relevant."""
+        """True if the teacher has said which features are relevant."""
         return self._told_relevant is not None
 
     @property
-    def active_features(self) -> NDArray[np.bool_]:
-        """(m,) the features that the models use."""
-        return self._active.copy()
-
-    @property
     def kernel(self) -> Kernel:
-        """The kernel of the models, for the features in use; its length scale is in standard deviations."""
+        """Kernel of the models, for the features in use; its length scale is in standard deviations."""
         return Kernel(self._models.amplitude, self._models.length_scale_of(int(self._active.sum())))
 
     def tune(self) -> bool:
-        """Replace the kernel by the one that explains the labels so far best, see `tuned_kernel`: an event like others.
+        """Replace the kernel by the one that explains the labels so far best, see `tuned_kernel`; this is an event too.
 
         The kernel depends on the labels, the features in use and the configured kernel, not on earlier results. From
-        then on its length scale is a multiple of the root of the number of features in use, whichever these are.
+        then on its length scale is a multiple of the root of the number of features in use, even if these change.
 
         Returns:
-            Whether the kernel is another one now. If it is not, nothing has changed, the version included.
+            Whether the kernel has changed. If it has not, nothing has changed, and the version is the same.
         """
         if not self.labelled_views:
             return False
@@ -132,33 +128,32 @@ class ConceptLearner:
         if (found.amplitude, None, relative) == (models.amplitude, models.length_scale, models.relative_length_scale):
             return False
         self._models = models.with_kernel(found.amplitude, relative)
-        self._learn_anew()
+        self._fit_models()
         return True
 
     @property
     def spread(self) -> Array:
-        """(m,) how much each feature differs among the views seen, in its own unit; empty before the first scene."""
+        """Spread of each feature among the observed views, (m,) in its own unit; empty before the first scene."""
         return self._standardiser.spread
 
     def implausible_readings(self, scene: Scene) -> list[tuple[int, str, float]]:
-        """Object id, feature name and value of each reading of a scene that no sensor means, see `PlausibleRange`.
+        """Return object id, feature name and value of each implausible reading of a scene, see `PlausibleRange`.
 
-        Of a thing that was seen before they are passed over; of another one they count as the end of the range.
+        For an object that was seen before, such a reading is ignored. For a new object, it counts as the end of the
+        range.
         """
+        ids, names = scene.object_ids, scene.feature_names
         found = np.argwhere(self.are_implausible(scene))
-        return [
-            (scene.object_ids[row], scene.feature_names[column], float(scene.features[row, column]))
-            for row, column in found
-        ]
+        return [(ids[row], names[column], float(scene.features[row, column])) for row, column in found]
 
     def are_implausible(self, scene: Scene) -> NDArray[np.bool_]:
-        """(n, m) which readings of a scene no sensor means, as far as is known from the views before."""
+        """Return (n, m) booleans: the implausible readings of a scene, judged by the earlier views."""
         if not self.feature_names:
             return np.zeros(scene.features.shape, dtype=bool)
         return self._standardiser.plausible_range.are_implausible(scene.features)
 
     def check_features(self, scene: Scene) -> None:
-        """Make sure that a scene has the features of the scenes before.
+        """Make sure that a scene has the features of the earlier scenes.
 
         Raises:
             SceneError: it has others.
@@ -167,10 +162,10 @@ class ConceptLearner:
             raise SceneError(_layout_difference(self.feature_names, scene.feature_names))
 
     def observe(self, scene: Scene) -> None:
-        """Take in what the scene says about the features' spread; a view that is already known says nothing new.
+        """Update the features' statistics with a scene; a view that is already known is not counted again.
 
         Raises:
-            SceneError: the features are not those of the scenes before.
+            SceneError: the features are not those of the earlier scenes.
         """
         self.check_features(scene)
         if not self.feature_names:
@@ -183,42 +178,29 @@ class ConceptLearner:
         if any(new):
             self._standardiser.update(scene.features[new])
             self._last_views.update(zip(scene.object_ids, views, strict=True))
-            self._learn_anew()
+            self._fit_models()
 
     def label(self, object_id: int, features: FloatArray, symbol: str, turn: int) -> None:
-        """Learn that an object is an example of a symbol, or of none.
-
-        Args:
-            object_id: the object's id in its scene.
-            features: (m,) raw features of the view that was named.
-            symbol: a symbol, or `NO_SYMBOL`.
-            turn: when it was said.
+        """Learn that an object, with (m,) raw features as it looked then, is an example of a symbol or `NO_SYMBOL`.
 
         Raises:
             InputError: an unknown symbol, or features that do not fit those observed.
         """
         self.labelled_views.append(self._labelled_view(object_id, features, symbol, turn))
-        self._learn_anew()
+        self._fit_models()
 
     def label_scene(self, scene: Scene, symbols: Mapping[int, str], turn: int) -> None:
-        """Learn what objects of a scene are, all at once.
-
-        Args:
-            scene: what they look like.
-            symbols: a symbol, or `NO_SYMBOL`, by object id.
-            turn: when it was said.
+        """Learn the labels, symbols or `NO_SYMBOL` by object id, of several objects of a scene at once.
 
         Raises:
             InputError: an object is not in the scene, a symbol is unknown, or features do not fit those observed.
         """
         rows = {object_id: _row(scene, object_id) for object_id in symbols}
-        self.labelled_views += [
-            self._labelled_view(object_id, row, symbols[object_id], turn) for object_id, row in rows.items()
-        ]
-        self._learn_anew()
+        self.labelled_views += [self._labelled_view(each, row, symbols[each], turn) for each, row in rows.items()]
+        self._fit_models()
 
     def learn(self, record: QueryRecord, scene: Scene) -> None:
-        """Learn what came of a query about a scene; an answer that names nothing teaches the models nothing.
+        """Learn the result of a query about a scene; an answer without a name does not change the models.
 
         Raises:
             InputError: the object is not in the scene, or a symbol or feature group is unknown.
@@ -243,29 +225,30 @@ class ConceptLearner:
             if group not in self.groups:
                 raise InputError(f'unknown feature group {group!r}; known: {", ".join(self.groups)}')
         self._told_relevant = np.array([group_of(name) in chosen for name in self.feature_names])
-        self._learn_anew()
+        self._fit_models()
 
     def predict_proba(self, features: FloatArray) -> Array:
-        """(k, |Y|) q_y(x) of (k, m) raw features."""
+        """Return (k, |Y|) q_y(x) of (k, m) raw features."""
         return self._models.predict_proba(self._standardiser.transform(features)[:, self._active])
 
     def look_ahead(self, scene: Scene) -> Array:
-        """(|X|, |Y|, |X|, |Y|): [i, j] is the prediction for the scene had its i-th object been labelled symbol j."""
+        """Return (|X|, |Y|, |X|, |Y|): [i, j] is the prediction for the scene if object i were labelled symbol j."""
         return self._models.look_ahead(self._standardiser.transform(scene.features)[:, self._active])
 
     def look_ahead_chunks(self, scene: Scene) -> Iterator[tuple[slice, Array]]:
-        """`look_ahead` in parts: consecutive rows of the table, as a slice, and their part of it."""
+        """Yield `look_ahead` in parts: consecutive rows of the table, as a slice, and their part of it."""
         return self._models.look_ahead_chunks(self._standardiser.transform(scene.features)[:, self._active])
 
     def predict_after_each(self, views: FloatArray, symbols: Sequence[str], features: FloatArray) -> Array:
-        """(e, k, |Y|) q_y(x) of (k, m) raw features had each of (e, m) views, by itself, been named so."""
+        """Return (e, k, |Y|) q_y(x) of (k, m) raw features if each of (e, m) views, alone, had this label."""
         named, asked = (self._standardiser.transform(table)[:, self._active] for table in (views, features))
         return self._models.predict_after_each(named, symbols, asked)
 
     def predict_after_selection(self, scene: Scene) -> Array:
-        """(|X|, |Y|) prediction for the scene had the teacher named the features a computational selector would pick.
+        """Return (|X|, |Y|) prediction for the scene if the teacher named the features that a selector selects.
 
-        Stands in for the answer to a feature subset query, which the learner cannot know (docs/explanation/method.md).
+        It stands in for the answer to a feature subset query, which the learner cannot know
+        (docs/explanation/method.md).
         """
         table = self._standardiser.transform(self._labelled_features())
         chosen = select_features(table, self._labels())
@@ -273,20 +256,20 @@ class ConceptLearner:
         return models.predict_proba(self._standardiser.transform(scene.features)[:, chosen])
 
     def is_labelled(self, scene: Scene) -> NDArray[np.bool_]:
-        """(n,) whether this view of each object has been labelled already, as a symbol or as none."""
+        """Return (n,) booleans: whether this view of each object has been labelled already, as a symbol or as none."""
         return self.times_labelled(scene) > 0
 
     def labelled_ids(self, scene: Scene) -> tuple[int, ...]:
-        """The objects of which this view has been labelled already."""
+        """Return the ids of the objects of which this view has been labelled already."""
         return tuple(scene.object_ids[row] for row in np.flatnonzero(self.is_labelled(scene)))
 
     def times_labelled(self, scene: Scene) -> NDArray[np.intp]:
-        """(n,) how often this view of each object has been labelled."""
+        """Return (n,) counts: how often this view of each object has been labelled."""
         rows, _ = self._views_among([(view.object_id, view.features) for view in self.labelled_views], scene)
         return np.bincount(rows, minlength=len(scene))
 
     def labels_of(self, scene: Scene) -> tuple[str | None, ...]:
-        """What this view of each object was labelled last; None where it was not."""
+        """Return the last label of this view of each object; None for a view without one."""
         found: list[str | None] = [None] * len(scene)
         rows, named = self._views_among([(view.object_id, view.features) for view in self.labelled_views], scene)
         for row, label in zip(rows, named, strict=True):
@@ -294,32 +277,32 @@ class ConceptLearner:
         return tuple(found)
 
     def is_unnameable(self, scene: Scene) -> NDArray[np.bool_]:
-        """(n,) whether a teacher, asked what this view of each object is, did not know."""
+        """Return (n,) booleans: whether a teacher was asked to name this view of each object and did not know."""
         rows, _ = self._views_among(self._unnamed_views, scene)
         return np.bincount(rows, minlength=len(scene)) > 0
 
     def is_unchanged(self, before: Scene, after: Scene) -> bool:
-        """Whether two scenes show the same views of the same objects."""
+        """Return whether two scenes show the same views of the same objects."""
         if set(before.object_ids) != set(after.object_ids):
             return False
         rows = [before.index_of(object_id) for object_id in after.object_ids]
         return bool(self._same_views(before.features[rows], after.features).all())
 
     def still_shows(self, object_id: int, before: Scene, after: Scene) -> bool:
-        """Whether an object of one scene is seen in another as the same view."""
+        """Return whether an object is seen in both scenes as the same view."""
         if object_id not in after.object_ids:
             return False
         then, now = (scene.features[[scene.index_of(object_id)]] for scene in (before, after))
         return bool(self._same_views(then, now).all())
 
     def distance_to_labelled(self, scene: Scene) -> Array:
-        """(n,) distance of each object to the nearest labelled view; 0 without labels. See `distances_to_labelled`."""
+        """Return (n,) distances to the nearest labelled view; 0 without labels. See `distances_to_labelled`."""
         if not self.labelled_views:
             return np.zeros(len(scene))
         return np.asarray(self.distances_to_labelled(scene).min(axis=1))
 
     def distances_to_labelled(self, scene: Scene) -> Array:
-        """(n, number of labelled views) distance of each object to each of them, in the features in use.
+        """Return (n, number of labelled views) distances of each object to each labelled view, in the features in use.
 
         In standard deviations, as root mean square over the features.
         """
@@ -338,11 +321,11 @@ class ConceptLearner:
             raise InputError(f'the features of object {object_id} are not all finite')
         return LabelledView(object_id, vector, symbol, turn)
 
-    def _learn_anew(self) -> None:
-        """Fit the models to what is known now.
+    def _fit_models(self) -> None:
+        """Fit the models to all that is known now.
 
-        At once after every event, never on demand: a fit starts from the last one, so that fits at other moments would
-        give other last digits, and ties could be broken otherwise.
+        This is done after every event, never on demand. A fit starts from the last one, so that fits at other moments
+        would differ in the last digits, and ties could be broken in another way.
         """
         self._version += 1
         table, labels = self._standardiser.transform(self._labelled_features()), self._labels()
@@ -362,9 +345,10 @@ class ConceptLearner:
     def _views_among(
         self, views: Sequence[tuple[int, NDArray[np.float32]]], scene: Scene
     ) -> tuple[NDArray[np.intp], NDArray[np.intp]]:
-        """Rows of the scene, and for each the number of one of the views, as object id and (m,) features, that it is.
+        """Return the rows of the scene that show one of the views, and for each the index of that view.
 
-        In the order of the rows, and for each of them in that of the views.
+        A view is an object id and (m,) features. The result is in the order of the rows, and for each row in that of
+        the views.
         """
         ids = np.array([object_id for object_id, _ in views], dtype=np.intp)
         rows, among = np.nonzero(np.array(scene.object_ids)[:, None] == ids)
@@ -374,7 +358,7 @@ class ConceptLearner:
         return rows[same], among[same]
 
     def _same_views(self, first: FloatArray, second: FloatArray) -> NDArray[np.bool_]:
-        """(k,) whether each of (k, m) raw features shows the same view as its counterpart."""
+        """Return (k,) booleans: whether each of (k, m) raw features shows the same view as its counterpart."""
         difference = (first.astype(np.float64) - second) / self._standardiser.scale
         same: NDArray[np.bool_] = np.sqrt(np.mean(difference**2, axis=1)) <= self._view_tolerance
         return same

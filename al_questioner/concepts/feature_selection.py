@@ -1,4 +1,4 @@
-"""Computational feature selection: which features tell the labels apart, judged from the labels alone."""
+"""Computational feature selection: search for the features that distinguish the labels, using only the labels."""
 
 from __future__ import annotations
 
@@ -15,20 +15,16 @@ fdtrc = late('scipy.special', 'fdtrc')
 kruskal = late('scipy.stats', 'kruskal')
 
 Selector = Callable[[FloatArray, Sequence[str]], NDArray[np.bool_]]
-"""From (n, m) features of the labelled things and their n labels to (m,) the features to use."""
+"""Function that maps (n, m) features of labelled objects and their n labels to (m,) booleans: the features to use."""
 PValues = Callable[[Array, Sequence[str]], Array]
-"""From the same to (m,) p-values of a test that a feature is the same whatever the label."""
+"""Function that maps the same to (m,) p-values of a test that a feature is independent of the label."""
 
 
 def anova_p_values(features: Array, labels: Sequence[str]) -> Array:
-    """p-value of the one-way analysis of variance of each feature, 1 for a constant feature.
+    """Return the (m,) p-values of the one-way analysis of variance of (n, m) features, 1 for a constant feature.
 
-    Args:
-        features: (n, m).
-        labels: n names, k of them different, 2 <= k < n.
-
-    Returns:
-        (m,) probability of an F statistic at least this large, had the feature the same mean in all classes.
+    That is the probability of an F statistic at least this large, if the feature had the same mean in all classes. Of
+    the n labels k are different, 2 <= k < n.
     """
     classes, code = np.unique(np.asarray(labels), return_inverse=True)
     n, k = len(features), len(classes)
@@ -37,7 +33,7 @@ def anova_p_values(features: Array, labels: Sequence[str]) -> Array:
     means = (membership.T @ centred) / membership.sum(axis=0)[:, None]
     within = ((centred - means[code]) ** 2).sum(axis=0)
     between = (membership.sum(axis=0)[:, None] * means**2).sum(axis=0)
-    # Rounding leaves a constant feature a spread in the last digits, of which F would make a finding.
+    # Rounding gives a constant feature a spread in the last digits, which F would take for a real difference.
     resolution = n * (np.finfo(np.float64).eps * np.abs(features).max(axis=0)) ** 2
     constant = between + within <= resolution
     with np.errstate(divide='ignore', invalid='ignore'):
@@ -46,11 +42,9 @@ def anova_p_values(features: Array, labels: Sequence[str]) -> Array:
 
 
 def rank_p_values(features: Array, labels: Sequence[str]) -> Array:
-    """p-value of the Kruskal-Wallis test of each feature, which sees its order only; 1 for a constant feature.
+    """Return the (m,) p-values of the Kruskal-Wallis test of (n, m) features, 1 for a constant feature.
 
-    Args:
-        features: (n, m).
-        labels: n names, at least two of them different.
+    It uses ranks only. At least two of the n labels are different.
     """
     names = np.asarray(labels)
     constant = np.ptp(features, axis=0) == 0
@@ -67,17 +61,17 @@ def select_features(
     least: int = 5,
     p_values: PValues = anova_p_values,
 ) -> NDArray[np.bool_]:
-    """A standard filter: keep the features that differ between the labels, by a one-way analysis of variance.
+    """Select the features that differ between the labels, by a one-way analysis of variance: a standard filter.
 
-    Few labels give the test no power, so the `least` features of smallest p-value stay in any case. `NO_SYMBOL` is a
-    label like any other: telling things from clutter is part of the task.
+    With few labels the test has no power, so the `least` features of smallest p-value are always selected. `NO_SYMBOL`
+    is a label like any other: to distinguish objects from clutter is part of the task.
 
     Args:
-        features: (n, m) features of the labelled things; their unit does not matter.
+        features: (n, m) features of the labelled objects; their unit does not matter.
         labels: n names.
-        significance: probability with which a feature that says nothing is kept.
-        least: number of features that stay whatever their significance.
-        p_values: of the test.
+        significance: probability with which a feature without information is selected.
+        least: number of features that are selected whatever their significance.
+        p_values: the test.
 
     Returns:
         (m,) true for a feature to use; all of them if the labels allow no test (fewer than two different ones, or

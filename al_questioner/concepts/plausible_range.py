@@ -1,4 +1,4 @@
-"""Readings that no sensor means: the 65535 or 3e38 that stands for 'nothing' among values of 0 to 1."""
+"""Ranges of plausible sensor readings; outside are values such as 65535 or 3e38 that mean 'no reading'."""
 
 from __future__ import annotations
 
@@ -9,33 +9,30 @@ from al_questioner.domain import FloatArray
 from al_questioner.support.arrays import Array
 
 LARGEST_MEANT = 1e30
-"""Size beyond which no sensor means a reading: 3e38, the largest number of 32 bits, is what stands for none."""
+"""Largest size of a real reading; 3e38, the largest 32-bit number, stands for a missing one."""
 LEAST_OTHERS = 3
-"""Number of different other readings below which nothing can be said of one that is far away."""
+"""Smallest number of different other readings with which a distant reading can be judged."""
 FAR, FAR_AMONG_FEW = 20.0, 20_000.0
-"""A reading is implausible if it is farther from the others than FAR + FAR_AMONG_FEW / k^2 times the range of k others.
+"""Distance of an implausible reading from k others: more than FAR + FAR_AMONG_FEW / k^2 times the range of these.
 
-Few readings say little of the range: of the simulated tables' features, some are 0 for nearly everything. In 48 worlds
-of four tasks none comes nearer to the limit than four fifths of it.
+Few readings say little about the range: some features of the simulated tables are 0 for nearly every object. In 48
+worlds of four tasks no reading exceeds four fifths of the limit.
 """
 OFTEN, MANY = 3, 20
-"""Readings of each of a few different values, and of all of them, from which on these are the levels of a feature."""
+"""Smallest number of readings of each value, and of all values, of a feature that has a few fixed levels."""
 LARGEST_SHARE = 0.25
-"""Share of the readings that can be implausible; what is more frequent is what the feature looks like."""
+"""Largest share of the readings that can be implausible; a more frequent value is normal for the feature."""
 ALWAYS_EXAMINED = 200
-"""Number of readings up to which all features are examined with every view; later, those with a new extreme."""
+"""Number of readings up to which all features are examined with every view; later, only those with a new extreme."""
 
 
 class PlausibleRange:
-    """The range of each feature's plausible readings, from all readings so far.
+    """Range of each feature's plausible readings, from all readings so far.
 
-    What is implausible may show only later, when more is known of the range.
-
-    Args:
-        n_features: m.
+    A reading may become implausible later, when more is known of the range.
 
     Attributes:
-        lowest, highest: (m,) the ends of the range; infinite at an end beyond which nothing was read.
+        lowest, highest: (m,) the ends of the range; infinite if no reading lies beyond that end.
     """
 
     def __init__(self, n_features: int) -> None:
@@ -48,11 +45,11 @@ class PlausibleRange:
 
     @property
     def is_limited(self) -> NDArray[np.bool_]:
-        """(m,) whether a feature has implausible readings."""
+        """Features that have implausible readings, (m,) booleans."""
         return np.asarray(np.isfinite(self.lowest) | np.isfinite(self.highest))
 
     def add(self, readings: Array) -> None:
-        """Take in (n, m) readings."""
+        """Add (n, m) readings."""
         self._append(readings)
         low, high = readings.min(axis=0), readings.max(axis=0)
         is_new = ~((low >= self._extremes[0]) & (high <= self._extremes[1])) | (self._count <= ALWAYS_EXAMINED)
@@ -65,17 +62,17 @@ class PlausibleRange:
             self._farthest[:, column] = _farthest_plausible(ordered[first:last])
 
     def plausible(self, column: int) -> Array:
-        """The plausible readings of a feature."""
+        """Return the plausible readings of a feature."""
         readings: Array = self._readings[:, column]
         found: Array = readings[(readings >= self.lowest[column]) & (readings <= self.highest[column])]
         return found
 
     def clip(self, readings: Array) -> Array:
-        """(n, m) readings with the implausible ones at the end of their range."""
+        """Return (n, m) readings in which an implausible one is replaced by the end of its range."""
         return np.clip(readings, self.lowest, self.highest) if self.is_limited.any() else readings
 
     def are_implausible(self, readings: FloatArray) -> NDArray[np.bool_]:
-        """(n, m) which of the readings are too far from the plausible ones, or would be if they were taken in."""
+        """Return (n, m) booleans: the readings that are too far from the plausible ones, or would be once added."""
         return np.asarray((readings < self._farthest[0]) | (readings > self._farthest[1]))
 
     @property
@@ -93,7 +90,7 @@ class PlausibleRange:
 
 
 def _plausible_part(ordered: Array) -> tuple[int, int]:
-    """The first of a feature's plausible readings, and the one after the last, given all readings in order."""
+    """Return the start and the end index of a feature's plausible readings, given all readings in order."""
     first = int(np.searchsorted(ordered, -LARGEST_MEANT, 'right'))
     last = int(np.searchsorted(ordered, LARGEST_MEANT))
     if first == last:
@@ -108,7 +105,7 @@ def _plausible_part(ordered: Array) -> tuple[int, int]:
 
 
 def _farthest_plausible(ordered: Array) -> tuple[float, float]:
-    """The lowest and the highest reading that would be plausible beside these, which are in order."""
+    """Return the lowest and the highest reading that would be plausible beside these, which are in order."""
     limit = _largest_gap(ordered)
     lowest, highest = ordered[0] - limit, ordered[-1] + limit
     if np.abs(ordered[[0, -1]]).max() < LARGEST_MEANT:
@@ -117,10 +114,11 @@ def _farthest_plausible(ordered: Array) -> tuple[float, float]:
 
 
 def _implausible_at_the_ends(ordered: Array, most: int) -> tuple[int, int]:
-    """Number of readings at the lower and the upper end, at most so many in all, that are too far from the others.
+    """Return the number of readings at the lower and the upper end that are too far from the others.
 
-    Beyond the widest gap at each end, both at once first, since each hides how far the other one is; else all of one
-    end that is beyond a wide gap, since of several wrong readings each hides the others.
+    The sum of the two numbers is at most `most`. First both ends are tried, each beyond its widest gap, since one end
+    hides how far the other one is. Then all readings of one end beyond a wide gap are tried, since several wrong
+    readings hide each other.
     """
     rises = np.diff(ordered)
     if len(rises) < LEAST_OTHERS or not rises.any():
@@ -128,7 +126,7 @@ def _implausible_at_the_ends(ordered: Array, most: int) -> tuple[int, int]:
     below, above = 1 + int(np.argmax(rises[:most])), 1 + int(np.argmax(rises[::-1][:most]))
     if below + above <= most and _are_far(ordered, below, above):
         return below, above
-    # A gap that is too wide is at least FAR times the range of what is inside of it.
+    # A gap that is too wide is at least FAR times the range of the readings inside of it.
     inside = ordered[most : len(ordered) - most]
     least = FAR * (inside[-1] - inside[0])
     for count in range(most, 0, -1):
@@ -140,20 +138,16 @@ def _implausible_at_the_ends(ordered: Array, most: int) -> tuple[int, int]:
 
 
 def _are_far(ordered: Array, below: int, above: int) -> bool:
-    """Whether so many readings at the lower and the upper end are too far from the others."""
+    """Return whether so many readings at the lower and the upper end are too far from the others."""
     last = len(ordered) - above
-    gaps = []
-    if below:
-        gaps.append(ordered[below] - ordered[below - 1])
-    if above:
-        gaps.append(ordered[last] - ordered[last - 1])
+    gaps = [ordered[at] - ordered[at - 1] for at, count in ((below, below), (last, above)) if count]
     return bool(min(gaps) > _largest_gap(ordered[below:last]))
 
 
 def _largest_gap(others: Array) -> float:
-    """The widest gap between a plausible reading and others, which are in order; infinite if they say nothing."""
+    """Return the widest gap between a plausible reading and others, given in order; infinite if they are too few."""
     values, counts = np.unique(others, return_counts=True)
-    # Of a feature of a few levels, each of them seen often, more is known than how many levels there are.
+    # If a feature has a few levels and each was seen often, every reading counts, not only the number of levels.
     are_levels = len(others) >= MANY and counts.min() >= OFTEN
     known = len(others) if are_levels else len(values)
     if known < LEAST_OTHERS:

@@ -1,4 +1,4 @@
-"""Features in standard deviations from their mean, from statistics of unlabelled observations."""
+"""Standardisation of features to standard deviations from their mean, with statistics of unlabelled observations."""
 
 from __future__ import annotations
 
@@ -12,14 +12,13 @@ from al_questioner.support.arrays import Array
 class Standardiser:
     """Running mean and variance of every feature.
 
-    Before the first observation it changes nothing. A feature that never varied is centred and not scaled. Implausible
-    readings do not count, and are taken for the end of their feature's range, see `PlausibleRange`.
+    Before the first observation it changes nothing. A constant feature is centred and not scaled. Implausible
+    readings do not count, and are replaced by the end of their feature's range, see `PlausibleRange`.
 
     Attributes:
         count: number of observations.
         mean: (m,) float64.
         scale: (m,) float64, the standard deviation, 1 for a constant feature.
-        plausible_range: of each feature.
     """
 
     def __init__(self, n_features: int) -> None:
@@ -32,7 +31,7 @@ class Standardiser:
         self._squared_deviations: Array = np.zeros(n_features)
 
     def update(self, features: FloatArray) -> None:
-        """Take in (n, m) observations, by the pairwise update of Chan, Golub and LeVeque (1983).
+        """Add (n, m) observations, by the pairwise update of Chan, Golub and LeVeque (1983).
 
         Raises:
             InputError: not m columns.
@@ -52,18 +51,18 @@ class Standardiser:
         for column in np.flatnonzero(self.plausible_range.is_limited):
             readings = self.plausible_range.plausible(int(column))
             self.mean[column], deviation[column] = readings.mean(), readings.std()
-        # Observations are float32: a spread below their resolution is rounding, and must not be blown up.
+        # Observations are float32: a spread below their resolution is rounding, and must not be scaled up.
         self._varies = deviation > np.finfo(np.float32).eps * np.abs(self.mean)
         self.scale = np.where(self._varies, deviation, 1.0)
 
     @property
     def spread(self) -> Array:
-        """(m,) how much a feature differs among things; where it does not, the size of its values (1 for zero)."""
+        """Spread of each feature among objects, (m,); for a constant feature, the size of its values (1 for zero)."""
         size = np.where(self.mean == 0, 1.0, np.abs(self.mean))
         return np.where(self._varies, self.scale, size)
 
     def transform(self, features: FloatArray) -> Array:
-        """(n, m) float64 standardised features.
+        """Return (n, m) float64 standardised features.
 
         Raises:
             InputError: not m columns.

@@ -1,4 +1,4 @@
-"""What each thing looks like, apart from the noise of the sensors: another view only if it really is one."""
+"""Features of each object without the noise of the sensors; they change only when the view really changes."""
 
 from __future__ import annotations
 
@@ -16,27 +16,27 @@ from al_questioner.domain import FloatArray, Scene
 from al_questioner.support.arrays import Array
 
 MANY_FEATURES_MOVED, FAR_IN_ALL = 0.15, 0.5
-"""In spreads: no noise moves half of the features by more than the first, and all by the second in root mean square."""
+"""Limits of noise, in spreads: the movement of half of the features, and the root mean square of all."""
 LARGEST_STEP = 3.0
-"""In spreads: a feature that moves by more counts no more: one wrong reading is no change of the whole thing."""
+"""Largest movement of a feature that counts, in spreads; so one wrong reading is no change of the whole object."""
 AGREEMENT = 0.25
-"""Of the squared distance of two looks from the nearest known view: they agree if theirs is smaller."""
+"""Largest squared distance of two looks that agree, as a share of that from the nearest known view."""
 CERTAIN = 12.0
-"""Standard deviations of the noise in half of the features, from which one look is enough to see a change."""
+"""Movement of half of the features, in standard deviations of the noise, with which one look proves a change."""
 BEYOND_ALL = 20.0
-"""In spreads: what half of the features moved by more than is like nothing else here, and may be a wrong reading."""
+"""Movement of half of the features, in spreads, beyond which a look is like no other object and may be wrong."""
 OWN_LOOKS = 4
-"""Latest looks at a thing that tell whether it, or everything for some time now, is noisier than is usual."""
+"""Number of latest looks at an object that show whether it is noisier than usual."""
 SMALLEST_CHANGE = 0.1
-"""In spreads, root mean square over the features: what changes by less is the same view however quiet the sensors."""
+"""Smallest change of a view, in spreads, root mean square over the features; less is ignored even without noise."""
 FIRST_LOOK_ERROR = 0.5
-"""In spreads, root mean square: by how much the only look at a view can be wrong, as the looks after it show."""
+"""Largest error of the only look at a view, in spreads, root mean square, as later looks show it."""
 LEAST_THINGS = 3
-"""Number of things from which the spread of a feature among things is known well enough to compare with it."""
+"""Number of objects from which the spread of a feature among objects is known well enough to compare with it."""
 LOOKS_TO_FOLLOW = 8
-"""Pairs of looks from which the noise is known well enough to follow a slow drift."""
+"""Number of pairs of looks from which the noise is known well enough to follow a slow drift."""
 VIEWS_KEPT = 64
-"""Views of a thing that are recognised when they come back."""
+"""Number of views of an object that are recognised when they return."""
 
 
 @dataclass
@@ -49,13 +49,7 @@ class _KnownView:
 
 
 class Correction(NamedTuple):
-    """That a view is not what the only look at it showed.
-
-    Attributes:
-        object_id: of the thing.
-        wrong: (m,) features that it was given until now.
-        right: (m,) features that it has.
-    """
+    """A correction of a view whose only look was wrong: (m,) features that the thing had until now, and that it has."""
 
     object_id: int
     wrong: NDArray[np.float32]
@@ -63,7 +57,7 @@ class Correction(NamedTuple):
 
 
 class _Track:
-    """The views of one thing."""
+    """The views of one object."""
 
     def __init__(self, features: NDArray[np.float32]) -> None:
         self.views = [_KnownView(features, features)]
@@ -74,15 +68,15 @@ class _Track:
 
     @property
     def own_noise(self) -> float:
-        """Mean square of the differences between two looks at this thing, over what is usual; 1 or more.
+        """Mean square of the differences between two looks at this object, relative to the usual one; 1 or more.
 
-        The lower median of the latest, of two at least: a change, which is seen in one of them, does not raise it.
+        It is the lower median of the latest ones, of two at least, so that one change does not raise it.
         """
         ordered = sorted(self._sizes)
         return max(1.0, ordered[(len(ordered) - 1) // 2]) if len(ordered) > 1 else 1.0
 
     def add_size(self, size: float) -> None:
-        """Take in the mean square of the difference of a look from the last one, in deviations of the usual noise."""
+        """Add the mean square of the difference of a look from the last one, in deviations of the usual noise."""
         self._sizes.append(size)
 
     def begin_view(self, features: NDArray[np.float32]) -> None:
@@ -92,17 +86,16 @@ class _Track:
 
 
 class ViewMemory:
-    """Gives every thing the very features that it had when its view was first seen, until it really looks different.
+    """Memory that gives every object exactly its first features of a view, until it really looks different.
 
-    A look is a view that is known if it differs from the last look at it by no more than noise (see `ViewNoise`). It is
+    A look shows a known view if it differs from the last look at it by no more than noise (see `ViewNoise`). It is
     another view at once if most of its features have moved far beyond noise. A smaller change counts when the next
-    look confirms it: a burst of noise or a wrong reading does not come back the same.
-
-    Where readings repeat exactly, as in the simulated world, scenes pass unchanged.
+    look confirms it: a burst of noise or a wrong reading does not repeat exactly.
+    If readings repeat exactly, as in the simulated world, scenes are returned unchanged.
 
     Attributes:
-        corrections: what the latest scene showed to have been wrong: the first and only look at a view, where the looks
-            after it agree on something near, or where it was like nothing else.
+        corrections: views that the latest scene showed to be wrong. Only a view with a single look can be: if later
+            looks agree on something near, or if it was like no other object.
     """
 
     def __init__(self) -> None:
@@ -121,12 +114,12 @@ class ViewMemory:
         return dict(zip(self._names, (self._noise.deviations / self._spread).tolist(), strict=True))
 
     def steady(self, scene: Scene, spread: Array, is_wrong: NDArray[np.bool_] | None = None) -> Scene:
-        """The scene without noise: what looks the same has the same features, to the bit, as when it was first seen.
+        """Return the scene without noise: a known view has exactly the features of its first look.
 
         Args:
-            scene: what is seen now, with the features of the scenes before.
-            spread: (m,) spread of each feature among things.
-            is_wrong: (n, m) readings that say nothing of the thing: it keeps what it read before.
+            scene: the present scene, with the features of the earlier ones.
+            spread: (m,) spread of each feature among objects.
+            is_wrong: (n, m) wrong readings; the object keeps its earlier reading instead.
         """
         if not self._names:
             self._names, self._noise = scene.feature_names, ViewNoise(len(scene.feature_names))
@@ -147,7 +140,7 @@ class ViewMemory:
         return scene if np.array_equal(kept, scene.features) else dataclasses.replace(scene, features=kept)
 
     def _learn_noise(self, looks: NDArray[np.float32], tracks: Sequence[_Track]) -> None:
-        """Learn from how much the things that seem still differ from the look before."""
+        """Learn the noise from the objects that seem still: from their difference to the last look."""
         differences = _differences(looks, [track.last_look for track in tracks])
         self._noise.learn(differences[~self._have_moved(differences)], self._spread)
         sizes = np.mean(self._noise.scale(differences) ** 2, axis=1)
@@ -156,7 +149,7 @@ class ViewMemory:
             track.add_size(size)
 
     def _settle(self, object_id: int, look: NDArray[np.float32]) -> NDArray[np.float32]:
-        """The features that a known thing has, given a look at it."""
+        """Return the features of a known object, given a look at it."""
         track = self._tracks[object_id]
         if np.array_equal(look, track.current.look):
             track.current.was_seen_again, track.doubtful = True, None
@@ -167,7 +160,7 @@ class ViewMemory:
         if excess <= track.own_noise or size <= SMALLEST_CHANGE:
             track.current, track.doubtful = view, None
             view.was_seen_again |= excess <= 1
-            # What only its own noise explains may be a change: it is not to be followed until it is forgotten.
+            # A look that only this object's own noise explains may be a change, so the view does not follow it.
             if excess <= 1 and self._noise.count >= LOOKS_TO_FOLLOW:
                 view.look = look
         elif not (is_confirmed or self._is_certain(difference)):
@@ -183,24 +176,27 @@ class ViewMemory:
     def _was_wrong(
         self, object_id: int, view: _KnownView, look: NDArray[np.float32], size: float, is_confirmed: bool
     ) -> bool:
-        """Whether the only look at a view was wrong, now that another look differs from it by this size.
+        """Return whether the only look at a view was wrong, given another look that differs from it by this size.
 
-        It was if the two are near and the look before agreed with the new one; or if it is far from the new look and
-        from all other things: in one feature if the look before agreed, else in half of them.
+        It was wrong if the two are near and the look before agreed with the new one. It was also wrong if it is far
+        from the new look and from all other objects: in one feature if the look before agreed, otherwise in half of
+        them.
         """
         if is_confirmed and size <= FIRST_LOOK_ERROR:
             return True
         others = [track.current.kept for other, track in self._tracks.items() if other != object_id]
         table = np.array([look, *others], dtype=np.float64)
         low, high = table.min(axis=0), table.max(axis=0)
-        extent = np.where(high > low, high - low, _size_of(look))
+        sizes = np.where(look == 0, 1.0, np.abs(look))
+        extent = np.where(high > low, high - low, sizes)
         beyond = np.maximum(view.kept - high, low - view.kept) / extent
         return bool((beyond.max() if is_confirmed else _lower_median(beyond[None])[0]) > BEYOND_ALL)
 
     def _nearest_view(self, track: _Track, look: NDArray[np.float32]) -> tuple[_KnownView, Array]:
-        """The known view that a look is nearest to, and the (1, m) difference from it.
+        """Return the known view that is nearest to a look, and the (1, m) difference from it.
 
-        That is from the first or the last look at it: the last one follows a drift, but it may have been a burst.
+        The difference is from the first or the last look at it: the last one follows a drift, but it may have been a
+        burst.
         """
         looks = [view.look for view in track.views] + [view.kept for view in track.views]
         differences = _differences(look, looks)
@@ -208,33 +204,33 @@ class ViewMemory:
         return track.views[nearest % len(track.views)], differences[[nearest]]
 
     def _is_certain(self, difference: Array) -> bool:
-        """Whether one look, with its (1, m) difference from the nearest view, is enough to see a change."""
+        """Return whether one look, with its (1, m) difference from the nearest view, is enough to prove a change."""
         in_deviations = _lower_median(np.abs(self._noise.scale(difference)))
         is_like_things = _lower_median(np.abs(difference) / self._spread)[0] < BEYOND_ALL
         return bool(is_like_things and self._have_moved(difference)[0] and in_deviations[0] > CERTAIN)
 
     def _is_confirmed(self, track: _Track, look: NDArray[np.float32], excess: float) -> bool:
-        """Whether a thing looked the same in the look before, far more so than like the nearest view that is known."""
+        """Return whether the last look agrees with this one, far more than the nearest known view does."""
         if track.doubtful is None:
             return False
         between = self._noise.excess(_differences(look, [track.doubtful]))[0]
         return bool(between <= min(track.own_noise, AGREEMENT * excess))
 
     def _have_moved(self, differences: Array) -> NDArray[np.bool_]:
-        """(k,) whether (k, m) differences are more than any sensor's noise, as far as that can be told."""
+        """Return (k,) booleans: whether (k, m) differences exceed any sensor's noise, as far as that is known."""
         if not self._spread_is_known:
             return np.zeros(len(differences), dtype=bool)
         many: NDArray[np.bool_] = _lower_median(np.abs(differences) / self._spread) > MANY_FEATURES_MOVED
         return many & (self._size(differences) > FAR_IN_ALL)
 
     def _size(self, differences: Array) -> Array:
-        """(k,) root mean square of (k, m) differences, in spreads, each of at most `LARGEST_STEP`."""
+        """Return (k,) root mean square of (k, m) differences, in spreads, each of at most `LARGEST_STEP`."""
         steps = np.minimum(np.abs(differences) / self._spread, LARGEST_STEP)
         return np.asarray(np.sqrt(np.mean(steps**2, axis=1)))
 
 
 def corrected(scene: Scene, corrections: Sequence[Correction]) -> Scene:
-    """A scene of before with the features that its things have; the very same one if nothing was wrong in it."""
+    """Return an earlier scene with the corrected features; the same object if nothing in it was wrong."""
     features = scene.features.copy()
     for object_id, wrong, right in corrections:
         rows = np.flatnonzero(np.array(scene.object_ids) == object_id)
@@ -243,17 +239,11 @@ def corrected(scene: Scene, corrections: Sequence[Correction]) -> Scene:
 
 
 def _differences(looks: FloatArray, others: Sequence[FloatArray]) -> Array:
-    """(k, m) of one look, or of k, and (m,) k others."""
+    """Return (k, m) differences between one look, or k looks, and (m,) k others."""
     return np.asarray(np.subtract(looks, np.array(others), dtype=np.float64))
 
 
-def _size_of(features: FloatArray) -> Array:
-    """(m,) of the values of (m,) features, 1 for zero."""
-    size = np.abs(features).astype(np.float64)
-    return np.where(size == 0, 1.0, size)
-
-
 def _lower_median(values: Array) -> Array:
-    """(k,) of each row of (k, m): of an even number the smaller one in the middle."""
+    """Return (k,) the median of each row of (k, m); of an even number, the lower one of the two in the middle."""
     middle = (values.shape[1] - 1) // 2
     return np.asarray(np.partition(values, middle, axis=1)[:, middle])

@@ -1,4 +1,4 @@
-"""How much the readings of a thing differ from look to look while nothing moves: the noise of the sensors."""
+"""Noise of the sensors: the difference between looks at an object while nothing moves."""
 
 from __future__ import annotations
 
@@ -10,29 +10,26 @@ from al_questioner.support.late_imports import late
 chdtri, ndtri = late('scipy.special', 'chdtri'), late('scipy.special', 'ndtri')
 
 LOOKS_KEPT = 256
-"""Number of pairs of looks that the estimate rests on: the latest ones, so that it follows a noise that changes."""
+"""Number of latest pairs of looks that the estimate uses; so it follows a noise that changes."""
 PRIOR_LOOKS, PRIOR_ENDS = 8, 64
-"""Weight of what is usual in the estimate of one feature's noise, and where it ends; both in pairs of looks."""
+"""Weight of the usual noise in one feature's estimate, and number of pairs from which it is 0; in pairs of looks."""
 SMALLEST_NOISE = 0.005
-"""In spreads of a feature: what changes by less says nothing about a thing, however quiet the sensor is."""
+"""Smallest noise, in spreads of a feature; a smaller change says nothing about an object."""
 FALSE_ALARM = 1e-6
-"""Chance with which noise alone is taken for a change."""
+"""Probability with which noise alone is taken for a change."""
 LARGEST_NORM = 3.0
-"""Times the median: to which a look's length is cut to estimate correlations, so that a burst does not decide."""
+"""Largest length of a look in the estimate of correlations, in medians; so one burst does not decide."""
 SHARE_DROPPED, LEAST_DROPPED = 0.1, 2
-"""Share and least number of the largest differences that the estimate leaves out: they may be changes."""
+"""Share and smallest number of the largest differences that the estimate leaves out, because they may be changes."""
 WORST_LOOK, WORST_MARGIN = 0.9, 1.5
-"""Quantile of how far looks at still things differed, and the multiple of it that still is no change."""
+"""Quantile of the differences of looks at still objects, and the multiple of it up to which a look is no change."""
 
 
 class ViewNoise:
-    """Standard deviation of each feature's noise, and when two looks differ by more than it explains.
+    """Standard deviation of each feature's noise, and a test whether it explains the difference of two looks.
 
-    Of two looks at the same thing every feature differs by sqrt(2) times its noise, unless the thing has changed. The
-    mean square of such differences, the largest left out, does not care about the few that are changes.
-
-    Args:
-        n_features: m.
+    Between two looks at the same object every feature differs by sqrt(2) times its noise, unless the object has
+    changed. The mean square of such differences, without the largest ones, is robust against the few that are changes.
 
     Attributes:
         count: number of pairs of looks so far.
@@ -47,12 +44,12 @@ class ViewNoise:
         self._is_estimated = False
 
     def learn(self, differences: Array, spread: Array) -> None:
-        """Take in looks; the noise is estimated when somebody wants to know it.
+        """Add looks; the noise is estimated at the first access to it.
 
         Args:
-            differences: (k, m) between two looks at each of k things that seem not to have changed.
-            spread: (m,) of each feature among things. No noise is smaller than `SMALLEST_NOISE` of it, and as long as
-                there are few looks, that of a feature leans towards what is usual, compared to the spread.
+            differences: (k, m) between two looks at each of k objects that seem not to have changed.
+            spread: (m,) of each feature among objects. No noise is smaller than `SMALLEST_NOISE` of it. As long as
+                there are few looks, the estimate for a feature is drawn towards the usual one, relative to the spread.
         """
         latest = differences[-LOOKS_KEPT:]
         self._pairs[(self.count + np.arange(len(latest))) % LOOKS_KEPT] = latest
@@ -62,21 +59,22 @@ class ViewNoise:
 
     @property
     def deviations(self) -> Array:
-        """(m,) standard deviation of the noise of each feature, in its unit."""
+        """Standard deviation of the noise of each feature, (m,) in its unit."""
         if not self._is_estimated:
             self._estimate()
         return self._deviations
 
     def scale(self, differences: Array) -> Array:
-        """(k, m) differences between two looks in standard deviations of such a difference."""
+        """Return (k, m) differences between two looks in standard deviations of such a difference."""
         return np.asarray(differences / (np.sqrt(2.0) * self.deviations))
 
     def excess(self, differences: Array) -> Array:
-        """(k,) how far (k, m) differences between two looks go beyond noise: above 1, it does not explain them.
+        """Return (k,) excess of (k, m) differences between two looks; above 1, noise does not explain them.
 
-        The mean square of the differences in standard deviations, over the value that noise alone exceeds with the
-        chance `FALSE_ALARM`. Where the noise of the features is correlated, the sum is treated as a chi-squared number
-        of fewer degrees of freedom (Satterthwaite 1946). Noise with bursts gets a limit by what its looks were like.
+        It is the mean square of the differences in standard deviations, over the value that noise alone exceeds with
+        probability `FALSE_ALARM`. If the noise of the features is correlated, the sum is treated as a chi-squared
+        number of fewer degrees of freedom (Satterthwaite 1946). For noise with bursts, the limit follows the observed
+        looks.
         """
         scaled = self.scale(differences)
         return np.asarray(np.mean(scaled**2, axis=1) / self._limit)
@@ -97,7 +95,10 @@ class ViewNoise:
 
 
 def _trimmed_deviations(pairs: Array) -> Array:
-    """(m,) standard deviation of each column of (n, m) differences around 0, if they are normal but for the largest."""
+    """Return (m,) standard deviation of each column of (n, m) differences around 0, without the largest ones.
+
+    The rest is taken as normally distributed.
+    """
     n, m = pairs.shape
     if n == 0:
         return np.zeros(m)
@@ -112,13 +113,10 @@ def _trimmed_deviations(pairs: Array) -> Array:
 
 
 def _degrees_of_freedom(looks: Array) -> float:
-    """Of the squared length of a row: trace(C)^2 / trace(C^2) of the rows' covariance C, from all pairs of rows.
+    """Return the degrees of freedom of the squared length of a row: trace(C)^2 / trace(C^2) of the rows' covariance C.
 
-    Args:
-        looks: (n, m) differences in standard deviations.
-
-    Returns:
-        A number from 1 (all features move together) to m (independent).
+    It is estimated from all pairs of rows of (n, m) differences in standard deviations, and lies between 1, where all
+    features move together, and m, where they are independent.
     """
     n, m = looks.shape
     norms = np.linalg.norm(looks, axis=1)

@@ -1,19 +1,13 @@
-"""The words that every part of the package uses.
+"""Basic types of the package: scenes, queries, answers, settings, and the errors that they raise.
 
-Plain frozen dataclasses and the errors they raise. Nothing here knows how a thing is computed, drawn, sent or stored.
+All are plain frozen dataclasses. Nothing here knows how a value is computed, drawn, sent or stored.
 """
 
 from __future__ import annotations
 
-from al_questioner.domain.errors import (
-    AnswerError,
-    EpisodeError,
-    InputError,
-    LateAnswerError,
-    SceneError,
-    SettingsError,
-)
+from al_questioner.domain.errors import AnswerError, EpisodeError, InputError, SceneError, SettingsError
 from al_questioner.domain.query import (
+    DECISION_FEATURES,
     NO_SYMBOL,
     SAYABLE_OUTCOMES,
     Action,
@@ -27,16 +21,18 @@ from al_questioner.domain.query import (
 )
 from al_questioner.domain.random_streams import random_stream
 from al_questioner.domain.scene import Camera, FloatArray, Observation, Scene, View, group_of
+from al_questioner.domain.setting_type import Setting
 from al_questioner.domain.settings import (
     AMPLITUDE,
-    AMPLITUDE_RANGE,
     AUTO,
-    DECISION_FEATURES,
-    LARGEST_AMOUNT,
-    LENGTH_SCALE_RANGE,
-    VALUE_CONSTANTS,
-    VALUE_FEATURES,
-    WEIGHED,
+    BUDGET,
+    CHANGE_INTERVAL,
+    COSTS,
+    LARGEST_TURN,
+    LENGTH_SCALE,
+    SAME_VIEW,
+    TUNE_EVERY,
+    TURNS,
     Costs,
     EpisodeSettings,
     ViewTolerance,
@@ -44,16 +40,18 @@ from al_questioner.domain.settings import (
 
 __all__ = [
     'AMPLITUDE',
-    'AMPLITUDE_RANGE',
     'AUTO',
+    'BUDGET',
+    'CHANGE_INTERVAL',
+    'COSTS',
     'DECISION_FEATURES',
-    'LARGEST_AMOUNT',
-    'LENGTH_SCALE_RANGE',
+    'LARGEST_TURN',
+    'LENGTH_SCALE',
     'NO_SYMBOL',
+    'SAME_VIEW',
     'SAYABLE_OUTCOMES',
-    'VALUE_CONSTANTS',
-    'VALUE_FEATURES',
-    'WEIGHED',
+    'TUNE_EVERY',
+    'TURNS',
     'Action',
     'Answer',
     'AnswerError',
@@ -65,7 +63,6 @@ __all__ = [
     'EpisodeSettings',
     'FloatArray',
     'InputError',
-    'LateAnswerError',
     'Observation',
     'Outcome',
     'Query',
@@ -73,6 +70,7 @@ __all__ = [
     'QueryRecord',
     'Scene',
     'SceneError',
+    'Setting',
     'SettingsError',
     'View',
     'ViewTolerance',

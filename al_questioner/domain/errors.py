@@ -1,4 +1,4 @@
-"""The errors that input and episodes raise; the text of each is one line."""
+"""Errors that input and episodes raise; the text of each is one line."""
 
 from __future__ import annotations
 
@@ -16,12 +16,8 @@ class SettingsError(InputError):
 
 
 class AnswerError(InputError):
-    """An answer that does not fit the question that is pending."""
-
-
-class LateAnswerError(AnswerError):
-    """An answer to a query that another answer has settled before."""
+    """An answer that does not fit the pending query."""
 
 
 class EpisodeError(RuntimeError):
-    """An episode that did not reach its end, through no fault of the input; its text is one line."""
+    """An episode that did not reach its end although the input was correct; its text is one line."""

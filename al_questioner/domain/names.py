@@ -1,4 +1,4 @@
-"""Names that people say: which can be told apart, and which is meant by what somebody typed."""
+"""Names that people type or say: which names can be told apart, and which name a typed word means."""
 
 from __future__ import annotations
 
@@ -23,20 +23,23 @@ from al_questioner.domain.spelling import (
 )
 
 COMMAS = ',،、'
-"""Of ASCII and of other scripts."""
+"""Comma characters of ASCII and of other scripts."""
 LONGEST_QUOTED = 60
-"""Characters of what somebody typed that an explanation repeats."""
+"""Largest number of typed characters that an error message repeats."""
 LONGEST_SAID = 1000
-"""Characters; what is longer is a name only if it is one exactly."""
+"""Largest number of characters of a word that is compared loosely; a longer word must match a name exactly."""
 LIKENESS = 0.65
-"""From which on a word is near a name, by the measure of difflib: one wrong letter of three."""
+"""Smallest similarity (difflib ratio) of a misspelt word to the name that is meant: one wrong letter of three."""
 LIKENESS_OF_COMMANDS = 0.75
-"""From which on it is near a command, which is rarely meant: two letters of four that changed places."""
+"""Smallest similarity of a word to a command: two of four letters swapped.
+
+It is higher than for names, because people rarely mean a command.
+"""
 _PARTS = re.compile(r'\s*"((?:[^"]|"")+)"\s*(?:,|$)|([^,]+)')
 
 
 def listed(names: object) -> tuple[str, ...] | None:
-    """The names, if it is a list of such; a text is none, although it holds texts."""
+    """Return the names as a tuple, or None if the value is not a list of texts; a single text is not a list."""
     if isinstance(names, str) or not isinstance(names, Iterable):
         return None
     found = tuple(names)
@@ -44,16 +47,13 @@ def listed(names: object) -> tuple[str, ...] | None:
 
 
 def check_names(names: Sequence[str], what: str, has_key: bool = True) -> None:
-    """Make sure that people can say each of these names, and that nothing they say means two of them.
+    """Make sure that people can say each name, and that no word means two of them.
 
-    Args:
-        names: that are to be said, such as symbols.
-        what: one of them is, for the text of the error.
-        has_key: whether a single letter says one of them.
+    The text of the error calls one of them by the noun `what`; a name has a key if a single letter can be typed for it.
 
     Raises:
-        InputError: a name that stands for something else, cannot be typed as it is, or is like another; the text names
-            it and says why.
+        InputError: a name is reserved for something else, cannot be typed as it is, or is like another name; the text
+            names it and says why.
     """
     seen: dict[str, str] = {}
     for name in names:
@@ -66,7 +66,7 @@ def check_names(names: Sequence[str], what: str, has_key: bool = True) -> None:
 
 
 def unsayable(name: str, has_key: bool = True) -> str:
-    """Why people could not say a name, or would say something else by it; empty if they can."""
+    """Return why people could not use a name, or would mean something else by it; empty if they can use it."""
     unseen = next(filter(is_invisible, JOINERS.sub('', name)), None)
     if unseen is not None:
         return f'it holds the invisible character U+{ord(unseen):04X}'
@@ -85,7 +85,7 @@ def unsayable(name: str, has_key: bool = True) -> str:
     if any(comma in loose for comma in COMMAS):
         return 'a comma parts names'
     if loose.startswith('{'):
-        return 'what begins with a brace is read as a JSON document'
+        return 'a text that begins with a brace is read as a JSON document'
     if not holds_word(name):
         return 'it holds no letter'
     if name != composed(name):
@@ -95,7 +95,7 @@ def unsayable(name: str, has_key: bool = True) -> str:
 
 
 def _reserved_word(name: str) -> str | None:
-    """The word of `RESERVED` that a name says or looks like, if there is one."""
+    """Return the word of `RESERVED` that a name says or looks like, or None."""
     word = said(name)
     if not word:
         return '?' if set(loosely(name)) & {'?', '¿'} else None
@@ -105,16 +105,17 @@ def _reserved_word(name: str) -> str | None:
 
 @cache
 def _reserved_forms() -> Mapping[str, str]:
-    """The reserved words by what is said of them, with and without their accents."""
+    """Return the reserved words by their spoken form, with and without accents."""
     forms = {said(word): word for word in RESERVED}
     plain = {without_accents(form): word for form, word in forms.items()}
     return {form: word for form, word in {**plain, **forms}.items() if form}
 
 
 def meant(word: str, names: Iterable[str]) -> list[str]:
-    """Which of some names a word means: those that are exactly alike, else but for Unicode's forms, else loosely.
+    """Return the names that a word means.
 
-    Several if it is not clear; none if it is like none.
+    These are the names that are exactly alike. If there is none, blanks at the ends and the Unicode form are ignored,
+    and then also case and width. The list has several names if the word is ambiguous, and none if it matches no name.
     """
     known = list(dict.fromkeys(names))
     for form in (str, str.strip, _trimmed, loosely)[: None if len(word) <= LONGEST_SAID else 1]:
@@ -126,12 +127,9 @@ def meant(word: str, names: Iterable[str]) -> list[str]:
 
 
 def near(word: str, names: Collection[str], commands: Collection[str] = ()) -> str | None:
-    """What a word is a slip of, if it is one: to be suggested, never to be taken for it.
+    """Return the name that a word is probably a misspelling of, or None; it is good for a suggestion only.
 
-    Args:
-        word: that means nothing.
-        names: that may have been meant.
-        commands: other words that may have been, if they are nearer than every name, and near enough.
+    A command is returned only if it is nearer than every name, and near enough.
     """
     slip = loosely(word[: 2 * LONGEST_QUOTED])
     lowest = {**dict.fromkeys(commands, LIKENESS_OF_COMMANDS), **dict.fromkeys(names, LIKENESS)}
@@ -141,23 +139,23 @@ def near(word: str, names: Collection[str], commands: Collection[str] = ()) -> s
 
 
 def suggestion(word: str, names: Collection[str], commands: Collection[str] = ()) -> str:
-    """What to say of a word that means nothing: `; did you mean snack?`, or nothing; see `near`."""
+    """Return a text to add to an error about a word, `; did you mean snack?`, or an empty one; see `near`."""
     name = near(word, names, commands)
     return '' if name is None else f'; did you mean {name}?'
 
 
 def quoted(word: str) -> str:
-    """A word in quotes, in characters that can be seen, and cut if it is long."""
+    """Return a word in quotes, with invisible characters escaped, and cut if it is long."""
     return repr(word if len(word) <= LONGEST_QUOTED else f'{word[: LONGEST_QUOTED - 1]}…')
 
 
 def joined(names: Iterable[str], quotes: bool = False) -> str:
-    """Names parted by commas; those that hold one are put in quotes, and with `quotes` all are."""
+    """Join names with commas; a name that holds a comma is put in quotes, and with `quotes` every name is."""
     return ','.join('"{}"'.format(name.replace('"', '""')) if quotes or ',' in name else name for name in names)
 
 
 def parted(text: str) -> list[str]:
-    """The inverse of `joined`, as people write it: blanks beside commas do not count, and neither do empty parts."""
+    """Split a text at its commas, as the inverse of `joined`; blanks beside commas and empty parts are ignored."""
     parts = (within.replace('""', '"') or without.strip() for within, without in _PARTS.findall(text))
     return [part for part in parts if part]
 

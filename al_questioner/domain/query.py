@@ -1,4 +1,4 @@
-"""What is asked, what is said to it, and what comes of it."""
+"""Queries, answers, and what becomes of a query."""
 
 from __future__ import annotations
 
@@ -22,7 +22,7 @@ class QueryKind(str, Enum):
 
 
 class Outcome(str, Enum):
-    """What became of a query; that it was left unanswered is nothing that a teacher says."""
+    """Outcome of a query; no teacher says that it was left unanswered."""
 
     ANSWERED = 'answered'
     UNKNOWN = 'unknown'
@@ -31,7 +31,7 @@ class Outcome(str, Enum):
 
 
 SAYABLE_OUTCOMES = (Outcome.ANSWERED, Outcome.UNKNOWN, Outcome.SKIP)
-"""What an answer can be."""
+"""Outcomes that an answer can have."""
 
 
 @dataclass(frozen=True)
@@ -50,7 +50,6 @@ class Query:
     Attributes:
         query_id: unique within the episode.
         turn: 1-based turn in which it was asked.
-        action: what is asked.
         choices: answers that count: symbols, object ids as text, or feature groups.
         cost: what it takes from the budget.
         budget_left: budget after this query.
@@ -78,7 +77,7 @@ Content = str | int | tuple[str, ...] | None
 
 @dataclass(frozen=True)
 class Answer:
-    """What a teacher said.
+    """Answer of a teacher.
 
     `content` is a symbol or `NO_SYMBOL` for a label query; an object id or `NO_SYMBOL` for a demonstration query;
     feature groups for a feature subset query; None unless the outcome is `ANSWERED`. `replaces` is None, or the
@@ -110,9 +109,21 @@ class QueryRecord:
     answered_in: int | None = None
 
 
+DECISION_FEATURES = (
+    'discriminability',
+    'class_uniformity',
+    'instance_variation',
+    'prediction_margin',
+    'budget_consumption',
+    'remaining_time',
+    'non_query_time',
+)
+"""The seven decision features of the paper, in the order in which every decision tells them."""
+
+
 @dataclass(frozen=True, eq=False)
 class Decision:
-    """What the questioner weighed in a turn, and what it chose.
+    """Choice of the questioner in a turn, and the candidates that it weighed.
 
     Attributes:
         turn: 1-based.

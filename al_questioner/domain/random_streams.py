@@ -1,4 +1,4 @@
-"""Where everything that is drawn at random comes from."""
+"""Source of all random numbers: one generator for each named stream."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ from al_questioner.domain.errors import SettingsError
 
 
 def random_stream(seed: int, stream: str) -> np.random.Generator:
-    """An independent random stream for one part of an episode, the same in every process for the same seed.
+    """Return an independent random generator for one part of an episode; the same seed gives the same in every process.
 
     Raises:
         SettingsError: a negative seed.

@@ -1,4 +1,4 @@
-"""Words that mean something else than a name wherever people answer, in our language and in others."""
+"""Words that cannot be names because they mean something else in an answer, in English and in other languages."""
 
 from __future__ import annotations
 
@@ -64,7 +64,7 @@ OTHER_LANGUAGES = MappingProxyType(
         """),
     }
 )
-"""Words of other languages for ours: a teacher who says them means that, and no symbol."""
+"""Words of other languages for each of our words; a teacher who types one means our word, not a symbol."""
 
 RESERVED: Mapping[str, str] = MappingProxyType(
     {
@@ -96,6 +96,6 @@ RESERVED: Mapping[str, str] = MappingProxyType(
         **{word: f'means {ours!r}' for ours, words in OTHER_LANGUAGES.items() for word in words},
     }
 )
-"""What people type that is no name, in any of our programs, and what it means."""
+"""Words that cannot be names in any of our programs, and what each means."""
 KEYS = frozenset(word for word in RESERVED if len(word) == 1 and word.isascii() and word.isalpha())
-"""Those that are a single letter: they mean nothing where names are said in other ways."""
+"""Reserved words of a single letter; they are allowed as names where names have no keys."""

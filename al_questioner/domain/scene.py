@@ -1,4 +1,4 @@
-"""What the robot sees: views, observations and scenes."""
+"""Views, observations and scenes: the data that the robot perceives."""
 
 from __future__ import annotations
 
@@ -34,7 +34,6 @@ class View:
         color: (h, w, 3) uint8, blue-green-red as in OpenCV.
         depth: (h, w) uint16 millimetres, 0 where the sensor has no reading.
         mask: (h, w) bool, true on the object.
-        camera: intrinsics of the full frame.
         origin: (column, row) of the crop's top left pixel in the frame, 0-based.
     """
 
@@ -52,7 +51,6 @@ class Observation:
     Attributes:
         object_id: identifies the object as long as it stays in the scene.
         position: (x, y, z) metres in the table's frame.
-        view: the RGB-D crop.
         sensors: reading by name; a name starts with its feature group (`weight_kg`, `base_x`, `arms_left_1`).
     """
 
@@ -63,15 +61,16 @@ class Observation:
 
 
 def group_of(feature_name: str) -> str:
-    """The group a person would name for a feature: the part of its name before the first underscore."""
+    """Return the group of a feature, as a person would name it: the part of its name before the first underscore."""
     return feature_name.split('_', 1)[0]
 
 
 @dataclass(frozen=True, eq=False)
 class Scene:
-    """The objects seen this turn, as feature vectors; one observation per object. There may be none.
+    """The objects seen in one turn, as feature vectors; one observation per object. There may be none.
 
-    Lists will do for tuples and arrays; what is no array of floating-point numbers becomes one of float32.
+    Lists are accepted in place of tuples and arrays. Values that are not an array of floating-point numbers are
+    converted to float32.
 
     Attributes:
         object_ids: one distinct non-negative id per object.
@@ -80,8 +79,8 @@ class Scene:
         feature_names: m distinct names; the group of a feature is `group_of` its name.
 
     Raises:
-        SceneError: no feature, a shape that does not fit, an id that is no whole number, a name that is no text, a
-            repeated id or name, or a value that is no finite number.
+        SceneError: no feature, a shape that does not fit, an id that is not a whole number, a name that is not a text,
+            a repeated id or name, or a value that is not a finite number.
     """
 
     object_ids: tuple[int, ...]
@@ -113,10 +112,8 @@ class Scene:
         finite = np.isfinite(self.features)
         if not finite.all():
             row, column = np.argwhere(~finite)[0]
-            raise SceneError(
-                f'feature {self.feature_names[column]} of object {self.object_ids[row]} is not finite'
-                f' ({self.features[row, column]})'
-            )
+            where = f'feature {self.feature_names[column]} of object {self.object_ids[row]}'
+            raise SceneError(f'{where} is not finite ({self.features[row, column]})')
         if not np.isfinite(self.positions).all():
             row = int(np.argwhere(~np.isfinite(self.positions))[0][0])
             raise SceneError(f'the position of object {self.object_ids[row]} is not finite')
@@ -125,7 +122,7 @@ class Scene:
         return len(self.object_ids)
 
     def equals(self, other: Scene) -> bool:
-        """Whether another scene is the same to the last bit."""
+        """Return whether another scene is the same to the last bit."""
         return (
             self.object_ids == other.object_ids
             and self.feature_names == other.feature_names
@@ -134,7 +131,7 @@ class Scene:
         )
 
     def index_of(self, object_id: int) -> int:
-        """Row of an object.
+        """Return the row of an object.
 
         Raises:
             KeyError: the object is not in the scene.
@@ -160,7 +157,7 @@ def _names(values: Iterable[str], what: str) -> tuple[str, ...]:
 
 
 def _numbers(values: ArrayLike, what: str) -> FloatArray:
-    """The array itself if it is one of floating-point numbers, so that what was measured stays as it is to the bit."""
+    """Return a floating-point array as it is, so that measured values keep every bit, and anything else as float32."""
     if isinstance(values, np.ndarray) and np.issubdtype(values.dtype, np.floating):
         return values
     try:

@@ -1,4 +1,4 @@
-"""What is given to the learner before it asks."""
+"""Settings of an episode."""
 
 from __future__ import annotations
 
@@ -6,77 +6,67 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field
 from typing import Final, Literal
 
-import numpy as np
-
 from al_questioner.domain.errors import SettingsError
 from al_questioner.domain.names import listed
 from al_questioner.domain.query import NO_SYMBOL, Outcome, QueryKind
+from al_questioner.domain.setting_type import Setting
 
-DECISION_FEATURES = (
-    'discriminability',
-    'class_uniformity',
-    'instance_variation',
-    'prediction_margin',
-    'budget_consumption',
-    'remaining_time',
-    'non_query_time',
-)
-"""The seven decision features of the paper, in the order of every weight vector and every decision."""
+LARGEST_TURN = 10_000
+"""Largest number of turns: each `learner_state` holds all queries so far, and must stay a message of a sane size."""
+WEIGHT = Setting('weight', 0.0, 'of a decision feature, or a constant', '', -1e9, 1e9)
+"""Sums of weighted features stay finite."""
 
+BUDGET = Setting('budget', 25.0, 'query budget', 'cost of a label query', lower=0)
+TURNS = Setting('turns', 40, 'length of the episode', 'turns', 1, LARGEST_TURN)
+CHANGE_INTERVAL = Setting('change_interval', 10, 'expected time between scene changes', 'turns', lower=1)
+AMPLITUDE = Setting('amplitude', 100.0, "variance of the Gaussian processes' kernel", '', 1e-3, 1e3)
+"""Amplitude of a learner (docs/explanation/method.md, Beliefs).
 
-VALUE_FEATURES = ('gain', 'chance', 'price', 'ahead', 'silence')
-"""The features of what a question is worth, in the order of every weight vector of theirs.
-
-See `questioning.strategies.value_per_cost`.
+Beyond the limits all things look alike, or none do, and numbers overflow.
 """
-
-VALUE_CONSTANTS = ('reach', 'doubt', 'decline', 'pace')
-"""What a weights file may set of `questioning.strategies.value_per_cost` beside its weights."""
-
-
-WEIGHED = (*DECISION_FEATURES, *VALUE_FEATURES, *VALUE_CONSTANTS)
-"""All that a weights file may name; each strategy says which of them it uses."""
-
-
-AMPLITUDE = 100.0
-"""Variance of the Gaussian processes' kernel of a learner by default (docs/explanation/method.md, Beliefs)."""
-
-AMPLITUDE_RANGE = (1e-3, 1e3)
-LENGTH_SCALE_RANGE = (1e-3, 1e3)
-"""Smallest and largest, in standard deviations. Beyond, all things look alike, or none do, and numbers overflow."""
-
-LARGEST_AMOUNT = 1e12
-"""Of a budget, or a price: far beyond, a price of 1 would be lost in rounding."""
-LARGEST_WEIGHT = 1e9
-"""Of either sign; sums of weighted features stay finite."""
+_OF_LENGTH_SCALE = 'of the kernel, 0.001 or more; 0: root of the number of features'
+LENGTH_SCALE: Setting[float | None] = Setting('length_scale', None, _OF_LENGTH_SCALE, 'standard deviations', 1e-3, 1e3)
+TUNE_EVERY = Setting(
+    'tune_every', 0, 'time between re-optimisations of amplitude and length scale; 0: never', 'turns', 0, LARGEST_TURN
+)
+COSTS: Mapping[str, Setting[float]] = {
+    'label': Setting('cost_label', 1.0, 'cost of a label query', 'budget', lower=0),
+    'demonstration': Setting('cost_demonstration', 2.0, 'cost of a demonstration query', 'budget', lower=0),
+    'feature_subset': Setting('cost_feature_subset', 2.0, 'cost of a feature subset query', 'budget', lower=0),
+    'unknown': Setting(
+        'charge_unknown', 1.0, 'share of its cost that a query is charged if the teacher does not know', '', 0, 1
+    ),
+    'skip': Setting('charge_skip', 1.0, 'share that is charged if the teacher skips the query', '', 0, 1),
+    'unanswered': Setting('charge_unanswered', 0.0, 'share that is charged if it is withdrawn unanswered', '', 0, 1),
+}
+"""Declarations of the costs, by the names of the attributes of `Costs`."""
 
 
 AUTO: Final = 'auto'
 """The view tolerance that is found from the looks themselves."""
 
 ViewTolerance = float | Literal['auto']
-"""When two looks at a thing are the same view: see `questioning.Episode`."""
+"""Difference up to which two looks at a thing are the same view: see `questioning.Episode`."""
+_OF_SAME_VIEW = 'change up to which an object is the same view; auto: what the noise of the sensors explains'
+SAME_VIEW = Setting('view_tolerance', AUTO, _OF_SAME_VIEW, 'standard deviations', lower=0, word=AUTO)
 
 
 @dataclass(frozen=True)
 class Costs:
-    """What a query takes from the budget; asking nothing is free (section 4.2 of the paper).
+    """Prices of queries, as parts of the budget; asking nothing is free (section 4.2 of the paper).
 
     Attributes:
-        label: price of a label query.
-        demonstration: price of a demonstration query.
-        feature_subset: price of a feature subset query.
         unknown: share of the price that is charged, 0 to 1, if the teacher does not know.
         skip: share if the teacher skips the question.
         unanswered: share if it is withdrawn since nobody has answered.
     """
 
-    label: float = 1.0
-    demonstration: float = 2.0
-    feature_subset: float = 2.0
-    unknown: float = 1.0
-    skip: float = 1.0
-    unanswered: float = 0.0
+    label: float = COSTS['label'].default
+    demonstration: float = COSTS['demonstration'].default
+    feature_subset: float = COSTS['feature_subset'].default
+    unknown: float = COSTS['unknown'].default
+    skip: float = COSTS['skip'].default
+    unanswered: float = COSTS['unanswered'].default
 
     def price(self, kind: QueryKind) -> float:
         """Price of a query of this kind."""
@@ -89,17 +79,15 @@ class Costs:
 
 @dataclass(frozen=True)
 class EpisodeSettings:
-    """What is given to the learner before it asks.
+    """Settings of an episode, fixed before it begins.
 
     Attributes:
         symbols: the concepts to ground, at least two. Any names will do here; of those of a task, which people are to
             say, more is asked, see `names.check_names`.
         budget: query budget, in the unit of `costs`; 0 or more.
         turns: number of turns, 1 or more.
-        strategy: name of a questioning strategy.
-        weights: weight by feature, and constant by name, for the strategies that use them.
+        weights: weights and constants of the strategy, by the names that it declares.
         change_interval: turns between scene changes as the robot expects them: the window of the non-query time.
-        costs: price of each kind of query.
         amplitude: variance of the Gaussian processes' kernel.
         length_scale: length scale of the kernel in standard deviations of a feature; None for the square root of
             the number of features in use.
@@ -114,11 +102,11 @@ class EpisodeSettings:
     turns: int
     strategy: str
     weights: Mapping[str, float] = field(default_factory=dict)
-    change_interval: int = 10
+    change_interval: int = CHANGE_INTERVAL.default
     costs: Costs = Costs()
-    amplitude: float = AMPLITUDE
-    length_scale: float | None = None
-    tune_every: int = 0
+    amplitude: float = AMPLITUDE.default
+    length_scale: float | None = LENGTH_SCALE.default
+    tune_every: int = TUNE_EVERY.default
 
     def __post_init__(self) -> None:
         symbols = listed(self.symbols)
@@ -131,39 +119,15 @@ class EpisodeSettings:
             raise SettingsError(f'a symbol must not be blank, as one of {list(self.symbols)} is')
         if NO_SYMBOL in self.symbols:
             raise SettingsError(f'{NO_SYMBOL!r} cannot be a symbol: it stands for things that belong to no symbol')
-        if not (np.isfinite(self.budget) and self.budget >= 0):
-            raise SettingsError(f'budget must be a finite number of 0 or more, not {self.budget}')
-        _check_range('budget', self.budget, 0, LARGEST_AMOUNT)
-        if self.turns < 1:
-            raise SettingsError(f'turns must be 1 or more, not {self.turns}')
-        if self.change_interval < 1:
-            raise SettingsError(f'change_interval must be 1 or more, not {self.change_interval}')
-        for kind in ('label', 'demonstration', 'feature_subset'):
-            cost = getattr(self.costs, kind)
-            if not (np.isfinite(cost) and cost >= 0):
-                raise SettingsError(f'the cost of a {kind} query must be a number of 0 or more, not {cost}')
-            _check_range(f'the cost of a {kind} query', cost, 0, LARGEST_AMOUNT)
-        for outcome in Outcome:
-            share = self.costs.charged_fraction(outcome)
-            if not 0.0 <= share <= 1.0:
-                raise SettingsError(f'the share charged for outcome {outcome.value} must be in [0, 1], not {share}')
-        _check_range('amplitude', self.amplitude, *AMPLITUDE_RANGE)
+        for setting in (BUDGET, TURNS, CHANGE_INTERVAL, AMPLITUDE, TUNE_EVERY):
+            setting.check(getattr(self, setting.name))
         if self.length_scale is not None:
-            _check_range('length_scale', self.length_scale, *LENGTH_SCALE_RANGE)
-        if self.tune_every < 0:
-            raise SettingsError(f'tune_every must be 0 or more, not {self.tune_every}')
+            LENGTH_SCALE.check(self.length_scale)
+        for name, price in COSTS.items():
+            price.check(getattr(self.costs, name), f'costs.{name}')
         for name, weight in self.weights.items():
-            if name not in WEIGHED:
-                raise SettingsError(f'unknown decision feature {name!r}; known: {", ".join(WEIGHED)}')
-            if not np.isfinite(weight):
-                raise SettingsError(f'the weight of {name} is not finite ({weight})')
-            _check_range(f'the weight of {name}', weight, -LARGEST_WEIGHT, LARGEST_WEIGHT)
+            WEIGHT.check(weight, f'the weight of {name}')
 
     def tunes_after(self, turn: int) -> bool:
-        """Whether amplitude and length scale are re-optimised at the end of this turn."""
+        """Return whether amplitude and length scale are re-optimised at the end of this turn."""
         return self.tune_every > 0 and turn > 0 and turn % self.tune_every == 0
-
-
-def _check_range(what: str, value: float, lowest: float, highest: float) -> None:
-    if not lowest <= value <= highest:
-        raise SettingsError(f'{what} must lie in [{lowest:g}, {highest:g}], not {value}')

@@ -1,4 +1,4 @@
-"""Forms of a name: what it shares with others that people take for the same."""
+"""Normal forms of names, in which names that people take for the same are equal."""
 
 from __future__ import annotations
 
@@ -6,22 +6,22 @@ import re
 import unicodedata
 
 QUESTION_MARKS = '？؟՞⸮'
-"""Of other scripts and keyboards."""
+"""Question marks of other scripts and keyboards."""
 OTHER_FORMS = ('wide', 'narrow', 'font', 'noBreak', 'circle', 'square', 'initial', 'medial', 'final', 'isolated')
-"""Unicode's names for characters that are another form of ordinary ones, and that a keyboard does not give."""
+"""Unicode's terms for characters that are another form of an ordinary one and that a keyboard does not produce."""
 INVISIBLE = re.compile(
     '[\u034f\u115f\u1160\u17b4\u17b5\u180b-\u180f\u2800\u3164\ufe00-\ufe0f\uffa0\U000e0100-\U000e01ef]'
 )
-"""Characters that are not seen, beside those whose Unicode category says so."""
+"""Characters that cannot be seen, in addition to those whose Unicode category says so."""
 JOINERS = re.compile('(?<=[\u0590-\U0010ffff])[\u200c\u200d\ufe0e\ufe0f]')
-"""What Persian, Sinhala and others write between letters, and what makes pictures of characters."""
+"""Invisible characters that Persian, Sinhala and others write between letters, and that make characters pictures."""
 POINTS = re.compile(
     '[\u0591-\u05bd\u05bf\u05c1\u05c2\u05c4\u05c5\u05c7\u0610-\u061a\u064b-\u065f\u0670\u06d6-\u06dc\u06df-\u06e8]'
 )
-"""Vowels and the like, which Hebrew and Arabic may leave out."""
+"""Vowel marks and similar signs that Hebrew and Arabic may leave out."""
 APOSTROPHES = "'’‘ʼʻ´"
 SPOKEN_SIGNS = '+#%&@/'
-"""What is said, unlike other punctuation."""
+"""Signs that people say aloud, unlike other punctuation."""
 
 _HIRAGANA = ''.join(map(chr, range(0x3041, 0x3097)))
 _KATAKANA = ''.join(map(chr, range(0x30A1, 0x30F7)))
@@ -30,45 +30,46 @@ _SPELT_ALIKE = str.maketrans(
     'iе\u0627\u0627\u0627\u0627\u064a\u064a\u0643------' + "'" * len(APOSTROPHES) + _KATAKANA,
     '\u0640',
 )
-"""What keyboards and habits differ in: dots of Turkish and Russian, Arabic alef, yeh and kaf, dashes, the two kana."""
+"""Characters that differ by keyboard and habit, mapped to one of them.
+
+They are the dots of Turkish and Russian letters, Arabic alef, yeh and kaf, dashes, and the two kana.
+"""
 _LOOKS_ALIKE = str.maketrans('авекмнорстухіјѕαβεζηικμνορτυχ', 'abekmhopctyxijsabezhikmnoptyx')
-"""Cyrillic and Greek letters to the Latin ones that have the same capitals."""
+"""Cyrillic and Greek letters mapped to the Latin letters that have the same capitals."""
 
 
 def loosely(name: str) -> str:
-    """What names share that people would not tell apart: case, width, form, blanks and underscores do not matter."""
-    # What one step leaves behind can be for another one: an accent joins its letter once nothing invisible is between.
+    """Return the form of a name that ignores case, width, letter forms, blanks and underscores."""
+    # Fold until nothing changes: an accent joins its letter only after the invisible character between them is gone.
     while (folded := _folded(name)) != name:
         name = folded
     return name
 
 
 def said(name: str) -> str:
-    """What is said of a name: its words, loosely, without the punctuation between and around them."""
+    """Return the spoken form of a name: its words as in `loosely`, without the punctuation between and around them."""
     words = (character if _is_said(character) else ' ' for character in loosely(name) if character not in APOSTROPHES)
     return ' '.join(''.join(words).split())
 
 
 def in_latin(text: str) -> str:
-    """A loose form with Latin letters for those of other alphabets that look so."""
+    """Return a loose form in which letters of other alphabets that look Latin are Latin."""
     return text.translate(_LOOKS_ALIKE)
 
 
 def without_accents(text: str) -> str:
-    """As people write on a keyboard of another language."""
+    """Return a text without its accents, as people type it on a keyboard of another language."""
     return composed(re.sub('[\u0300-\u036f]', '', unicodedata.normalize('NFD', text)))
 
 
 def holds_word(name: str) -> bool:
-    """Whether there is a letter in a name, or a picture."""
-    return any(
-        unicodedata.category(character)[0] == 'L' or (unicodedata.category(character) == 'So' and character > '\u2000')
-        for character in loosely(name)
-    )
+    """Return whether a name has a letter, or a character that is a picture."""
+    found = ((unicodedata.category(character), character) for character in loosely(name))
+    return any(category[0] == 'L' or (category == 'So' and character > '\u2000') for category, character in found)
 
 
 def is_number(name: str) -> bool:
-    """Whether a name says a number, or the number of an object as `#7`, `no. 7` or `object 7`."""
+    """Return whether a name is a number, or the number of an object as `#7`, `no. 7` or `object 7`."""
     characters = [character for character in name if character.isalnum() or character.isnumeric()]
     if characters and all(map(str.isnumeric, characters)):
         return True
@@ -77,13 +78,13 @@ def is_number(name: str) -> bool:
 
 
 def is_invisible(character: str) -> bool:
-    """Whether a character cannot be seen, or is a blank other than the usual ones."""
+    """Return whether a character cannot be seen, or is an unusual blank."""
     category = unicodedata.category(character)
     return category in ('Cc', 'Cf', 'Cs', 'Cn', 'Co', 'Zl', 'Zp') or INVISIBLE.match(character) is not None
 
 
 def usual_form(name: str) -> str:
-    """A name as keyboards give it: composed, of ordinary width."""
+    """Return a name as keyboards produce it: composed, of ordinary width."""
     unusual = tuple(f'<{form}>' for form in OTHER_FORMS)
     ordinary = (
         unicodedata.normalize('NFKC', character)
@@ -95,20 +96,20 @@ def usual_form(name: str) -> str:
 
 
 def composed(name: str) -> str:
-    """A name in the form of Unicode that keyboards give."""
+    """Return a name in the Unicode form that keyboards produce (NFC)."""
     return unicodedata.normalize('NFC', name)
 
 
 def _folded(name: str) -> str:
     text = unicodedata.normalize('NFKC', unicodedata.normalize('NFKC', name.translate(_SPELT_ALIKE)).casefold())
-    # The capital I with a dot, small, is an i with a second dot.
-    text = POINTS.sub('', text.replace('i\u0307', 'i')).translate(_SPELT_ALIKE)
+    # Lowercase of the capital I with a dot is an i with a second dot. An acute accent alone is an apostrophe.
+    text = POINTS.sub('', text.replace('i\u0307', 'i').replace(' \u0301', "'")).translate(_SPELT_ALIKE)
     text = ''.join(_plain(character) for character in text if not is_invisible(character))
     return ' '.join(text.replace('_', ' ').split())
 
 
 def _plain(character: str) -> str:
-    """A question mark or a digit of any script as that of ASCII."""
+    """Return a question mark or a digit of any script as the ASCII one."""
     if character in QUESTION_MARKS:
         return '?'
     return str(unicodedata.decimal(character)) if character.isdecimal() else character

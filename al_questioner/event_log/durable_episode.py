@@ -4,42 +4,35 @@ from __future__ import annotations
 
 import contextlib
 
-from al_questioner.domain import AUTO, Answer, Decision, LateAnswerError
+from al_questioner.domain import AUTO, Answer, Decision
+from al_questioner.event_log.encoding import Encoder, decoded
 from al_questioner.event_log.events import (
     ActionChosen,
     AnswerAccepted,
-    Encoder,
+    EpisodeEvent,
     EpisodeStarted,
     InputRejected,
     KernelTuned,
     LateAnswerKept,
     SceneObserved,
-    SessionEvent,
     TurnTimedOut,
-    decoded,
 )
 from al_questioner.event_log.log import LogContents, LogWriteError, SessionLog, SessionLogError
-from al_questioner.event_log.replay import Replay, learn
-from al_questioner.questioning import Episode
+from al_questioner.event_log.replay import Replay
+from al_questioner.questioning import Episode, Receipt
 from al_questioner.support.differences import differences
 from al_questioner.support.rate_limiter import RateLimiter
 
 NOT_SETTINGS = frozenset({'version'})
-"""What a log tells of its episode that a learner that goes on with it need not share."""
+"""Members of an episode's first event that a learner that goes on with it need not share."""
 REFUSED_KEPT, REFUSED_PERIOD = 10, 60.0
 """Texts that were no answers and are kept word for word within so many seconds; of a flood the rest is counted."""
-LATE_KEPT = 100
-"""Late answers to one query that are kept."""
 
 
 class DurableEpisode:
     """An Episode each event of which is on the disk before its effect is known to anybody.
 
-    Without a log it is the Episode alone, which also knows an answer that it has had.
-
-    Args:
-        wanted: the episode; an empty `episode_id` stands for whichever the log has.
-        log: where it is written; None for nowhere.
+    Without a log it is the Episode alone. An empty `episode_id` stands for whichever episode the log has.
 
     Attributes:
         begun: the episode, as the log has it if there is one already.
@@ -51,7 +44,7 @@ class DurableEpisode:
     def __init__(self, wanted: EpisodeStarted, log: SessionLog | None = None) -> None:
         self._log = log
         self._encoder = Encoder()
-        self._events: list[SessionEvent] = []
+        self._events: list[EpisodeEvent] = []
         self._replay: Replay | None = None
         self._last_refused: InputRejected | None = None
         self._throttle = RateLimiter(REFUSED_KEPT, REFUSED_PERIOD)
@@ -65,7 +58,7 @@ class DurableEpisode:
 
     @property
     def is_ready(self) -> bool:
-        """Whether `start` has come to its end."""
+        """True once `start` has come to its end."""
         return self._replay is not None
 
     @property
@@ -111,31 +104,20 @@ class DurableEpisode:
         self._started.asked(seen, decision)
         return decision
 
-    def take(self, answer: Answer) -> bool:
-        """Take an answer, or the correction of one; each counts once, however often it is sent.
-
-        Returns:
-            Whether it is new.
+    def take(self, answer: Answer) -> Receipt:
+        """See `Episode.take`.
 
         Raises:
-            LateAnswerError: its query was settled by another answer; it is kept and not learnt from.
-            AnswerError: it is refused.
+            AnswerError: it is invalid.
             LogWriteError: it cannot be written, and is not taken.
         """
-        try:
-            if self.episode.answers.has_taken(answer):
-                return False
-        except LateAnswerError as error:
-            late = self.episode.answers.late
-            if answer not in late and sum(one.query_id == answer.query_id for one in late) < LATE_KEPT:
-                self.episode.check_late(answer)
-                self._write(LateAnswerKept(answer, str(error)))
-                self.episode.answers.keep_late(answer)
-            raise
-        self.episode.check(answer)
-        self._write(AnswerAccepted(answer))
-        learn(self.episode, answer)
-        return True
+        prepared = self.episode.prepare(answer)
+        if prepared.is_kept:
+            is_late = prepared.receipt is Receipt.LATE
+            reason = self.episode.answers.why_not(answer, prepared.receipt)
+            self._write(LateAnswerKept(answer, reason) if is_late else AnswerAccepted(answer))
+            self.episode.commit(prepared)
+        return prepared.receipt
 
     def note_refused(self, text: str, reason: str) -> None:
         """Keep a text that was not taken for an answer, once if it is repeated; of a flood of them, keep the number.
@@ -196,13 +178,13 @@ class DurableEpisode:
             raise RuntimeError('the episode has not been started')
         return self._replay
 
-    def _write(self, *events: SessionEvent) -> None:
+    def _write(self, *events: EpisodeEvent) -> None:
         if self._log is not None:
             self._log.append(*map(self._encoder.encode, events))
 
 
-def _same_episode(log: SessionLog, first: SessionEvent, wanted: EpisodeStarted) -> EpisodeStarted:
-    """The episode that a log begins with, if it is the one that is wanted."""
+def _same_episode(log: SessionLog, first: EpisodeEvent, wanted: EpisodeStarted) -> EpisodeStarted:
+    """Return the episode that a log begins with, if it is the one that is wanted."""
     if not isinstance(first, EpisodeStarted):
         raise SessionLogError(f'{log.folder}: its first event is not the beginning of an episode')
     ignored = NOT_SETTINGS if wanted.episode_id else NOT_SETTINGS | {'episode_id'}

@@ -1,17 +1,10 @@
-"""What happens in a learner's session, as typed events and as lines of its log."""
+"""The events of an episode, whether a session log tells of them or a bag."""
 
 from __future__ import annotations
 
-import base64
-import json
 from dataclasses import dataclass
-from typing import Any
 
-import numpy as np
-from numpy.typing import NDArray
-
-from al_questioner.domain import Action, Answer, EpisodeSettings, Query, QueryKind, Scene, ViewTolerance
-from al_questioner.event_log.log import Event, LogContents
+from al_questioner.domain import Action, Answer, Decision, EpisodeSettings, Query, Scene, ViewTolerance
 from al_questioner.messages import documents
 from al_questioner.messages.documents import Document
 
@@ -21,12 +14,10 @@ class EpisodeStarted:
     """The episode: all that determines what is asked, given scenes and answers.
 
     Attributes:
-        episode_id: of the episode.
-        settings: of the episode.
         seed: of the learner.
         view_tolerance: of the learner, see `questioning.Episode`.
         world: the simulated world, as `task`, `seed`, `sample` and `dataset`; None if it is another one.
-        version: of this package.
+        version: of this package; empty where it is not recorded.
     """
 
     episode_id: str
@@ -37,27 +28,15 @@ class EpisodeStarted:
     version: str
 
     def members(self) -> Document:
-        """As a JSON object."""
-        return {
-            'episode_id': self.episode_id,
-            **documents.settings_members(self.settings),
-            'seed': self.seed,
-            'view_tolerance': self.view_tolerance,
-            'world': self.world,
-            'version': self.version,
-        }
+        """Return the event as a JSON object."""
+        members = dict(vars(self))
+        settings = documents.settings_members(members.pop('settings'))
+        return {'episode_id': members.pop('episode_id'), **settings, **members}
 
 
 @dataclass(frozen=True, eq=False)
 class SceneObserved:
-    """The scene of a turn, as the learner took it.
-
-    Attributes:
-        turn: 1-based.
-        stamp: of the turn, nanoseconds.
-        frame_id: of the cloud.
-        scene: what was seen.
-    """
+    """The scene of a turn, as the learner took it; the stamp is that of the turn, in nanoseconds."""
 
     turn: int
     stamp: int
@@ -67,11 +46,17 @@ class SceneObserved:
 
 @dataclass(frozen=True)
 class ActionChosen:
-    """What was chosen in a turn, and the question if it asks one."""
+    """The choice of a turn.
+
+    Attributes:
+        query: the question; None if the action asks none, and in a bag, which need not hold it.
+        weighed: the whole decision, without its query; None in a log, which does not hold it.
+    """
 
     turn: int
     action: Action
-    query: Query | None
+    query: Query | None = None
+    weighed: Decision | None = None
 
 
 @dataclass(frozen=True)
@@ -91,13 +76,7 @@ class LateAnswerKept:
 
 @dataclass(frozen=True)
 class InputRejected:
-    """A text that could not be taken for an answer, shortened if it is long.
-
-    Attributes:
-        text: what was said.
-        reason: why it is no answer.
-        count: of a flood of them only this is kept, and no text; else 1.
-    """
+    """A text that could not be taken for an answer, shortened if it is long; of a flood of them only the number."""
 
     text: str
     reason: str
@@ -106,33 +85,25 @@ class InputRejected:
 
 @dataclass(frozen=True)
 class KernelTuned:
-    """The kernel was re-optimised at the end of a turn; `model_version` is that after it."""
+    """The kernel was re-optimised at the end of a turn; `model_version` is that after it, None in a bag."""
 
     turn: int
-    model_version: int
+    model_version: int | None = None
 
 
 @dataclass(frozen=True)
 class TurnTimedOut:
-    """A turn that was over although nobody had answered the query that waits."""
+    """A turn that was over although nobody had answered the query that waits.
+
+    A bag tells only that the turn was over: there `query_id` is None, and it timed out if a query waited.
+    """
 
     turn: int
-    query_id: str
+    query_id: str | None = None
 
 
-SessionEvent = (
-    EpisodeStarted
-    | SceneObserved
-    | ActionChosen
-    | AnswerAccepted
-    | LateAnswerKept
-    | InputRejected
-    | KernelTuned
-    | TurnTimedOut
-)
-
-LONGEST_REFUSED = 1000
-"""Characters of a refused text that are kept."""
+_Heard = AnswerAccepted | LateAnswerKept | InputRejected
+EpisodeEvent = EpisodeStarted | SceneObserved | ActionChosen | _Heard | KernelTuned | TurnTimedOut
 
 KINDS = {
     EpisodeStarted: 'episode',
@@ -147,124 +118,8 @@ KINDS = {
 """The word for each event in a log; an answer that replaces another is a 'correction' there."""
 
 
-def kind_of(event: SessionEvent) -> str:
+def kind_of(event: EpisodeEvent) -> str:
     """Return the word for an event in a log."""
     if isinstance(event, AnswerAccepted) and event.answer.replaces is not None:
         return 'correction'
     return KINDS[type(event)]
-
-
-class Encoder:
-    """Writes events as lines of a log; a scene that is the last one again is written as a reference."""
-
-    def __init__(self) -> None:
-        self._last: SceneObserved | None = None
-
-    def encode(self, event: SessionEvent) -> tuple[str, bytes]:
-        """Return kind and content."""
-        return kind_of(event), json.dumps(self._members(event), allow_nan=False, separators=(',', ':')).encode()
-
-    def _members(self, event: SessionEvent) -> Document:
-        if isinstance(event, EpisodeStarted):
-            return event.members()
-        if isinstance(event, SceneObserved):
-            last, self._last = self._last, event
-            scene = None if last is not None and last.scene.equals(event.scene) else _scene_members(event.scene)
-            return {'turn': event.turn, 'stamp': event.stamp, 'frame_id': event.frame_id, 'scene': scene}
-        if isinstance(event, ActionChosen):
-            query = None if event.query is None else documents.query_members(event.query)
-            return {'turn': event.turn, 'action': _action_members(event.action), 'query': query}
-        if isinstance(event, AnswerAccepted):
-            return documents.answer_members(event.answer)
-        if isinstance(event, LateAnswerKept):
-            return {**documents.answer_members(event.answer), 'reason': event.reason}
-        if isinstance(event, InputRejected):
-            counted = {} if event.count == 1 else {'count': event.count}
-            return {'text': event.text[:LONGEST_REFUSED], 'reason': event.reason, **counted}
-        if isinstance(event, TurnTimedOut):
-            return {'turn': event.turn, 'query_id': event.query_id}
-        return {'turn': event.turn, 'model_version': event.model_version}
-
-    def follow(self, event: SessionEvent) -> None:
-        """Take note of an event that is in the log already."""
-        if isinstance(event, SceneObserved):
-            self._last = event
-
-
-def decoded(contents: LogContents) -> tuple[list[SessionEvent], str | None]:
-    """The events of a log, up to the first that cannot be understood, and what is wrong with the log if anything is."""
-    found: list[SessionEvent] = []
-    last: Scene | None = None
-    for event in contents.events:
-        try:
-            understood = _decode(event, json.loads(event.content), last)
-        except (KeyError, TypeError, ValueError) as error:
-            reason = ' '.join(str(error).split())
-            return found, f'event {event.number} ({event.kind}) cannot be understood ({reason})'
-        if isinstance(understood, SceneObserved):
-            last = understood.scene
-        found.append(understood)
-    return found, contents.damage
-
-
-def _decode(event: Event, members: Document, last: Scene | None) -> SessionEvent:
-    if event.kind == 'episode':
-        return EpisodeStarted(
-            settings=documents.settings_of(members),
-            **{name: members[name] for name in ('episode_id', 'seed', 'view_tolerance', 'world', 'version')},
-        )
-    if event.kind == 'scene':
-        scene = last if members['scene'] is None else _scene_of(members['scene'])
-        if scene is None:
-            raise ValueError('it refers to a scene before, and there is none')
-        return SceneObserved(members['turn'], members['stamp'], members['frame_id'], scene)
-    if event.kind == 'decision':
-        query = None if members['query'] is None else documents.query_of(members['query'])
-        return ActionChosen(members['turn'], _action_of(members['action']), query)
-    if event.kind in ('answer', 'correction'):
-        return AnswerAccepted(documents.answer_of(members))
-    if event.kind == 'late':
-        return LateAnswerKept(documents.answer_of(members), members['reason'])
-    if event.kind == 'refused':
-        return InputRejected(members['text'], members['reason'], members.get('count', 1))
-    if event.kind == 'passed':
-        return TurnTimedOut(members['turn'], members['query_id'])
-    if event.kind == 'tune':
-        return KernelTuned(members['turn'], members['model_version'])
-    raise ValueError(f'unknown kind {event.kind!r}')
-
-
-def _scene_members(scene: Scene) -> Document:
-    return {
-        'object_ids': list(scene.object_ids),
-        'feature_names': list(scene.feature_names),
-        'positions': _text_of(scene.positions),
-        'features': _text_of(scene.features),
-    }
-
-
-def _scene_of(members: Document) -> Scene:
-    ids, names = tuple(members['object_ids']), tuple(members['feature_names'])
-    return Scene(
-        object_ids=ids,
-        positions=_numbers_of(members['positions'], len(ids), 3),
-        features=_numbers_of(members['features'], len(ids), len(names)),
-        feature_names=names,
-    )
-
-
-def _text_of(numbers: NDArray[np.float32]) -> str:
-    """Their bits, as little-endian float32 in base64."""
-    return base64.b64encode(np.asarray(numbers, dtype='<f4').tobytes()).decode()
-
-
-def _numbers_of(text: str, rows: int, columns: int) -> NDArray[np.float32]:
-    return np.frombuffer(base64.b64decode(text, validate=True), '<f4').astype(np.float32).reshape(rows, columns)
-
-
-def _action_members(action: Action) -> dict[str, Any]:
-    return {'kind': action.kind.value, 'object_id': action.object_id, 'symbol': action.symbol}
-
-
-def _action_of(members: Document) -> Action:
-    return Action(QueryKind(members['kind']), members['object_id'], members['symbol'])

@@ -7,39 +7,30 @@ left out or moved unseen. `session.head` names the last event outside of the dat
 from __future__ import annotations
 
 import contextlib
-import errno
 import fcntl
 import hashlib
 import os
 import shutil
-import signal
 import sqlite3
 import tempfile
 import threading
 import time
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
 from al_questioner.domain import EpisodeError, InputError
+from al_questioner.event_log.storage import DATABASE, HEAD, Event, SqliteStorage, StorageFactory, write_anew
 from al_questioner.support.files import make_folder, sync_to_disk
+from al_questioner.support.text import one_line
 
-DATABASE, HEAD, LOCK = 'session.sqlite3', 'session.head', 'session.lock'
+LOCK = 'session.lock'
 BROKEN = 'broken-'
-"""Before the names of the files that a repair keeps as they were."""
-KILL_VARIABLE = 'AL_QUESTIONER_KILL_AT_WRITE'
-"""Environment variable for tests: the number of the write point at which the process is to kill itself."""
+"""Beginning of the names of files that a repair keeps as they were."""
 
 _JOURNALS = ('-wal', '-shm')
-_TABLE = (
-    'CREATE TABLE IF NOT EXISTS events'
-    ' (number INTEGER PRIMARY KEY, kind TEXT, stamp INTEGER, content BLOB, checksum BLOB)'
-)
 _START = hashlib.sha256(b'al_questioner/session/1').digest()
-"""What the first event's checksum is chained to."""
-
-WritePoint = Callable[[str], None]
-"""Called at every point of writing at which a process could end: 'begun', 'written', 'committed', 'noted'."""
+"""Value that the first event's checksum is chained to."""
 
 
 class SessionLogError(InputError):
@@ -51,32 +42,8 @@ class LogWriteError(EpisodeError):
 
 
 @dataclass(frozen=True)
-class Event:
-    """One line of a log.
-
-    Attributes:
-        number: 1 for the first.
-        kind: of the event.
-        stamp: when it was written, nanoseconds since the epoch.
-        content: of the event.
-        checksum: SHA-256 over it and the checksum before.
-    """
-
-    number: int
-    kind: str
-    stamp: int
-    content: bytes
-    checksum: bytes
-
-
-@dataclass(frozen=True)
 class LogContents:
-    """What can be read of a log.
-
-    Attributes:
-        events: all that come before the first damage.
-        damage: what is wrong, and where; None if the log is whole.
-    """
+    """Readable content of a log: the events before the first damage, and what is wrong and where, if anything."""
 
     events: tuple[Event, ...]
     damage: str | None
@@ -86,20 +53,14 @@ class SessionLog:
     """A log that is written to, by one process at a time.
 
     What `append` has returned from survives whatever happens to the process or, as far as the disk keeps its word, to
-    the machine. Once an event could not be written the log takes no more.
-
-    Args:
-        folder: of the log, made if it is not there.
-        synchronous: whether each append waits for the disk; only to measure what that costs.
-        at_write_point: for tests.
+    the machine. Once an event could not be written the log takes no more. Its folder is made if it is not there.
 
     Raises:
         SessionLogError: another process writes to it, it is damaged, or it cannot be written to.
     """
 
-    def __init__(self, folder: Path, synchronous: bool = True, at_write_point: WritePoint | None = None) -> None:
+    def __init__(self, folder: Path, storage: StorageFactory = SqliteStorage) -> None:
         self.folder = folder
-        self._at_write_point = at_write_point or _killer()
         self._failure = ''
         # A node may close it while its worker is about to write.
         self._in_use = threading.Lock()
@@ -115,18 +76,8 @@ class SessionLog:
             self.events: tuple[Event, ...] = () if contents is None else contents.events
             self._number = len(self.events)
             self._checksum = self.events[-1].checksum if self.events else _START
-            # The head first: a database without one has lost it.
-            self._head = os.open(folder / HEAD, os.O_RDWR | os.O_CREAT, 0o644)
-            stack.callback(os.close, self._head)
-            self._write_head()
-            os.fsync(self._head)
-            self._database = sqlite3.connect(folder / DATABASE, isolation_level=None, check_same_thread=False)
-            stack.callback(self._database.close)
-            self._database.execute('PRAGMA journal_mode=WAL')
-            self._database.execute(f'PRAGMA synchronous={"FULL" if synchronous else "OFF"}')
-            self._database.execute(_TABLE)
-            for path in (folder, folder.absolute().parent):
-                sync_to_disk(path)
+            self._storage = storage(folder, _head_of(self._number, self._checksum))
+            stack.callback(self._storage.close)
             self._open = stack.pop_all()
 
     def append(self, *entries: tuple[str, bytes]) -> None:
@@ -136,35 +87,26 @@ class SessionLog:
             LogWriteError: they cannot be; neither can any event after them.
         """
         with self._in_use:
-            self._append(entries)
-
-    def _append(self, entries: Sequence[tuple[str, bytes]]) -> None:
-        if self._failure:
-            raise LogWriteError(self._failure)
-        number, checksum = self._number, self._checksum
-        try:
-            self._at_write_point('begun')
-            self._database.execute('BEGIN IMMEDIATE')
+            if self._failure:
+                raise LogWriteError(self._failure)
+            number, checksum, events = self._number, self._checksum, []
             for kind, content in entries:
                 number, stamp = number + 1, time.time_ns()
                 checksum = _chained(checksum, number, kind, stamp, content)
-                row = (number, kind, stamp, content, checksum)
-                self._database.execute('INSERT INTO events VALUES (?, ?, ?, ?, ?)', row)
-            self._at_write_point('written')
-            self._database.execute('COMMIT')
-            self._at_write_point('committed')
-            self._number, self._checksum = number, checksum
-            self._write_head()
-            self._at_write_point('noted')
-        except (OSError, sqlite3.Error) as error:
-            with contextlib.suppress(sqlite3.Error):
-                self._database.execute('ROLLBACK')
-            reason = (isinstance(error, OSError) and error.strerror) or str(error)
-            self._failure = (
-                f'{self.folder}: the session log cannot be written ({reason}): nothing is asked or taken any more;'
-                ' what was acknowledged is safe; see to the disk and start the learner again'
-            )
-            raise LogWriteError(self._failure) from error
+                events.append(Event(number, kind, stamp, content, checksum))
+            try:
+                self._storage.write(events)
+                self._storage.commit()
+                self._number, self._checksum = number, checksum
+                self._storage.note(_head_of(number, checksum))
+            except (OSError, sqlite3.Error) as error:
+                self._storage.rollback()
+                reason = (isinstance(error, OSError) and error.strerror) or str(error)
+                self._failure = (
+                    f'{self.folder}: the session log cannot be written ({reason}): nothing is asked or taken any more;'
+                    ' what was acknowledged is safe; see to the disk and start the learner again'
+                )
+                raise LogWriteError(self._failure) from error
 
     def close(self) -> None:
         """Let another process write; nothing can be appended any more."""
@@ -178,15 +120,9 @@ class SessionLog:
     def __exit__(self, *_: object) -> None:
         self.close()
 
-    def _write_head(self) -> None:
-        """Note the last event. It is not waited for: a head that lags behind is still one of this log."""
-        head = _head_of(self._number, self._checksum)
-        if os.pwrite(self._head, head, 0) < len(head):
-            raise OSError(errno.ENOSPC, os.strerror(errno.ENOSPC))
-
 
 def read_log(folder: Path) -> LogContents:
-    """What a log holds; nothing in the folder is changed, and a learner may be writing to it.
+    """Read a log; nothing in the folder is changed, and a learner may be writing to it.
 
     Raises:
         SessionLogError: there is no log in the folder, or it cannot be read.
@@ -229,7 +165,8 @@ def repair_log(folder: Path) -> LogContents:
         if database.exists() and kept.exists():
             raise SessionLogError(f'{kept}: exists already; move it away to repair once more')
         with tempfile.TemporaryDirectory(dir=folder, prefix='.repairing-') as made:
-            _write_anew(Path(made), contents.events)
+            last = contents.events[-1]
+            write_anew(Path(made), contents.events, _head_of(last.number, last.checksum))
             # The database first: as long as there is none, the repair is seen to be unfinished.
             for name in (DATABASE, *(DATABASE + suffix for suffix in _JOURNALS), HEAD):
                 if (folder / name).exists() and not (folder / f'{BROKEN}{name}').exists():
@@ -242,22 +179,10 @@ def repair_log(folder: Path) -> LogContents:
     return contents
 
 
-def _write_anew(folder: Path, events: Sequence[Event]) -> None:
-    """A database and a head with these events; closed, so that there is no journal."""
-    with contextlib.closing(sqlite3.connect(folder / DATABASE)) as database:
-        database.execute(_TABLE)
-        rows = [(event.number, event.kind, event.stamp, event.content, event.checksum) for event in events]
-        database.executemany('INSERT INTO events VALUES (?, ?, ?, ?, ?)', rows)
-        database.commit()
-    (folder / HEAD).write_bytes(_head_of(events[-1].number, events[-1].checksum))
-
-
 def _read(folder: Path, live: bool) -> LogContents | None:
-    """What the log of a folder holds; None if there is none.
+    """Read the log of a folder; return None if there is none.
 
-    Args:
-        folder: of the log.
-        live: whether it is written to meanwhile. If it is not, a copy is read: opening a database changes its files.
+    Unless it is live, written to meanwhile, a copy is read: opening a database changes its files.
     """
     names = [DATABASE, DATABASE + _JOURNALS[0], HEAD]
     unfinished = not (folder / DATABASE).exists() and (folder / f'{BROKEN}{DATABASE}').exists()
@@ -265,33 +190,27 @@ def _read(folder: Path, live: bool) -> LogContents | None:
         return None
     if live:
         head = _read_head(folder / HEAD)
-        return _judged(*_read_events(f'file:{_quoted(folder / DATABASE)}?mode=ro'), head)
+        return _judged(*_read_events(f'{(folder / DATABASE).absolute().as_uri()}?mode=ro'), head)
     with tempfile.TemporaryDirectory() as copied:
         for name in names:
             # An interrupted repair may have moved some of the files away and not yet the others.
-            sources = [folder / f'{BROKEN}{name}'] * unfinished + [folder / name]
-            for source in sources:
-                if source.exists():
-                    shutil.copyfile(source, Path(copied) / name)
-                    break
+            kept, source = folder / f'{BROKEN}{name}', folder / name
+            with contextlib.suppress(FileNotFoundError):
+                shutil.copyfile(kept if unfinished and kept.exists() else source, Path(copied) / name)
         head = _read_head(Path(copied) / HEAD)
-        contents = _judged(*_read_events(f'file:{_quoted(Path(copied) / DATABASE)}'), head)
+        contents = _judged(*_read_events((Path(copied) / DATABASE).absolute().as_uri()), head)
     if unfinished and contents.damage is None:
         return LogContents(contents.events, 'a repair was interrupted')
     return contents
 
 
 def _is_unused(head: Path) -> bool:
-    """Whether no event was ever noted: a session that began on a full disk, or was killed at once, leaves no more."""
+    """Return whether no event was ever noted: a session that began on a full disk, or was killed at once."""
     return not head.exists() or _head_of(0, _START).startswith(head.read_bytes())
 
 
-def _quoted(path: Path) -> str:
-    return str(path.absolute()).replace('%', '%25').replace('?', '%3f').replace('#', '%23')
-
-
 def _read_events(uri: str) -> tuple[list[Event], str | None]:
-    """The events of a database up to the first that is damaged, and what is wrong with that."""
+    """Read the events of a database up to the first that is damaged, and say what is wrong with that one."""
     events: list[Event] = []
     checksum = _START
     try:
@@ -307,7 +226,7 @@ def _read_events(uri: str) -> tuple[list[Event], str | None]:
                 events.append(Event(*row))
                 checksum = row[4]
     except (sqlite3.Error, UnicodeError) as error:
-        return events, f'event {len(events) + 1} cannot be read ({_one_line(error)})'
+        return events, f'event {len(events) + 1} cannot be read ({one_line(error)})'
     return events, None
 
 
@@ -327,7 +246,7 @@ def _read_head(path: Path) -> tuple[int, bytes] | str:
 
 
 def _judged(events: Sequence[Event], damage: str | None, head: tuple[int, bytes] | str) -> LogContents:
-    """The events with what is wrong, as the head shows what the database cannot."""
+    """Return the events with what is wrong: the head shows damage that the database cannot show."""
     if isinstance(head, str):
         return LogContents(tuple(events), damage or head)
     number, checksum = head
@@ -341,7 +260,7 @@ def _judged(events: Sequence[Event], damage: str | None, head: tuple[int, bytes]
 
 
 def _chained(previous: bytes, number: int, kind: str, stamp: int, content: bytes) -> bytes:
-    """The checksum of an event."""
+    """Return the checksum of an event."""
     description = f'{number} {kind} {stamp} {len(content)}\n'.encode()
     return hashlib.sha256(previous + description + content).digest()
 
@@ -354,9 +273,7 @@ class _InUseError(SessionLogError):
 def _locked(folder: Path, make: bool = True) -> Iterator[None]:
     """Hold the lock of a log, which ends with the process however that ends.
 
-    Args:
-        folder: of the log.
-        make: whether it is to write. Readers share the lock and make no file for it: where none is, nobody writes.
+    Readers share the lock and make no file for it: where none is, nobody writes.
     """
     path = folder / LOCK
     if not make and not path.exists():
@@ -381,22 +298,4 @@ def _unusable(folder: Path) -> Iterator[None]:
     except OSError as error:
         raise SessionLogError(f'{folder}: the session log cannot be used ({error.strerror})') from error
     except sqlite3.Error as error:
-        raise SessionLogError(f'{folder}: the session log cannot be used ({_one_line(error)})') from error
-
-
-def _killer() -> WritePoint:
-    """Ends the process, as a crash would, at the write point that the environment names."""
-    last = int(os.environ.get(KILL_VARIABLE, 0))
-    count = 0
-
-    def reached(_: str) -> None:
-        nonlocal count
-        count += 1
-        if count == last:
-            os.kill(os.getpid(), signal.SIGKILL)
-
-    return reached
-
-
-def _one_line(error: Exception) -> str:
-    return ' '.join(str(error).split())
+        raise SessionLogError(f'{folder}: the session log cannot be used ({one_line(error)})') from error

@@ -1,4 +1,4 @@
-"""What a session log tells, after it was checked and played."""
+"""Summary of a session's log, which was checked and played."""
 
 from __future__ import annotations
 
@@ -6,15 +6,15 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from al_questioner.domain import Answer, Query
+from al_questioner.event_log.encoding import decoded
 from al_questioner.event_log.events import (
     ActionChosen,
     AnswerAccepted,
+    EpisodeEvent,
     EpisodeStarted,
     InputRejected,
     LateAnswerKept,
     SceneObserved,
-    SessionEvent,
-    decoded,
 )
 from al_questioner.event_log.log import LogContents, SessionLogError
 from al_questioner.event_log.replay import Replay, ReplayError
@@ -43,8 +43,6 @@ class SessionSummary:
     """A session, up to where its log can be trusted.
 
     Attributes:
-        folder: of the log.
-        begun: the episode.
         events: with the time at which each was written, nanoseconds since the epoch.
         episode: as it is after these events.
         fault: what is wrong with the log, and where; None if it is whole.
@@ -52,7 +50,7 @@ class SessionSummary:
 
     folder: Path
     begun: EpisodeStarted
-    events: tuple[tuple[int, SessionEvent], ...]
+    events: tuple[tuple[int, EpisodeEvent], ...]
     episode: Episode
     fault: str | None
 

@@ -1,1 +1,1 @@
-"""The paper's experiments: which episodes, played where, tested how, drawn and written down."""
+"""Experiments of the paper: their plan, runs, statistics, figures and reports."""

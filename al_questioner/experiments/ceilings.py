@@ -1,4 +1,4 @@
-"""What a questioner could reach at most: ceilings that know the truth, so that they are no strategies."""
+"""Upper limits of a questioner's accuracy; these ceilings know the truth, so they are not strategies."""
 
 from __future__ import annotations
 
@@ -12,18 +12,15 @@ from al_questioner.questioning import Teacher, TurnContext, UnlabelledFirst, sym
 from al_questioner.simulation import EpisodeResult, Evaluation, PerceivedWorld, Task, accuracy, play
 
 CEILING_SETTINGS = 'random_fsq'
-"""The strategy whose settings the ceilings share: a learner that selects no features computationally."""
+"""Strategy whose settings the ceilings use: a learner that selects no features computationally."""
 
 
 class GreedyOracle(UnlabelledFirst):
     """One early feature subset query, then the label after which held-out accuracy is highest, scene by scene.
 
-    It is greedy: a label is judged by what it leads to at once. The accuracy is that on the world's second draw of
-    held-out observations, not on those that results are about; among equals, the geometric mean of the probabilities of
-    the true symbols decides. As the budget is spread evenly over the scenes, each change finds some left.
-
-    Args:
-        world: of the episode.
+    It is greedy: a label is judged by its immediate effect. The accuracy is that on the world's second draw of held-out
+    observations, not on those of the results. Among equal accuracies, the geometric mean of the probabilities of the
+    true symbols decides. As the budget is spread evenly over the scenes, some is left at each change.
     """
 
     def __init__(self, world: PerceivedWorld) -> None:
@@ -31,7 +28,7 @@ class GreedyOracle(UnlabelledFirst):
         self._features, self._labels = world.validation_set
 
     def score(self, context: TurnContext) -> NDArray[np.float64]:
-        """(|X|,) rank of each object's label; NaN for what the scene's share of the budget does not allow."""
+        """Return (|X|,) rank of each object's label; NaN for labels beyond the scene's share of the budget."""
         ranks = np.full(len(context.scene), np.nan)
         rows = np.flatnonzero(~context.labelled)
         if context.allowance < context.costs.label or not len(rows):
@@ -47,7 +44,7 @@ class GreedyOracle(UnlabelledFirst):
 
 
 def play_greedy_oracle(evaluation: Evaluation, task: Task, teacher: Teacher) -> EpisodeResult:
-    """The episode of the `GreedyOracle`.
+    """Play the episode of the `GreedyOracle`.
 
     Raises:
         InputError: the world has no second draw of held-out observations.
@@ -57,9 +54,10 @@ def play_greedy_oracle(evaluation: Evaluation, task: Task, teacher: Teacher) -> 
 
 
 def follow_all_labels(evaluation: Evaluation, task: Task, teacher: Teacher) -> EpisodeResult:
-    """What a learner knows that is told, for nothing, every label as it comes into sight, and the relevant features.
+    """Play an episode in which the learner gets the relevant features, and every label as soon as it is in view.
 
-    It asks nothing. No questioner in these scenes can be told more; fewer labels, well chosen, can be more accurate.
+    It asks nothing, and pays nothing. No questioner in these scenes can learn more labels; fewer labels, well chosen,
+    can be more accurate.
     """
     settings, world = evaluation.settings, evaluation.world
     concepts = ConceptLearner(settings.symbols, settings.amplitude, settings.length_scale)
@@ -80,4 +78,4 @@ CEILINGS: Mapping[str, Callable[[Evaluation, Task, Teacher], EpisodeResult]] = {
     'all_labels': follow_all_labels,
     'greedy_oracle': play_greedy_oracle,
 }
-"""Plays each ceiling, by name."""
+"""Functions that play each ceiling, by name."""

@@ -1,4 +1,4 @@
-"""What the paper claims, as statements that the tables of an experiment confirm or not."""
+"""Claims of the paper, as statements that the tables of an experiment confirm or not."""
 
 from __future__ import annotations
 
@@ -19,45 +19,40 @@ TASK_CENTRIC = ('dt_iros', 'dt_task')
 DECISION_THEORETIC = (*TASK_CENTRIC, PAPER_METHOD)
 EQUAL_IN_C2 = 'dt_task'
 CONSERVATIVE = (EQUAL_IN_C2, PAPER_METHOD)
-"""Those that the paper calls conservative, and very similar, where the budget is small and the time ample."""
+"""Strategies that the paper calls conservative, and very similar, with a small budget and much time."""
 SIGNIFICANT = 0.05
 PAPER_COUNTS = {PAPER_METHOD: 134, 'dt_task': 22, 'dt_iros': 9}
-"""Queries in C4 on prepare_lunch, of one sample."""
+"""Numbers of queries of one sample in C4 on prepare_lunch, from the paper."""
 COUNT_FACTOR = 1.5
 EARLY_TURN = 5
-"""The paper's expert asked its feature subset query within so many turns."""
+"""Turn by which the paper's expert had asked its feature subset query."""
 FRESH_TURNS = 3
-"""Turns after a change of the scene in which a questioner that keeps up with it asks more than its share."""
+"""Number of turns after a change of the scene in which a questioner that adapts to it asks more than its share."""
 DEAREST = 2.0
-"""Price of the dearest query: with less than that left, a budget begins to rule out what a richer learner may ask."""
+"""Price of the most expensive query; with less than that left, a small budget begins to exclude queries."""
 
 
 @dataclass(frozen=True)
 class Verdict:
-    """One claim and what became of it.
+    """One claim and its result.
 
     Attributes:
-        claim: what the paper says.
+        claim: the statement of the paper.
         found: our figures.
-        tests: p-values and effects, where the claim is about significance.
-        reproduced: whether the figures bear it out; None where so few samples could not show it.
-        by_construction: whether it holds by what the strategies are, whatever the world.
+        reproduced: whether the figures confirm it; None if there are too few samples to show it.
+        tests: p-values and effects, if the claim is about significance.
+        by_construction: whether it follows from the strategies themselves, in any world.
     """
 
     claim: str
     found: str
-    tests: str
     reproduced: bool | None
+    tests: str = ''
     by_construction: bool = False
 
 
 def verdicts(results: Results, change_intervals: Mapping[str, int]) -> Iterator[Verdict]:
-    """The claims that the experiment has the episodes for.
-
-    Args:
-        results: of the experiment.
-        change_intervals: turns between scene changes, by task.
-    """
+    """Yield a verdict for each claim that the experiment has the episodes for; the intervals are turns, by task."""
     for task in PAPER_TASKS:
         played = [name for name in PAPER_CONDITIONS if _was_played(results, task, name)]
         for name in played:
@@ -80,13 +75,13 @@ def verdicts(results: Results, change_intervals: Mapping[str, int]) -> Iterator[
 
 
 def baseline_comparisons(results: Results, task: str, condition: Condition) -> list[Comparison]:
-    """Comparisons of dt_task_env with each of the paper's baselines, corrected within the condition."""
+    """Return comparisons of dt_task_env with each of the paper's baselines, corrected within the condition."""
     accuracies = results.final_accuracies(task, condition)
     return compare(accuracies[PAPER_METHOD], {name: accuracies[name] for name in BASELINES if name in accuracies})
 
 
 def _was_played(results: Results, task: str, name: str) -> bool:
-    """Whether all four strategies have a sample in common."""
+    """Return whether all four strategies have a sample in common."""
     accuracies = results.final_accuracies(task, PAPER_CONDITIONS[name])
     return all(len(accuracies.get(strategy, ())) for strategy in PAPER_STRATEGIES)
 
@@ -103,19 +98,10 @@ def _accuracy_verdicts(results: Results, task: str, name: str) -> Iterator[Verdi
     if name == 'C2':
         ahead = min(means[strategy] for strategy in CONSERVATIVE)
         rest = max(means[strategy] for strategy in PAPER_STRATEGIES if strategy not in CONSERVATIVE)
-        yield Verdict(
-            f'{where}: accuracy order: {PAPER_METHOD} and {EQUAL_IN_C2} ahead of the others',
-            order,
-            '',
-            exceeds(ahead, rest),
-        )
+        who, confirmed = f'{PAPER_METHOD} and {EQUAL_IN_C2} ahead of the others', exceeds(ahead, rest)
     else:
-        yield Verdict(
-            f'{where}: accuracy order: {PAPER_METHOD} first',
-            order,
-            '',
-            not exceeds(max(means.values()), means[PAPER_METHOD]),
-        )
+        who, confirmed = f'{PAPER_METHOD} first', not exceeds(max(means.values()), means[PAPER_METHOD])
+    yield Verdict(f'{where}: accuracy order: {who}', order, confirmed)
     comparisons = {c.other: c for c in baseline_comparisons(results, task, PAPER_CONDITIONS[name])}
     tests = '; '.join(
         f'{other}: {p_text(c.p)} (Holm {p_text(c.p_holm)}), superiority {c.superiority:.2f}'
@@ -124,11 +110,11 @@ def _accuracy_verdicts(results: Results, task: str, name: str) -> Iterator[Verdi
     differences = ', '.join(f'{c.mean - c.other_mean:+.3f} to {other}' for other, c in comparisons.items())
     beaten = {other for other, c in comparisons.items() if c.p_holm < SIGNIFICANT}
     n = len(results.final_accuracies(task, PAPER_CONDITIONS[name])[PAPER_METHOD])
-    # Of n samples each, perfectly separated.
+    # The smallest p-value of n samples each, perfectly separated.
     can_be_shown = len(comparisons) / math.comb(2 * n, n) < SIGNIFICANT
     if name != 'C2':
         claim = f'{where}: {PAPER_METHOD} statistically outperforms all others'
-        yield Verdict(claim, differences, tests, beaten == set(comparisons) if can_be_shown else None)
+        yield Verdict(claim, differences, beaten == set(comparisons) if can_be_shown else None, tests)
         return
     behind = compare(*_pair(results, task, name, EQUAL_IN_C2, PAPER_METHOD))[0]
     equal = EQUAL_IN_C2 not in beaten and behind.p >= SIGNIFICANT
@@ -136,8 +122,8 @@ def _accuracy_verdicts(results: Results, task: str, name: str) -> Iterator[Verdi
         f'{where}: it statistically outperforms all others but {EQUAL_IN_C2}, to which it is equal'
         ' (no difference found in either direction)',
         differences,
-        f'{tests}; {EQUAL_IN_C2} above it: {p_text(behind.p)}',
         (beaten == set(comparisons) - {EQUAL_IN_C2} and equal) if can_be_shown else None,
+        f'{tests}; {EQUAL_IN_C2} above it: {p_text(behind.p)}',
     )
 
 
@@ -156,7 +142,6 @@ def _never_below_task_centric(results: Results, task: str) -> Verdict:
     return Verdict(
         f'{task}, all conditions: {PAPER_METHOD} always performs at least as well as dt_iros and dt_task',
         ', '.join(f'{name} {gap:+.3f}' for name, gap in gaps.items()) + ' to the better of them',
-        '',
         not exceeds(0.0, min(gaps.values())),
     )
 
@@ -172,11 +157,11 @@ def _asks_at_every_turn(results: Results, task: str, names: Sequence[str]) -> Ve
         found.append(f'{name} in {sum(asked)} of {len(asked)} samples')
         always = always and all(asked)
     claim = f'{task}: u_sampling asks at every turn until its budget is gone'
-    return Verdict(claim, ', '.join(found), '', always, by_construction=True)
+    return Verdict(claim, ', '.join(found), always, by_construction=True)
 
 
 def _asks_for_the_subset_early(results: Results, task: str, names: Sequence[str]) -> Verdict:
-    """In the median, an episode without such a query counting as one that asks it after the end."""
+    """Judge the median turn of the subset query; an episode without one counts as if it were asked after the end."""
     found, early = [], True
     for strategy in DECISION_THEORETIC:
         turns = [
@@ -193,7 +178,6 @@ def _asks_for_the_subset_early(results: Results, task: str, names: Sequence[str]
         f'{task}: the decision-theoretic strategies ask the FSQ early (median by turn {EARLY_TURN}, the bound that the'
         ' paper gives for its expert)',
         '; '.join(found).replace('inf', 'never'),
-        '',
         early,
     )
 
@@ -205,14 +189,12 @@ def _query_counts(results: Results, task: str) -> Iterator[Verdict]:
     yield Verdict(
         f'{task}, C4: about {wanted} (within a factor of {COUNT_FACTOR})',
         found,
-        '',
         all(paper / COUNT_FACTOR <= counts[name] <= paper * COUNT_FACTOR for name, paper in PAPER_COUNTS.items()),
     )
     yield Verdict(
         f'{task}, C4: {PAPER_METHOD} asks about an order of magnitude more than dt_task and dt_iros'
         ' (at least five times)',
         found,
-        '',
         counts[PAPER_METHOD] >= 5 * max(counts[name] for name in TASK_CENTRIC),
     )
 
@@ -223,7 +205,6 @@ def _asks_as_much(results: Results, task: str) -> Verdict:
         f'{task}, C2: {" and ".join(CONSERVATIVE)} ask very similarly (numbers of queries within a factor of'
         f' {COUNT_FACTOR})',
         ' / '.join(f'{count:.0f}' for count in counts) + ' queries',
-        '',
         max(counts) <= COUNT_FACTOR * min(counts),
     )
 
@@ -242,13 +223,15 @@ def _spends_early(results: Results, task: str) -> Verdict:
         f'{task}, C2: {" and ".join(CONSERVATIVE)} use most of their budget closer to the beginning'
         ' (more than half of it in the first half of the time)',
         ', '.join(f'{name} {share:.0%}' for name, share in shares.items()),
-        '',
         min(shares.values()) > 0.5,
     )
 
 
 def _keeps_up_with_the_scene(results: Results, task: str, interval: int) -> Verdict:
-    """Against what asking evenly until the last query would give, which ends within a scene."""
+    """Compare the queries after a change with queries that are spread evenly until the last one.
+
+    The last one comes within a scene.
+    """
     found, tests, does = [], [], True
     for name in (*CONSERVATIVE, 'u_sampling'):
         asked, evenly = [], []
@@ -270,8 +253,8 @@ def _keeps_up_with_the_scene(results: Results, task: str, interval: int) -> Verd
         f' scene, more of the queries in the {FRESH_TURNS} turns after a change than if spread evenly; signed-rank'
         ' test); u_sampling, beside them, does not',
         ', '.join(found),
-        '; '.join(tests),
         does,
+        '; '.join(tests),
     )
 
 
@@ -280,7 +263,7 @@ def _fresh_share(turns: Sequence[int], interval: int) -> float:
 
 
 def _task_centric_do_the_same(results: Results, task: str) -> Verdict:
-    """Compared as long as the smaller budget pays for everything."""
+    """Compare the queries as long as the smaller budget pays for everything."""
     poor, rich = PAPER_CONDITIONS['C2'], PAPER_CONDITIONS['C4']
     same = {}
     for name in TASK_CENTRIC:
@@ -296,12 +279,11 @@ def _task_centric_do_the_same(results: Results, task: str) -> Verdict:
     return Verdict(
         f'{task}: dt_task and dt_iros ask exactly the same in C2 as in C4, as long as the budget lasts',
         ', '.join(f'{name} in {sum(equal)} of {len(equal)} samples' for name, equal in same.items()),
-        '',
         all(all(equal) for equal in same.values()),
         by_construction=True,
     )
 
 
 def _episodes(results: Results, task: str, condition: Condition, strategy: str) -> Mapping[int, Sequence[TurnRow]]:
-    """The turns of each episode, by sample."""
+    """Return the turns of each episode, by sample."""
     return {row.cell.sample: results.turns_of(row.cell) for row in results.group(task, condition, strategy)}

@@ -1,4 +1,4 @@
-"""The figures of the paper, and three more: how well and how each strategy asks, and what accuracy costs."""
+"""Figures of the paper, and three more: questioning behaviour, query kinds, and accuracy by cost."""
 
 from __future__ import annotations
 
@@ -45,16 +45,11 @@ COLOURS = {
 
 
 LONG = 40
-"""The paper shows the questioning behaviour where there are more turns than these."""
+"""Number of turns above which the paper shows the questioning behaviour."""
 
 
 def draw_figures(results: Results, change_intervals: Mapping[str, int], folder: Path) -> list[Path]:
-    """Write all figures of all tasks and return their paths.
-
-    Args:
-        results: of the experiment.
-        change_intervals: turns between scene changes, by task.
-        folder: of the pictures.
+    """Write all figures of all tasks and return their paths; the intervals are turns, by task.
 
     Raises:
         InputError: a picture cannot be written.
@@ -67,38 +62,26 @@ def draw_figures(results: Results, change_intervals: Mapping[str, int], folder: 
             paths.append(_behaviour(results, task, change_intervals[task], folder / f'behaviour_{name}.png'))
             paths.append(_kinds(results, task, folder / f'queries_{name}.png'))
             paths.append(_budget(results, task, folder / f'budget_{name}.png'))
-            paths.append(_cost_curves(results, task, folder / f'accuracy_by_cost_{name}.png'))
+            paths.append(draw_cost_curves(results, task, folder))
     return paths
 
 
-def draw_cost_curves(results: Results, folder: Path) -> list[Path]:
-    """Write how accurate the strategies of all tasks are for what they have spent, and return the pictures' paths.
-
-    Raises:
-        InputError: a picture cannot be written.
-    """
-    with plt.rc_context(STYLE):
-        return [
-            _cost_curves(results, task, folder / f'accuracy_by_cost_{task_label(task)}.png') for task in results.tasks
-        ]
-
-
 def condition_name(condition: Condition) -> str:
-    """The condition in words, with the paper's number if it has one."""
+    """Return the condition in words, with the paper's number if it has one."""
     numbered = {value: name for name, value in PAPER_CONDITIONS.items()}
     limits = f'budget {condition.budget:g}, {number_of(condition.turns, "turn")}'
     return f'{numbered[condition]}: {limits}' if condition in numbered else limits
 
 
 def _conditions(results: Results, task: str) -> list[Condition]:
-    """The conditions as the paper lays them out: budget rises upwards, time to the right."""
+    """Return the conditions in the layout of the paper: budget rises upwards, time to the right."""
     return sorted(results.conditions(task), key=lambda condition: (-condition.budget, condition.turns))
 
 
 def _panels(
     results: Results, task: str, height: float, same_scale: bool = False
 ) -> tuple[Figure, list[tuple[Axes, Condition]]]:
-    """A figure with a panel for each condition, two in a row."""
+    """Return a figure with a panel for each condition, two in a row."""
     conditions = _conditions(results, task)
     columns = min(2, len(conditions))
     rows = -(-len(conditions) // columns)
@@ -114,20 +97,23 @@ def _panels(
 
 
 def _finish(figure: Figure, columns: int, path: Path) -> Path:
-    """Save a figure with the legend of its first panel below, in fewer columns than these where they would not fit."""
+    """Save a figure with the legend of its first panel below, in fewer columns if they would not fit."""
     put_legend_below(figure, columns, *figure.axes[0].get_legend_handles_labels())
     return save(figure, path)
 
 
 def _line(strategy: str) -> dict[str, Any]:
-    """How the line of a strategy looks: those of the paper and ours drawn through, controls dashed, ceilings dotted."""
+    """Return the style of a strategy's line.
+
+    It is solid for the strategies of the paper and ours, dashed for controls, and dotted for ceilings.
+    """
     style = '--' if strategy in CONTROLS else ':' if strategy in CEILINGS else '-'
     width = 2.6 if strategy in PROPOSED else 1.6
     return {'color': COLOURS.get(strategy), 'linestyle': style, 'linewidth': width, 'label': strategy}
 
 
 def _learning_curves(results: Results, task: str, path: Path) -> Path:
-    """Accuracy after each turn, with the standard error of the paper's strategies; of all it would be a blur."""
+    """Draw accuracy after each turn, with the standard error of the paper's strategies only, to keep it readable."""
     figure, panels = _panels(results, task, 3.6, same_scale=True)
     for panel, condition in panels:
         for strategy in results.strategies:
@@ -145,7 +131,7 @@ def _learning_curves(results: Results, task: str, path: Path) -> Path:
 
 
 def _behaviour(results: Results, task: str, change_interval: int, path: Path) -> Path:
-    """When each strategy asked what, in the first sample."""
+    """Draw the queries of each strategy over time, in the first sample."""
     conditions = _conditions(results, task)
     conditions = [condition for condition in conditions if condition.turns > LONG] or conditions[-1:]
     strategies = _askers(results)
@@ -173,7 +159,7 @@ def _draw_queries(axes: Axes, results: Results, cell: Cell, height: float) -> No
 
 
 def _kinds(results: Results, task: str, path: Path) -> Path:
-    """Queries of each kind, mean over the samples."""
+    """Draw the number of queries of each kind, mean over the samples."""
     figure, panels = _panels(results, task, 3.0)
     strategies = _askers(results)
     positions = -np.arange(len(strategies))
@@ -195,7 +181,7 @@ def _mean_count(results: Results, task: str, condition: Condition, strategy: str
 
 
 def _budget(results: Results, task: str, path: Path) -> Path:
-    """Share of the budget spent over time, mean over the samples."""
+    """Draw the share of the budget spent over time, mean over the samples."""
     figure, panels = _panels(results, task, 3.0, same_scale=True)
     for panel, condition in panels:
         for strategy in _askers(results):
@@ -208,21 +194,28 @@ def _budget(results: Results, task: str, path: Path) -> Path:
     return _finish(figure, 4, path)
 
 
-def _cost_curves(results: Results, task: str, path: Path) -> Path:
-    """Accuracy by what was spent, mean over the samples; a line ends at the mean of what is spent in the end."""
-    figure, panels = _panels(results, task, 3.6, same_scale=True)
-    for panel, condition in panels:
-        for strategy in _askers(results):
-            curves, spent = results.curves(task, condition, strategy), _spent(results, task, condition, strategy)
-            if len(curves):
-                costs = np.linspace(0, spent[:, -1].mean(), 101)
-                panel.plot(costs, accuracy_by_cost(curves, spent, costs).mean(axis=0), **_line(strategy))
-        panel.set(xlabel='spent', ylabel='accuracy', ylim=(0, 1), xlim=(0, None))
-    return _finish(figure, 4, path)
+def draw_cost_curves(results: Results, task: str, folder: Path) -> Path:
+    """Write how accurate the strategies are for what they have spent, mean over the samples.
+
+    A line ends at the mean of what is spent in the end.
+
+    Raises:
+        InputError: the picture cannot be written.
+    """
+    with plt.rc_context(STYLE):
+        figure, panels = _panels(results, task, 3.6, same_scale=True)
+        for panel, condition in panels:
+            for strategy in _askers(results):
+                curves, spent = results.curves(task, condition, strategy), _spent(results, task, condition, strategy)
+                if len(curves):
+                    costs = np.linspace(0, spent[:, -1].mean(), 101)
+                    panel.plot(costs, accuracy_by_cost(curves, spent, costs).mean(axis=0), **_line(strategy))
+            panel.set(xlabel='spent', ylabel='accuracy', ylim=(0, 1), xlim=(0, None))
+        return _finish(figure, 4, folder / f'accuracy_by_cost_{task_label(task)}.png')
 
 
 def accuracy_by_cost(curves: np.ndarray, spent: np.ndarray, costs: np.ndarray) -> np.ndarray:
-    """(n, k) accuracy at the end of the last turn by which no more than each cost was spent; of the first, if none.
+    """Return (n, k) accuracy at the end of the last turn with at most each cost spent; of the first turn, if none.
 
     Args:
         curves: (n, T) accuracy after each turn.
@@ -234,7 +227,7 @@ def accuracy_by_cost(curves: np.ndarray, spent: np.ndarray, costs: np.ndarray) -
 
 
 def _askers(results: Results) -> list[str]:
-    """The strategies that ask; `all_labels` is told without asking."""
+    """Return the strategies that ask; `all_labels` learns without asking."""
     return [name for name in results.strategies if name != 'all_labels']
 
 

@@ -1,4 +1,4 @@
-"""How long the rest of an experiment will take."""
+"""Forecast of the remaining time of an experiment."""
 
 from __future__ import annotations
 
@@ -11,12 +11,9 @@ from al_questioner.experiments.plan import Cell
 
 
 class Forecast:
-    """From how long episodes like those that are left took, and how many at once were played so far.
+    """Forecast from the durations of similar episodes, and from the number of episodes that run in parallel.
 
-    Like means: of the same task, limits and strategy; if there are none, of the same strategy, or any.
-
-    Args:
-        cells: that are to be played.
+    Similar means of the same task, limits and strategy; if there are none, of the same strategy, or any.
     """
 
     def __init__(self, cells: Iterable[Cell]) -> None:
@@ -27,13 +24,13 @@ class Forecast:
         self._began = time.monotonic()
 
     def played(self, cell: Cell, seconds: float) -> None:
-        """Take in that a cell was played, and how long that took the process that did it."""
+        """Record that a cell was played, and how many seconds its process needed."""
         self._left[cell] -= 1
         for likeness in _likenesses(cell):
             self._took[likeness].append(seconds)
 
     def seconds_left(self) -> float | None:
-        """Of the clock on the wall; None as long as nothing is known."""
+        """Return the remaining seconds of real time; None as long as nothing is known."""
         whole = sum(self._took[None])
         elapsed = time.monotonic() - self._began
         if whole <= 0 or elapsed <= 0:

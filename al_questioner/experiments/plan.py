@@ -1,4 +1,4 @@
-"""Which episodes an experiment consists of, and what they share."""
+"""Plan of an experiment: its episodes, and the settings that they share."""
 
 from __future__ import annotations
 
@@ -28,7 +28,7 @@ from al_questioner.simulation import Interval, Task, load_task
 
 @dataclass(frozen=True)
 class Condition:
-    """The limits of an episode: query budget, and number of turns."""
+    """Limits of an episode: query budget, and number of turns."""
 
     budget: float
     turns: int
@@ -43,10 +43,10 @@ PAPER_CONDITIONS = {
     'C3': Condition(500, 40),
     'C4': Condition(500, 150),
 }
-"""Section 4.3 of the paper."""
+"""Conditions of section 4.3 of the paper, by name."""
 PAPER_STRATEGIES = ('u_sampling', 'dt_iros', 'dt_task', 'dt_task_env')
 PROPOSED = ('value_per_cost',)
-"""Ours, beside those of the paper."""
+"""Strategies that we propose, in addition to those of the paper."""
 CONTROLS = ('u_sampling_fsq', 'random_fsq', 'farthest_fsq', 'rarest_demo')
 PAPER_TASKS = ('prepare_lunch', 'pack_lunchbox')
 
@@ -57,23 +57,23 @@ SELECTORS: Mapping[str, Selector | None] = {
     'Kruskal-Wallis': partial(select_features, p_values=rank_p_values),
     'none': None,
 }
-"""Computational feature selectors of u_sampling, by name; the first is its own."""
+"""Computational feature selectors of u_sampling, by name; the first is its default."""
 
 
 @dataclass(frozen=True)
 class Variation:
-    """What an experiment changes in its tasks and learners; the default changes nothing.
+    """Changes that an experiment makes to its tasks and learners; the default changes nothing.
 
     Attributes:
         change_interval: turns between scene changes; None for the task's.
-        synchrony: how synchronously the objects change their state, in [0, 1]; None for the task's.
+        synchrony: probability that an object follows the common clock of states, in [0, 1]; None for the task's.
         wrong_rate: share of the teacher's answers that are wrong.
         unknown_rate: share of the queries that the teacher has no answer to.
-        weights: by strategy, weights of its features; those that ship for the others.
-        selector: of u_sampling, a key of `SELECTORS`.
+        weights: by strategy, weights of its features; other strategies have the shipped ones.
+        selector: selector of u_sampling, a key of `SELECTORS`.
         repeats: whether u_sampling may ask about a view that has been labelled.
-        amplitude: of the kernel.
-        repeat_shown: whether the teacher shows also what is known when other things of the symbol are there.
+        amplitude: amplitude of the kernel.
+        repeat_shown: whether the teacher may show a known object when there are unknown ones of the symbol.
     """
 
     change_interval: int | None = None
@@ -83,25 +83,22 @@ class Variation:
     selector: str = 'anova'
     repeats: bool = True
     unknown_rate: float = 0.0
-    amplitude: float = AMPLITUDE
+    amplitude: float = AMPLITUDE.default
     repeat_shown: bool = False
 
     def strategy(self, name: str) -> Strategy | None:
-        """The strategy of this name as it is varied; None for one that is as its settings say."""
+        """Return the varied strategy of this name; None for one that follows its settings."""
         return UncertaintySampling(SELECTORS[self.selector], self.repeats) if name == 'u_sampling' else None
 
     def task(self, name: str) -> Task:
-        """The task, varied.
+        """Return the varied task.
 
         Raises:
             InputError: no such task.
         """
         task = load_task(name)
-        changes: dict[str, Any] = {}
-        if self.change_interval is not None:
-            changes['change_interval'] = self.change_interval
-        if self.synchrony is not None:
-            changes['synchrony'] = self.synchrony
+        wanted: dict[str, Any] = {'change_interval': self.change_interval, 'synchrony': self.synchrony}
+        changes = {name: value for name, value in wanted.items() if value is not None}
         if not changes:
             return task
         variety = task.variety
@@ -111,13 +108,13 @@ class Variation:
 
 
 def shipped_weights() -> Mapping[str, Weights]:
-    """The weights in `config/weights` of the strategies that have some."""
+    """Return the weights in `config/weights` of the strategies that have some."""
     paths = {name: shipped_file(name) for name in (*PAPER_STRATEGIES, *PROPOSED)}
     return {name: read_weights(path) for name, path in paths.items() if path is not None}
 
 
 def task_label(name: str) -> str:
-    """What a task is called in tables' headings and files' names: of a path, the name of the file."""
+    """Return the name of a task in tables' headings and files' names: for a path, the name of the file."""
     return Path(name).stem if name.endswith('.yaml') else name
 
 
@@ -136,12 +133,12 @@ class Cell:
 
     @property
     def condition(self) -> Condition:
-        """The limits of the episode."""
+        """Limits of the episode."""
         return Condition(self.budget, self.turns)
 
     @property
     def seed(self) -> int:
-        """Of scenes, learner and teacher."""
+        """Seed of scenes, learner and teacher."""
         return self.sample
 
 
@@ -154,7 +151,7 @@ class Plan:
         conditions: limits.
         strategies: names.
         samples: numbers of samples of observations.
-        variation: what is changed in all of them.
+        variation: changes in all of them.
 
     Raises:
         InputError: an unknown task or strategy, one that cannot be imported, or nothing to play.
@@ -188,9 +185,9 @@ class Plan:
             self.variation.task(name)
 
     def groups(self) -> Iterator[tuple[Cell, ...]]:
-        """The cells, together those that share a world.
+        """Yield the cells in groups that share a world.
 
-        Sample by sample, so that the first ones tell how long the others will take.
+        They come sample by sample, so that the duration of the first ones predicts that of the others.
         """
         for sample, task in itertools.product(self.samples, self.tasks):
             yield tuple(
@@ -199,11 +196,11 @@ class Plan:
             )
 
     def cells(self) -> Sequence[Cell]:
-        """All cells."""
+        """Return all cells."""
         return [cell for group in self.groups() for cell in group]
 
     def task_document(self, name: str) -> dict[str, Any]:
-        """What determines the world of a task, for the manifest: its members, down to numbers and names."""
+        """Return all that determines the world of a task, for the manifest, as numbers and names."""
 
         def members(value: Any) -> Any:
             if dataclasses.is_dataclass(value):
@@ -214,12 +211,5 @@ class Plan:
         return document
 
     def document(self) -> dict[str, Any]:
-        """What determines the results, for the manifest."""
-        variation = dataclasses.asdict(self.variation)
-        return {
-            'tasks': list(self.tasks),
-            'conditions': [dataclasses.asdict(condition) for condition in self.conditions],
-            'strategies': list(self.strategies),
-            'samples': list(self.samples),
-            'variation': variation,
-        }
+        """Return all that determines the results, for the manifest."""
+        return dataclasses.asdict(self)

@@ -1,4 +1,4 @@
-"""Playing the episodes of an experiment, wherever: what a worker process does."""
+"""Playing of an experiment's episodes, as a worker process does it."""
 
 from __future__ import annotations
 
@@ -25,40 +25,21 @@ from al_questioner.simulation import (
 
 Row = dict[str, Any]
 
-EPISODE_COLUMNS = (
-    'task',
-    'budget',
-    'turns',
-    'strategy',
-    'sample',
-    'seed',
-    'final_accuracy',
-    'mean_accuracy',
-    'queries',
-    'spent',
-)
-TURN_COLUMNS = (
-    *EPISODE_COLUMNS[:6],
-    'turn',
-    'accuracy',
-    'kind',
-    'object_id',
-    'symbol',
-    'outcome',
-    'spent',
-)
+CELL_COLUMNS = ('task', 'budget', 'turns', 'strategy', 'sample', 'seed')
+EPISODE_COLUMNS = (*CELL_COLUMNS, 'final_accuracy', 'mean_accuracy', 'queries', 'spent')
+TURN_COLUMNS = (*CELL_COLUMNS, 'turn', 'accuracy', 'kind', 'object_id', 'symbol', 'outcome', 'spent')
 
 
 @dataclass(frozen=True)
 class Played:
-    """What came of a cell.
+    """Result of a cell.
 
     Attributes:
-        cell: that was played.
+        cell: the cell.
         episode: a row by `EPISODE_COLUMNS`; empty if it failed.
         turns: rows by `TURN_COLUMNS`.
-        error: why it failed; empty if it did not.
-        seconds: that it took, the opening of its world included if it was the first one there.
+        error: reason of a failure; empty if there was none.
+        seconds: its duration, with the opening of its world if it was the first one there.
     """
 
     cell: Cell
@@ -69,13 +50,7 @@ class Played:
 
 
 def play_cells(cells: Sequence[Cell], variation: Variation, dataset: str = '') -> Iterator[Played]:
-    """Play episodes in one world, one after the other; one that fails does not keep the others from being played.
-
-    Args:
-        cells: of the same task and sample.
-        variation: of all of them.
-        dataset: root of a directory of crops, for tasks that read one.
-    """
+    """Play episodes of one task and sample in one world, one after the other; a failure does not stop the others."""
     for cell in cells:
         began = time.monotonic()
         played = _play(cell, variation, dataset)
@@ -85,7 +60,7 @@ def play_cells(cells: Sequence[Cell], variation: Variation, dataset: str = '') -
 def _play(cell: Cell, variation: Variation, dataset: str) -> Played:
     try:
         return _rows(cell, play_episode(cell, variation, dataset))
-    except Exception as error:  # noqa: BLE001 - whatever it is, it is reported, and the experiment goes on
+    except Exception as error:  # noqa: BLE001 - any error is reported, and the experiment goes on
         return Played(cell, {}, (), f'{type(error).__name__}: {error}')
 
 
@@ -115,20 +90,13 @@ def play_episode(cell: Cell, variation: Variation, dataset: str = '') -> Episode
 def _open_world(
     task: str, sample: int, change_interval: int | None, synchrony: float | None, dataset: str
 ) -> PerceivedWorld:
-    """The world of a sample, kept for the next cells of the same one: its views are drawn and measured once."""
+    """Return the world of a sample; it is kept for the next cells, so that its views are drawn and measured once."""
     varied = Variation(change_interval, synchrony).task(task)
     return PerceivedWorld(WorldSpec(varied, sample, sample, Path(dataset) if dataset else None).open())
 
 
 def _rows(cell: Cell, result: EpisodeResult) -> Played:
-    shared = {
-        'task': cell.task,
-        'budget': cell.budget,
-        'turns': cell.turns,
-        'strategy': cell.strategy,
-        'sample': cell.sample,
-        'seed': cell.seed,
-    }
+    shared = {**dataclasses.asdict(cell), 'seed': cell.seed}
     episode = {
         **shared,
         'final_accuracy': result.final_accuracy,
@@ -141,15 +109,8 @@ def _rows(cell: Cell, result: EpisodeResult) -> Played:
     for turn, accuracy in enumerate(result.accuracy, 1):
         record = by_turn.get(turn)
         spent += record.cost if record else 0.0
-        told = (
-            {'kind': 'no_query', 'object_id': None, 'symbol': None, 'outcome': None}
-            if record is None
-            else {
-                'kind': record.kind.value,
-                'object_id': record.object_id,
-                'symbol': record.symbol,
-                'outcome': record.outcome.value,
-            }
-        )
-        turns.append({**shared, 'turn': turn, 'accuracy': accuracy, **told, 'spent': spent})
+        told: tuple[object, ...] = ('no_query', None, None, None)
+        if record is not None:
+            told = (record.kind.value, record.object_id, record.symbol, record.outcome.value)
+        turns.append(shared | dict(zip(TURN_COLUMNS[6:], (turn, accuracy, *told, spent), strict=True)))
     return Played(cell, episode, tuple(turns))

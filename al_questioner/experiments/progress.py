@@ -1,10 +1,9 @@
-"""How far an experiment is: a bar in a terminal, a plain line now and then elsewhere."""
+"""Progress of an experiment: a bar in a terminal, otherwise a line at intervals."""
 
 from __future__ import annotations
 
 from collections.abc import Sequence
 from datetime import timedelta
-from types import TracebackType
 
 from rich import progress as bars
 from rich.console import Console
@@ -14,15 +13,15 @@ from al_questioner.experiments.plan import Cell
 from al_questioner.experiments.playing import Played
 
 PARTS = 10
-"""Of what is to be played: outside a terminal, a line tells of the end of each."""
+"""Number of parts of an experiment; outside a terminal, a line reports the end of each."""
 
 
 class ExperimentProgress:
-    """A context manager; tell it what will be played, and of each cell that was.
+    """Context manager that shows the progress; it must be told of the cells to play and of each played cell.
 
     Args:
         console: where to show it.
-        total: number of cells, those that were played before included.
+        total: number of cells, including those that were played before.
 
     Attributes:
         before: number of cells that were played before; None as long as that is not known.
@@ -44,27 +43,25 @@ class ExperimentProgress:
             transient=True,
             disable=not console.is_terminal,
         )
-        self._task = self._bar.add_task('looking what is there already', total=total, left='')
+        self._task = self._bar.add_task('checking the stored episodes', total=total, left='')
 
     def __enter__(self) -> ExperimentProgress:
         self._bar.start()
         return self
 
-    def __exit__(
-        self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
-    ) -> None:
-        # Before rich 14 the end of a bar is an empty line, even if the bar is disabled.
+    def __exit__(self, *_: object) -> None:
+        # Before rich 14 a bar ends with an empty line, even if it is disabled.
         if not self._bar.disable:
             self._bar.stop()
 
     def begin(self, cells: Sequence[Cell]) -> None:
-        """Hear what is to be played."""
+        """Receive the cells to play."""
         self.before = self._total - len(cells)
         self._forecast = Forecast(cells)
         self._bar.update(self._task, completed=self.before, description='playing')
 
     def watch(self, played: Played) -> None:
-        """Hear of a cell that was played."""
+        """Receive a cell that was played."""
         self._played += 1
         self._forecast.played(played.cell, played.seconds)
         seconds = self._forecast.seconds_left()

@@ -65,7 +65,7 @@ the training."""
 
 @dataclass(frozen=True, eq=False)
 class Page:
-    """What a page is about.
+    """Subject of a page.
 
     Attributes:
         command: that produced it.
@@ -87,12 +87,7 @@ class Page:
 
 
 def report(page: Page, folder: Path) -> str:
-    """The page in Markdown.
-
-    Args:
-        page: its contents.
-        folder: where it will lie, for the links.
-    """
+    """Write the page in Markdown, with links from the folder in which it will lie."""
     results = page.results
     parts = [
         '# Reproduction' if PAPER_METHOD in results.strategies else '# Comparison of questioning strategies',
@@ -131,7 +126,7 @@ def _relative(path: Path, folder: Path) -> str:
 
 
 def _first_paragraph(results: Results) -> str:
-    """What a reader must not miss: where a simple rule, or another of its strategies, is better than its method."""
+    """Write first what is against the method: a simple rule, or another strategy of the paper, that is better."""
     beaten, others, cells = [], [], 0
     for task in results.tasks:
         for condition in results.conditions(task):
@@ -170,7 +165,7 @@ def _first_paragraph(results: Results) -> str:
 
 
 def _not_compared(strategies: Sequence[str]) -> str:
-    """Why the method of the paper stands beside no control."""
+    """Say why the method of the paper stands beside no control."""
     controls = any(name in CONTROLS for name in strategies)
     if PAPER_METHOD not in strategies:
         beside = 'Controls were played, but' if controls else 'No control was played, and'
@@ -181,7 +176,7 @@ def _not_compared(strategies: Sequence[str]) -> str:
 
 
 def _second_paragraph(results: Results, change_intervals: Mapping[str, int]) -> str:
-    """How many of the paper's claims hold."""
+    """Count the claims of the paper that hold."""
     counts = []
     for samples in dict.fromkeys((results.samples[:PAPER_SAMPLES], results.samples)):
         found = list(verdicts(results.of_samples(samples), change_intervals))
@@ -196,7 +191,7 @@ def _second_paragraph(results: Results, change_intervals: Mapping[str, int]) -> 
 
 
 def _claims(results: Results, change_intervals: Mapping[str, int]) -> list[str]:
-    """The claims, tested on as many samples as the paper had, and, if there are more, on all."""
+    """Write the claims, tested on as many samples as the paper had, and, if there are more, on all."""
     first = results.samples[:PAPER_SAMPLES]
     parts = [ABOUT_CLAIMS]
     for samples in dict.fromkeys((first, results.samples)):
@@ -280,7 +275,7 @@ def _short(p: float) -> str:
 
 
 def _study(study: Study, comparison: Results, found: Mapping[str, Results]) -> list[str]:
-    """A table of each cell with a column for each variant, or, of a single strategy, one with a row for each."""
+    """Write a table of each cell with a column for each variant, or, of a single strategy, one with a row for each."""
     plan = next(iter(study.plans.values()))
     own = comparison.of_samples(plan.samples)
     cells = [(task, condition) for task in plan.tasks for condition in plan.conditions]
@@ -313,7 +308,7 @@ def _study(study: Study, comparison: Results, found: Mapping[str, Results]) -> l
 def _better_than_ours(
     strategy: str, own: Results, columns: Mapping[str, Results], cells: Sequence[tuple[str, Condition]]
 ) -> str:
-    """Which variants of a strategy are more accurate, in the mean, than dt_task_env."""
+    """Name the variants of a strategy that are more accurate, in the mean, than dt_task_env."""
     found = []
     for task, condition in cells:
         ours = own.mean_accuracy(task, condition, PAPER_METHOD)

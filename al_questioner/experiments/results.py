@@ -1,4 +1,4 @@
-"""What an experiment found, read from its tables."""
+"""Results of an experiment, read from its tables."""
 
 from __future__ import annotations
 
@@ -29,7 +29,7 @@ class EpisodeRow:
 
 @dataclass(frozen=True, eq=False)
 class TurnRow:
-    """A row of `turns.csv`; `kind` is 'no_query' where nothing was asked."""
+    """A row of `turns.csv`; `kind` is 'no_query' for a turn without a query."""
 
     cell: Cell
     turn: int
@@ -53,19 +53,8 @@ class Results:
     episodes: Sequence[EpisodeRow]
     turns: Sequence[TurnRow]
 
-    def beside(self, other: Results) -> Results:
-        """These and those of another experiment.
-
-        Raises:
-            InputError: both hold an episode, which would count double.
-        """
-        both = {row.cell for row in self.episodes} & {row.cell for row in other.episodes}
-        if both:
-            raise InputError(f'an episode is there twice: {min(both)}')
-        return Results([*self.episodes, *other.episodes], [*self.turns, *other.turns])
-
     def of_samples(self, samples: Collection[int]) -> Results:
-        """The part of it that is about these samples."""
+        """Return the results of these samples."""
         return Results(
             [row for row in self.episodes if row.cell.sample in samples],
             [row for row in self.turns if row.cell.sample in samples],
@@ -73,24 +62,24 @@ class Results:
 
     @cached_property
     def samples(self) -> tuple[int, ...]:
-        """The numbers of the samples."""
+        """Numbers of the samples."""
         return tuple(sorted({row.cell.sample for row in self.episodes}))
 
     @cached_property
     def tasks(self) -> tuple[str, ...]:
-        """The tasks: those of the paper first."""
+        """Tasks, those of the paper first."""
         found = dict.fromkeys(row.cell.task for row in self.episodes)
         return (*(name for name in PAPER_TASKS if name in found), *(name for name in found if name not in PAPER_TASKS))
 
     @cached_property
     def strategies(self) -> tuple[str, ...]:
-        """The strategies: those of the paper first, then ours, the controls, then the ceilings, then others."""
+        """Strategies: those of the paper first, then ours, the controls, then the ceilings, then others."""
         known = (*PAPER_STRATEGIES, *PROPOSED, *CONTROLS, *CEILINGS)
         found = dict.fromkeys(row.cell.strategy for row in self.episodes)
         return (*(name for name in known if name in found), *(name for name in found if name not in known))
 
     def conditions(self, task: str) -> tuple[Condition, ...]:
-        """The conditions of a task."""
+        """Return the conditions of a task."""
         return tuple(dict.fromkeys(row.cell.condition for row in self.episodes if row.cell.task == task))
 
     @cached_property
@@ -108,16 +97,16 @@ class Results:
         return {cell: sorted(rows, key=lambda row: row.turn) for cell, rows in cells.items()}
 
     def group(self, task: str, condition: Condition, strategy: str) -> list[EpisodeRow]:
-        """The episodes of a task, a condition and a strategy, by sample."""
+        """Return the episodes of a task, a condition and a strategy, by sample."""
         return self._by_group.get((task, condition, strategy), [])
 
     def mean_accuracy(self, task: str, condition: Condition, strategy: str) -> float | None:
-        """At the end of the time, over the samples; None without any."""
+        """Return the accuracy at the end of the time, mean over the samples; None without any."""
         values = [row.final_accuracy for row in self.group(task, condition, strategy)]
         return float(np.mean(values)) if values else None
 
     def final_accuracies(self, task: str, condition: Condition) -> dict[str, Array]:
-        """By strategy, (n,) accuracies at the end of the time, of the samples that all strategies have."""
+        """Return (n,) accuracies at the end of the time by strategy, of the samples that all strategies have."""
         groups = {name: self.group(task, condition, name) for name in self.strategies}
         groups = {name: rows for name, rows in groups.items() if rows}
         shared = set.intersection(*({row.cell.sample for row in rows} for rows in groups.values())) if groups else set()
@@ -127,11 +116,11 @@ class Results:
         }
 
     def turns_of(self, cell: Cell) -> list[TurnRow]:
-        """The turns of an episode, in order."""
+        """Return the turns of an episode, in order."""
         return self._turns_by_cell.get(cell, [])
 
     def curves(self, task: str, condition: Condition, strategy: str) -> Array:
-        """(n, T) accuracy after each turn, by sample."""
+        """Return (n, T) accuracy after each turn, by sample."""
         rows = [self.turns_of(row.cell) for row in self.group(task, condition, strategy)]
         return np.array([[turn.accuracy for turn in episode] for episode in rows])
 
@@ -140,7 +129,7 @@ def read_results(folder: Path) -> Results:
     """Read `episodes.csv` and `turns.csv` of an experiment.
 
     Raises:
-        InputError: a table is missing or is none of an experiment.
+        InputError: a table is missing or is not one of an experiment.
     """
     episodes = [
         EpisodeRow(
@@ -170,22 +159,6 @@ def read_results(folder: Path) -> Results:
     return Results(episodes, turns)
 
 
-def read_together(folders: Sequence[Path]) -> Results:
-    """Read the tables of several experiments as if they were one.
-
-    Raises:
-        InputError: a table is missing or is none of an experiment, or a folder holds an episode of one before it.
-    """
-    together = Results([], [])
-    for folder in folders:
-        found = read_results(folder)
-        try:
-            together = together.beside(found)
-        except InputError as error:
-            raise InputError(f'{folder}: {error}') from error
-    return together
-
-
 def _rows(path: Path) -> list[dict[str, str]]:
     try:
         with path.open(newline='', encoding='utf-8') as file:
@@ -198,4 +171,4 @@ def _cell(row: Mapping[str, str]) -> Cell:
     try:
         return Cell(row['task'], float(row['budget']), int(row['turns']), row['strategy'], int(row['sample']))
     except (KeyError, ValueError) as error:
-        raise InputError(f'a row of the tables is none of an experiment ({error})') from error
+        raise InputError(f'a row of the tables is not one of an experiment ({error})') from error

@@ -1,4 +1,4 @@
-"""Running experiments: spread over processes or a cluster, resumed where they were interrupted."""
+"""Running of experiments: in several processes or on a cluster, resumed after an interruption."""
 
 from __future__ import annotations
 
@@ -17,10 +17,10 @@ from al_questioner.experiments.storing import Store
 from al_questioner.support import interrupts
 
 GROUPS_PER_JOB = 4
-"""With fewer worlds for each process than that, the conditions of one are spread over several processes."""
+"""Number of worlds per process below which the conditions of one world are spread over several processes."""
 
 WAIT_SECONDS = 30
-"""For the first worker of a cluster."""
+"""Seconds to wait for the first worker of a cluster."""
 
 Work = tuple[int, Store, Sequence[Cell], bool]
 """Arguments of `_play`."""
@@ -37,11 +37,11 @@ def run(
     """Play all cells of some experiments that are not stored yet, and return those that failed.
 
     Args:
-        stores: of the experiments.
+        stores: stores of the experiments.
         jobs: number of local processes; 1 for this one.
-        scheduler: address of a dask scheduler that spreads the work instead.
-        begin: told of the cells that will be played.
-        watch: told of each cell that was played.
+        scheduler: address of a dask scheduler that distributes the work instead.
+        begin: called with the cells that will be played.
+        watch: called with each cell that was played.
 
     Raises:
         EpisodeError: a worker process died.
@@ -66,15 +66,15 @@ def run(
 
 
 def _by_condition(cells: Sequence[Cell]) -> list[tuple[Cell, ...]]:
-    """The cells of each condition: more, but smaller pieces of work, each of which opens the world anew."""
+    """Return the cells of each condition: more, but smaller pieces of work, each of which opens the world again."""
     return [tuple(part) for _, part in itertools.groupby(cells, lambda cell: cell.condition)]
 
 
 def _play(number: int, store: Store, cells: Sequence[Cell], keep: bool) -> tuple[int, list[Played]]:
-    """Play the cells of an experiment, and store each as soon as it is finished, if the folder is this machine's.
+    """Play the cells of an experiment, and store each at once if the folder is on this machine.
 
     Returns:
-        The number of the experiment, as results come in any order, and what was played.
+        The number of the experiment, since results come in any order, and the played cells.
     """
     found = []
     for played in play_cells(cells, store.plan.variation, store.dataset):
@@ -94,9 +94,9 @@ def _locally(work: Sequence[Work], jobs: int) -> Results:
     try:
         parallel = Parallel(return_as='generator_unordered', **options)
     except ValueError:
-        # Before joblib 1.4 what is finished early is told in its turn.
+        # Before joblib 1.4 results come in the order of the work.
         parallel = Parallel(return_as='generator', **options)
-    # It unblocks interrupts as it starts, and would start among the workers; joblib's own does so with `parallel`.
+    # The tracker unblocks interrupts when it starts, so start it before the workers, as joblib starts its own.
     resource_tracker.ensure_running()
     try:
         with parallel:
@@ -104,14 +104,14 @@ def _locally(work: Sequence[Work], jobs: int) -> Results:
                 results = parallel(delayed(_play)(*piece) for piece in work)
             yield from results
     except BrokenExecutor as error:
-        raise EpisodeError('a worker process died (of memory?); what was played is kept, start it again') from error
+        raise EpisodeError('a worker died (out of memory?); finished episodes are kept, start it again') from error
 
 
 def _on_cluster(work: Sequence[Work], scheduler: str) -> Results:
     """Play on the workers of a dask cluster.
 
     Raises:
-        EpisodeError: no worker came, or one that played the same again and again died.
+        EpisodeError: no worker came, or workers died repeatedly at the same episodes.
         InputError: dask is not installed, or there is no scheduler at the address.
     """
     try:
@@ -132,4 +132,4 @@ def _on_cluster(work: Sequence[Work], scheduler: str) -> Results:
             for future in as_completed(futures):  # type: ignore[no-untyped-call]
                 yield future.result()
         except KilledWorker as error:
-            raise EpisodeError('workers of the cluster died; what was played is kept, start it again') from error
+            raise EpisodeError('workers of the cluster died; finished episodes are kept, start it again') from error

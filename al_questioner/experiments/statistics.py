@@ -1,4 +1,4 @@
-"""Whether one strategy is better than others, by the paper's test and by others beside it."""
+"""Tests whether one strategy is better than others: the paper's test and others."""
 
 from __future__ import annotations
 
@@ -12,23 +12,23 @@ from al_questioner.support.arrays import Array
 
 RESAMPLES = 2000
 ROUNDING = 1e-9
-"""Accuracies, or means of them, that differ by less are equal: the rest is the order in which they were summed."""
+"""Largest difference of accuracies, or of their means, that comes from rounding: these count as equal."""
 LEAST_FOR_INTERVAL = 5
-"""Samples below which resampling them says nothing of others: two that differ would give [1, 1]."""
+"""Smallest number of samples for resampling; two samples that differ would give the interval [1, 1]."""
 
 
 @dataclass(frozen=True)
 class Comparison:
-    """Of the accuracies of one strategy with those of another, at the end of the time, over the samples.
+    """Comparison of the final accuracies of one strategy with those of another, over the samples.
 
     Attributes:
         other: the strategy it is compared with.
         mean, other_mean: mean accuracies.
-        p: of the one-tailed Mann-Whitney U test that the first is larger: the paper's test.
+        p: p-value of the one-tailed Mann-Whitney U test that the first is larger: the paper's test.
         p_holm: the same, corrected by Holm's method for the number of comparisons.
         superiority: probability that a sample of the first is above one of the other, ties counting half: U / (n m).
-        interval: its 95 % bootstrap interval; None of too few samples.
-        p_paired: of Wilcoxon's one-tailed signed-rank test over the samples, which both strategies share.
+        interval: its 95 % bootstrap interval; None with too few samples.
+        p_paired: p-value of Wilcoxon's one-tailed signed-rank test over the samples, which both strategies share.
     """
 
     other: str
@@ -47,7 +47,7 @@ def compare(first: Array, others: Mapping[str, Array], seed: int = 0) -> list[Co
     Args:
         first: (n,) accuracies, by sample.
         others: (n,) accuracies of each other strategy, in the same order of samples.
-        seed: of the bootstrap.
+        seed: seed of the bootstrap.
     """
     tests = {name: u_test(first, other) for name, other in others.items()}
     corrected = holm([p for _, p in tests.values()])
@@ -70,14 +70,14 @@ def compare(first: Array, others: Mapping[str, Array], seed: int = 0) -> list[Co
 
 
 def u_test(first: Array, other: Array) -> tuple[float, float]:
-    """Statistic and p-value of the one-tailed Mann-Whitney U test that the first is larger."""
+    """Return statistic and p-value of the one-tailed Mann-Whitney U test that the first is larger."""
     pooled = without_rounding(np.concatenate([first, other]))
     test = mannwhitneyu(pooled[: len(first)], pooled[len(first) :], alternative='greater')
     return float(test.statistic), float(test.pvalue)
 
 
 def without_rounding(values: Array) -> Array:
-    """(n,) the values, those made equal that differ by rounding alone: each as the smallest of its like."""
+    """Return (n,) values in which those that differ only by rounding are replaced by the smallest of them."""
     order = np.argsort(values, kind='stable')
     ordered = values[order]
     is_new = np.diff(ordered, prepend=-np.inf) > ROUNDING
@@ -87,34 +87,39 @@ def without_rounding(values: Array) -> Array:
 
 
 def exceeds(first: float, other: float) -> bool:
-    """Whether a number is the larger one, and not by rounding alone."""
+    """Return whether the first number is larger by more than rounding."""
     return first - other > ROUNDING
 
 
 def best_of(means: Mapping[str, float]) -> str:
-    """The name of the largest; the first one of those that differ from it by rounding alone."""
+    """Return the name of the largest value; the first of those that differ from it only by rounding."""
     largest = max(means.values())
     return next(name for name, mean in means.items() if not exceeds(largest, mean))
 
 
 def p_text(p: float) -> str:
-    """A p-value for readers: 'p = 0.012', 'p < 0.001'."""
+    """Return a p-value for readers: 'p = 0.012', 'p < 0.001'."""
     return 'p < 0.001' if p < 0.001 else f'p = {p:.3f}'
 
 
 def control_test(control: Array, others: Sequence[Array], first: Array) -> float:
-    """Of the one-tailed Mann-Whitney U test that a control is above a strategy, p Holm-corrected among the controls.
+    """Return p of the one-tailed Mann-Whitney U test that a control is above a strategy, with Holm's correction.
+
+    The correction is for the number of controls.
 
     Args:
         control: (n,) accuracies.
-        others: of the other controls.
-        first: of the strategy.
+        others: accuracies of the other controls.
+        first: accuracies of the strategy.
     """
     return holm([u_test(values, first)[1] for values in (control, *others)])[0]
 
 
 def holm(p_values: Sequence[float]) -> list[float]:
-    """Holm's step-down correction: the i-th smallest of k times k - i + 1, made monotone, at most 1."""
+    """Return p-values with Holm's step-down correction: the i-th smallest of k times k - i + 1, made monotone.
+
+    They are at most 1.
+    """
     count = len(p_values)
     corrected, largest = [0.0] * count, 0.0
     for rank, index in enumerate(np.argsort(p_values, kind='stable')):
@@ -124,27 +129,22 @@ def holm(p_values: Sequence[float]) -> list[float]:
 
 
 def paired_p(first: Array, other: Array) -> float:
-    """Of Wilcoxon's one-tailed signed-rank test that the first is larger; 1 if no pair differs."""
+    """Return p of Wilcoxon's one-tailed signed-rank test that the first is larger; 1 if no pair differs."""
     difference = first - other
-    # By their size, as the test ranks them.
+    # Round by size, because the test ranks the sizes.
     sizes = without_rounding(np.append(np.abs(difference), 0.0))[:-1]
     signed = np.sign(difference) * sizes
     return float(wilcoxon(signed, alternative='greater').pvalue) if signed.any() else 1.0
 
 
 def superiority(first: Array, other: Array) -> Array:
-    """(...) probability that one of the (..., n) first is above one of the (..., m) other, ties counting half.
-
-    Args:
-        first: samples along the last axis.
-        other: samples along the last axis.
-    """
+    """Return (...) probability that one of (..., n) first is above one of (..., m) other, ties counting half."""
     difference = first[..., :, None] - other[..., None, :]
     return np.asarray(np.mean((difference > ROUNDING) + 0.5 * (np.abs(difference) <= ROUNDING), axis=(-2, -1)))
 
 
 def superiority_interval(first: Array, other: Array, seed: int) -> tuple[float, float] | None:
-    """95 % percentile bootstrap interval of `superiority`; None of fewer samples than `LEAST_FOR_INTERVAL`."""
+    """Return the 95 % percentile bootstrap interval of `superiority`; None below `LEAST_FOR_INTERVAL` samples."""
     if min(len(first), len(other)) < LEAST_FOR_INTERVAL:
         return None
     rng = np.random.default_rng(seed)
@@ -154,13 +154,13 @@ def superiority_interval(first: Array, other: Array, seed: int) -> tuple[float, 
 
 
 def mean_and_deviation(values: Array) -> str:
-    """(n,) values for readers, '0.512 ± 0.034': mean and standard deviation; of a single one just the value."""
+    """Return (n,) values for readers, '0.512 ± 0.034': mean and standard deviation; for a single one just the value."""
     mean = f'{values.mean():.3f}'
     return f'{mean} ± {values.std(ddof=1):.3f}' if len(values) > 1 else mean
 
 
 def mean_and_error(values: Array) -> tuple[Array, Array]:
-    """(T,) mean and standard error over the samples of (n, T) values; an error of 0 for a single sample."""
+    """Return (T,) mean and standard error over the samples of (n, T) values; an error of 0 for a single sample."""
     mean = values.mean(axis=0)
     error = values.std(axis=0, ddof=1) / np.sqrt(len(values)) if len(values) > 1 else np.zeros_like(mean)
     return mean, error

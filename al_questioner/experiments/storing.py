@@ -27,11 +27,6 @@ from al_questioner.support.files import make_folder, write_text
 class Store:
     """The folder of an experiment: a manifest, a file for each finished cell, and the tables made from them.
 
-    Args:
-        folder: made if it is not there.
-        plan: what is stored in it.
-        dataset: root of a directory of crops.
-
     Raises:
         InputError: the folder cannot be written to, or holds an experiment that cannot be gone on with: of another
             version of the method, or with other variations or worlds.
@@ -45,18 +40,9 @@ class Store:
         # Where nothing was played yet, nothing can be mixed up.
         is_begun = manifest.is_file() and any(self._cells.rglob('*.json'))
         before = _read_manifest(manifest) if is_begun else {}
-        document = json.loads(
-            json.dumps(
-                {
-                    'version': __version__,
-                    'semantics': SEMANTICS,
-                    'dataset': dataset,
-                    **plan.document(),
-                    'seeds': list(plan.samples),
-                    'worlds': {name: plan.task_document(name) for name in plan.tasks},
-                }
-            )
-        )
+        members = {'version': __version__, 'semantics': SEMANTICS, 'dataset': dataset, **plan.document()}
+        worlds = {name: plan.task_document(name) for name in plan.tasks}
+        document = json.loads(json.dumps({**members, 'seeds': list(plan.samples), 'worlds': worlds}))
         if before:
             _check_same(folder, before, document)
         document['worlds'] = {**before.get('worlds', {}), **document['worlds']}
@@ -64,7 +50,7 @@ class Store:
         write_text(manifest, json.dumps(document, indent=1) + '\n')
 
     def load(self, cell: Cell) -> Played | None:
-        """What was stored of a cell; None if nothing usable was."""
+        """Load what was stored of a cell; return None if nothing usable was."""
         try:
             document = json.loads(self._path(cell).read_text(encoding='utf-8'))
             return Played(cell, document['episode'], tuple(document['turns']))
@@ -72,11 +58,11 @@ class Store:
             return None
 
     def finished(self) -> int:
-        """How many cells of the plan are stored."""
+        """Count the stored cells of the plan."""
         return sum(self.load(cell) is not None for cell in self.plan.cells())
 
     def missing(self) -> list[tuple[Cell, ...]]:
-        """The cells that nothing is stored of, together those that share a world."""
+        """Return the cells that nothing is stored of, together those that share a world."""
         groups = (tuple(cell for cell in group if self.load(cell) is None) for group in self.plan.groups())
         return [group for group in groups if group]
 
@@ -93,13 +79,8 @@ class Store:
         return [episodes, turns]
 
     def _path(self, cell: Cell) -> Path:
-        return (
-            self._cells
-            / task_label(cell.task)
-            / f'{cell.condition}'.replace('/', '-')
-            / cell.strategy
-            / f'{cell.sample}.json'
-        )
+        condition = f'{cell.condition}'.replace('/', '-')
+        return self._cells / task_label(cell.task) / condition / cell.strategy / f'{cell.sample}.json'
 
 
 def _read_manifest(path: Path) -> dict[str, Any]:
@@ -129,7 +110,7 @@ def _check_same(folder: Path, before: Mapping[str, Any], now: Mapping[str, Any])
 
 
 def _machine() -> dict[str, Any]:
-    """Where and when it was run, for people."""
+    """Describe where and when it was run, for people."""
     return {
         'python': platform.python_version(),
         'numpy': np.__version__,

@@ -1,10 +1,11 @@
-"""What the paper does not tell, varied one thing at a time beside the comparison."""
+"""Studies of settings that the paper does not give; each varies one setting beside the comparison."""
 
 from __future__ import annotations
 
 import dataclasses
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
+from typing import Any
 
 from al_questioner.domain import DECISION_FEATURES, SettingsError
 from al_questioner.experiments.plan import (
@@ -16,13 +17,14 @@ from al_questioner.experiments.plan import (
     Plan,
     Variation,
 )
-from al_questioner.questioning import IROS_FEATURES, TASK_FEATURES
+from al_questioner.questioning import DtIros, DtTask
 
 MOST_SAMPLES = 10
+ALL_CONDITIONS = tuple(PAPER_CONDITIONS.values())
 ENDS = (PAPER_CONDITIONS['C1'], PAPER_CONDITIONS['C4'])
-"""The most and the least constrained condition."""
+"""Most and least constrained condition."""
 COMPARED = (*PAPER_STRATEGIES, 'u_sampling_fsq', 'farthest_fsq')
-"""The strategies of the paper, and two strong controls."""
+"""Strategies of the paper, and two strong controls."""
 TASK = PAPER_TASKS[0]
 
 CHANGE_INTERVALS = (5, 10, 20, 40)
@@ -30,21 +32,21 @@ SYNCHRONIES = (0.0, 0.5, 1.0)
 WRONG_RATES = (0.0, 0.1)
 IROS_UNIFORMITY = (0.0, 0.05, 0.1, 0.11, 0.12, 0.15, 0.26, 0.5, 1.0)
 TASK_WEIGHTS = ((0, 0.05), (0.05, 0.05), (0.06, 0.05), (0.08, 0.05), (0.1, 0.05), (0.17, 0.05), (0.07, 0), (0.07, 0.2))
-"""Class uniformity and prediction margin; the rest is shared by discriminability and instance variation."""
+"""Weights of class uniformity and prediction margin; discriminability and instance variation share the rest."""
 DISCRIMINABILITY_SHARE = 0.45 / (0.45 + 0.33)
-"""Of this rest, as in the prototype of the design."""
+"""Share of discriminability in this rest, as in the prototype of the design."""
 
 
 @dataclass(frozen=True)
 class Study:
-    """Episodes beside the comparison that differ from it in one thing.
+    """Episodes beside the comparison that differ from it in one setting.
 
     Attributes:
-        name: of its folder, and by which it is chosen.
-        title: of its section.
-        about: what is varied, in words.
-        own: what the comparison itself does about this thing.
-        plans: the variants, by what they do about it.
+        name: name of its folder, and for its choice.
+        title: title of its section.
+        about: the setting that is varied, in words.
+        own: value of the setting in the comparison.
+        plans: the variants, by their value of the setting.
     """
 
     name: str
@@ -55,12 +57,12 @@ class Study:
 
 
 def make_studies(names: Sequence[str], base: Variation, samples: Sequence[int]) -> list[Study]:
-    """The studies of these names.
+    """Return the studies of these names.
 
     Args:
         names: keys of `STUDIES`.
         base: the variation of the comparison, with the weights of all strategies that have some.
-        samples: of the comparison, of which a study takes the first `MOST_SAMPLES`.
+        samples: samples of the comparison, of which a study takes the first `MOST_SAMPLES`.
 
     Raises:
         InputError: an unknown name, or one that occurs twice.
@@ -84,61 +86,61 @@ def _plan(
 
 
 def _weights_iros(base: Variation, samples: tuple[int, ...]) -> Study:
-    vectors = [dict(zip(IROS_FEATURES, (1 - share, share), strict=True)) for share in IROS_UNIFORMITY]
-    return Study(
-        'weights_iros',
-        'The weights of dt_iros, set by hand',
-        'Weights of discriminability and class uniformity; the paper does not tell its own.',
-        _numbers(base.weights['dt_iros'], IROS_FEATURES),
-        dict(_with_weights(base, samples, 'dt_iros', vectors, IROS_FEATURES)),
-    )
+    vectors = [(1 - share, share) for share in IROS_UNIFORMITY]
+    about = 'discriminability and class uniformity'
+    return _weights(base, samples, 'dt_iros', DtIros.weight_names, vectors, about)
 
 
 def _weights_task(base: Variation, samples: tuple[int, ...]) -> Study:
     vectors = []
     for uniformity, margin in TASK_WEIGHTS:
         rest = 1 - uniformity - margin
-        shared = (DISCRIMINABILITY_SHARE * rest, uniformity, (1 - DISCRIMINABILITY_SHARE) * rest, margin)
-        vectors.append(dict(zip(TASK_FEATURES, shared, strict=True)))
-    return Study(
-        'weights_task',
-        'The weights of dt_task, set by hand',
-        'Weights of discriminability, class uniformity, instance variation and prediction margin; the paper does not'
-        ' tell its own.',
-        _numbers(base.weights['dt_task'], TASK_FEATURES),
-        dict(_with_weights(base, samples, 'dt_task', vectors, TASK_FEATURES)),
-    )
+        vectors.append((DISCRIMINABILITY_SHARE * rest, uniformity, (1 - DISCRIMINABILITY_SHARE) * rest, margin))
+    about = 'discriminability, class uniformity, instance variation and prediction margin'
+    return _weights(base, samples, 'dt_task', DtTask.weight_names, vectors, about)
 
 
-def _with_weights(
+def _weights(
     base: Variation,
     samples: tuple[int, ...],
     strategy: str,
-    vectors: Sequence[Mapping[str, float]],
     features: Sequence[str],
-) -> Iterator[tuple[str, Plan]]:
-    for weights in vectors:
-        variation = dataclasses.replace(base, weights={**base.weights, strategy: weights})
-        yield _numbers(weights, features), _plan(variation, samples, (strategy,))
+    vectors: Sequence[Sequence[float]],
+    about: str,
+) -> Study:
+    def numbers(weights: Mapping[str, float]) -> str:
+        return ' / '.join(f'{weights.get(feature, 0.0):.3g}' for feature in features)
+
+    plans = {}
+    for vector in vectors:
+        weights = dict(zip(features, vector, strict=True))
+        varied = dataclasses.replace(base, weights={**base.weights, strategy: weights})
+        plans[numbers(weights)] = _plan(varied, samples, (strategy,))
+    return Study(
+        strategy.replace('dt', 'weights'),
+        f'The weights of {strategy}, set by hand',
+        f'Weights of {about}; the paper does not tell its own.',
+        numbers(base.weights[strategy]),
+        plans,
+    )
 
 
-def _numbers(weights: Mapping[str, float], features: Sequence[str]) -> str:
-    return ' / '.join(f'{weights.get(feature, 0.0):.3g}' for feature in features)
+def _varied(
+    base: Variation, samples: tuple[int, ...], setting: str, values: Sequence[Any], own: object, label: str
+) -> dict[str, Plan]:
+    """Return plans with the values of a setting of the variation that are not its own in the comparison."""
+    varied = {value: dataclasses.replace(base, **{setting: value}) for value in values if value != own}
+    return {label.format(value): _plan(variation, samples, COMPARED) for value, variation in varied.items()}
 
 
 def _change_interval(base: Variation, samples: tuple[int, ...]) -> Study:
     own = base.task(TASK).scenes.change_interval
-    plans = {
-        f'{turns} turns': _plan(dataclasses.replace(base, change_interval=turns), samples, COMPARED)
-        for turns in CHANGE_INTERVALS
-        if turns != own
-    }
     return Study(
         'change_interval',
         'Turns between changes of the scene',
         'At test time; dt_task_env was trained with changes every 10 turns. All learners are told how often.',
         f'{own} turns',
-        plans,
+        _varied(base, samples, 'change_interval', CHANGE_INTERVALS, own, '{} turns'),
     )
 
 
@@ -159,13 +161,8 @@ def _selector(base: Variation, samples: tuple[int, ...]) -> Study:
 
 
 def _repeats(base: Variation, samples: tuple[int, ...]) -> Study:
-    plan = _plan(
-        dataclasses.replace(base, repeats=False),
-        samples,
-        ('u_sampling',),
-        PAPER_TASKS,
-        tuple(PAPER_CONDITIONS.values()),
-    )
+    varied = dataclasses.replace(base, repeats=False)
+    plan = _plan(varied, samples, ('u_sampling',), PAPER_TASKS, ALL_CONDITIONS)
     return Study(
         'repeats',
         'Whether u_sampling may ask again',
@@ -181,28 +178,19 @@ def _wrong_answers(base: Variation, samples: tuple[int, ...]) -> Study:
         'A teacher who errs',
         'The share of answers that are wrong, of label, demonstration and feature subset queries alike.',
         f'{base.wrong_rate:.0%}',
-        {
-            f'{rate:.0%}': _plan(dataclasses.replace(base, wrong_rate=rate), samples, COMPARED)
-            for rate in WRONG_RATES
-            if rate != base.wrong_rate
-        },
+        _varied(base, samples, 'wrong_rate', WRONG_RATES, base.wrong_rate, '{:.0%}'),
     )
 
 
 def _synchrony(base: Variation, samples: tuple[int, ...]) -> Study:
     own = base.task(TASK).scenes.synchrony
-    plans = {
-        f'{share:g}': _plan(dataclasses.replace(base, synchrony=share), samples, COMPARED)
-        for share in SYNCHRONIES
-        if share != own
-    }
     return Study(
         'synchrony',
         'How synchronously the objects change their states',
         'The probability that an object follows the common clock; with 1 each scene shows all objects in the states of'
         ' one moment, with 0 in states of their own.',
         f'{own:g}',
-        plans,
+        _varied(base, samples, 'synchrony', SYNCHRONIES, own, '{:g}'),
     )
 
 
@@ -213,7 +201,7 @@ def _ablation(base: Variation, samples: tuple[int, ...]) -> Study:
             dataclasses.replace(base, weights={**base.weights, 'dt_task_env': {**weights, feature: 0.0}}),
             samples,
             ('dt_task_env',),
-            conditions=tuple(PAPER_CONDITIONS.values()),
+            conditions=ALL_CONDITIONS,
         )
         for feature in DECISION_FEATURES
         if weights.get(feature, 0.0) != 0
@@ -239,4 +227,4 @@ STUDIES: Mapping[str, Callable[[Variation, tuple[int, ...]], Study]] = {
     'synchrony': _synchrony,
     'ablation': _ablation,
 }
-"""Makes each study, by name, from the variation of the comparison and the samples."""
+"""Functions that make each study, by name, from the variation of the comparison and the samples."""

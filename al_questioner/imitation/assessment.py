@@ -1,4 +1,4 @@
-"""How much a questioner with given weights resembles an expert whom it was not trained on."""
+"""Resemblance of a questioner with given weights to an expert whom it was not trained on."""
 
 from __future__ import annotations
 
@@ -36,7 +36,7 @@ class Agreement:
 
 
 def agreement(weights: Array, demonstrations: Sequence[Demonstration]) -> Agreement:
-    """Of the questioner with these weights (F,), whose scale is that of the softmax."""
+    """Measure the agreement of the questioner with these weights (F,), whose scale is that of the softmax."""
     rows = [_agreement_of_step(weights, step) for step in all_steps(demonstrations)]
     return Agreement(*(float(value) for value in np.mean(rows, axis=0)))
 
@@ -54,12 +54,7 @@ def _agreement_of_step(weights: Array, step: Step) -> tuple[float, float, float,
 
 @dataclass(frozen=True, eq=False)
 class Imitation:
-    """The learner in a demonstration's place: same world, budget and time, asking by itself.
-
-    Attributes:
-        feature_counts: (F,) as of a demonstration.
-        queries: what it asked.
-    """
+    """The learner in a demonstration's place: same world, budget and time, asking by itself; counts are (F,)."""
 
     feature_counts: Array
     queries: tuple[QueryRecord, ...]
@@ -70,11 +65,7 @@ def imitate(
 ) -> Imitation:
     """Play the demonstration's episode, as far as it goes, with the strategy that is trained and these weights (F,).
 
-    Args:
-        weights: w.
-        demonstration: of a simulated world.
-        world: this world.
-        amplitude: of the learner's classifiers; the demonstration's if not given.
+    The amplitude is that of the learner's classifiers; the demonstration's if not given.
 
     Raises:
         InputError: the demonstration took place in no world that can be played in.
@@ -93,7 +84,7 @@ def imitate(
 
 
 def predict_queries(weights: Array, demonstration: Demonstration) -> tuple[QueryRecord, ...]:
-    """What a learner with these weights (F,) would ask in each of the states that the expert was in."""
+    """Return the queries of a learner with these weights (F,) in each of the states that the expert was in."""
     found = []
     for step in demonstration.steps:
         action = step.actions[int(np.argmax(step.features @ weights))]
@@ -101,10 +92,3 @@ def predict_queries(weights: Array, demonstration: Demonstration) -> tuple[Query
             cost = demonstration.settings.costs.price(action.kind)
             found.append(QueryRecord(step.turn, action.kind, action.object_id, action.symbol, cost, Outcome.ANSWERED))
     return tuple(found)
-
-
-def count_gap(imitations: Sequence[Imitation], demonstrations: Sequence[Demonstration], scale: Array) -> Array:
-    """(F,) expert's minus learner's feature counts, means over the episodes, in units of the features' scale (F,)."""
-    expert = np.mean([demonstration.feature_counts for demonstration in demonstrations], axis=0)
-    learner = np.mean([imitation.feature_counts for imitation in imitations], axis=0)
-    return np.asarray(np.divide(expert - learner, scale, out=np.zeros_like(scale), where=scale > 0))

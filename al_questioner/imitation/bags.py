@@ -2,30 +2,28 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from itertools import combinations
 from pathlib import Path
 
+import numpy as np
+
 from al_questioner.bags import BagError, LeftOut, RecordedEpisode, RecordedTurn, read_episodes
-from al_questioner.bags.rerun import decisions_anew
-from al_questioner.domain import DECISION_FEATURES, InputError
+from al_questioner.domain import DECISION_FEATURES, Decision, InputError
+from al_questioner.event_log.events import ActionChosen
+from al_questioner.event_log.replay import Replay, ReplayError
 from al_questioner.imitation.demonstration import Demonstration, UnknownWorld, steps_of
 from al_questioner.messages.documents import Document
-from al_questioner.questioning import FEATURE_SETS, FeatureSet
+from al_questioner.questioning import FEATURE_SETS, Choice, FeatureRecorder, FeatureSet, TurnContext
 from al_questioner.simulation import WorldSpec, load_task
 
 
 def read_demonstrations(
-    paths: Sequence[Path],
-    feature_set: FeatureSet = FEATURE_SETS['dt_task_env'],
-    left_out: list[str] | None = None,
+    paths: Sequence[Path], feature_set: FeatureSet = FEATURE_SETS['dt_task_env'], left_out: list[str] | None = None
 ) -> list[Demonstration]:
-    """The demonstrations of several bags, in the order given; a bag may hold several episodes.
+    """Return the demonstrations of several bags, in the order given; a bag may hold several episodes.
 
-    Args:
-        paths: of the bags.
-        feature_set: whose weights are to be learnt.
-        left_out: takes what of the bags cannot be used, beside what can; if not given, all must be.
+    If a list `left_out` is given, it takes what of the bags cannot be used, beside what can; if not, all must be.
 
     Raises:
         InputError: a bag that is none, broken, of something else, or whose decisions hold nothing to learn from; or an
@@ -34,23 +32,25 @@ def read_demonstrations(
     named: list[tuple[str, RecordedEpisode]] = []
     for path in paths:
         missing: list[LeftOut] = []
-        sessions = read_episodes(path, None if left_out is None else missing)
+        episodes = read_episodes(path, None if left_out is None else missing)
         if left_out is not None:
             left_out += [f'{path}: {what} is left out: {reason}' for what, reason in missing]
-        for number, session in enumerate(sessions, 1):
-            named.append((path.name if len(sessions) == 1 else f'{path.name} ({number})', session))
+        for number, episode in enumerate(episodes, 1):
+            named.append((path.name if len(episodes) == 1 else f'{path.name} ({number})', episode))
     for (name, one), (other_name, other) in combinations(named, 2):
         if is_same_episode(one, other):
             raise InputError(f'{other_name} holds the same episode as {name}: leave one of them out')
-    return [demonstration_of(session, name, feature_set) for name, session in named]
+    return [demonstration_of(episode, name, feature_set) for name, episode in named]
 
 
 def is_same_episode(one: RecordedEpisode, other: RecordedEpisode) -> bool:
-    """Whether two recordings show the same, turn for turn, whatever their files, topics and times are.
+    """Return whether two recordings show the same, turn for turn, whatever their files, topics and times are.
 
     Of the same `episode_id` one may have ended earlier than the other.
     """
-    if one.settings != other.settings or (len(one.turns) != len(other.turns) and one.episode_id != other.episode_id):
+    if one.begun.settings != other.begun.settings:
+        return False
+    if one.turns_over != other.turns_over and one.begun.episode_id != other.begun.episode_id:
         return False
     return all(_shown(ours) == _shown(theirs) for ours, theirs in zip(one.turns, other.turns, strict=False))
 
@@ -61,36 +61,73 @@ def _shown(turn: RecordedTurn) -> tuple[object, ...]:
 
 
 def demonstration_of(
-    session: RecordedEpisode, name: str, feature_set: FeatureSet = FEATURE_SETS['dt_task_env']
+    episode: RecordedEpisode, name: str, feature_set: FeatureSet = FEATURE_SETS['dt_task_env']
 ) -> Demonstration:
-    """What a recorded episode shows of its questioner.
+    """Return what a recorded episode shows of its questioner.
 
     Raises:
         BagError: its decisions hold no decision features, or chose what was not considered.
     """
+    begun = episode.begun
     try:
         # A bag holds the decision features; all others are those of what the learner knew at the time.
         as_recorded = feature_set.names == DECISION_FEATURES
-        decisions = [turn.decision for turn in session.turns] if as_recorded else decisions_anew(session, feature_set)
+        decisions = [turn.decision for turn in episode.turns] if as_recorded else decisions_anew(episode, feature_set)
         steps = steps_of(decisions)
     except InputError as error:
-        raise BagError(f'{session.source}: strategy {session.settings.strategy}: {error}') from error
+        raise BagError(f'{episode.source}: strategy {begun.settings.strategy}: {error}') from error
     return Demonstration(
         name=name,
-        settings=session.settings,
-        world=None if session.world is None else _world(session.world, session.settings.symbols),
-        turns=len(session.turns),
+        settings=begun.settings,
+        world=None if begun.world is None else _world(begun.world, begun.settings.symbols),
+        turns=episode.turns_over,
         steps=steps,
-        feature_names=session.feature_names,
-        queries=session.records,
-        change_turns=session.change_turns,
-        view_tolerance=session.view_tolerance,
+        feature_names=episode.feature_names,
+        queries=episode.records,
+        change_turns=episode.change_turns,
+        view_tolerance=begun.view_tolerance,
         feature_set=feature_set,
     )
 
 
+def decisions_anew(episode: RecordedEpisode, feature_set: FeatureSet) -> Iterator[Decision]:
+    """Yield the decisions of the turns that are over as they were made, but with features that were not recorded.
+
+    Raises:
+        InputError: the recorded candidates are not those that the episode's scenes and settings make.
+    """
+    follower = _Follower()
+    replay = Replay(episode.begun, FeatureRecorder(follower, feature_set))
+    for event in episode.events:
+        if isinstance(event, ActionChosen):
+            follower.decision = event.weighed
+        replay.play(event)
+        if isinstance(event, ActionChosen) and event.turn <= episode.turns_over and replay.decision is not None:
+            yield replay.decision
+
+
+class _Follower:
+    """Chooses what was chosen then."""
+
+    selector = None
+
+    def __init__(self) -> None:
+        self.decision: Decision | None = None
+
+    def choose(self, context: TurnContext, rng: np.random.Generator) -> Choice:
+        """Return the recorded choice.
+
+        Raises:
+            ReplayError: there were other candidates then.
+        """
+        if self.decision is None or self.decision.candidates != context.candidates:
+            what = 'other candidates than the settings and scenes make were recorded'
+            raise ReplayError(f'turn {context.turn}: {what}')
+        return Choice(self.decision.chosen, self.decision.utilities)
+
+
 def _world(members: Document, symbols: tuple[str, ...]) -> WorldSpec | UnknownWorld:
-    """The simulated world, or why it is none: the document holds the name of a task alone, not the user's own file."""
+    """Return the simulated world, or why it is none: the document names a task and does not hold it."""
     name = members['task']
     try:
         dataset = Path(members['dataset']) if members['dataset'] else None

@@ -21,7 +21,7 @@ from al_questioner.support.arrays import Array
 
 
 def balance_kinds(steps: Sequence[Step]) -> Array:
-    """(N,) importance of each step, mean 1: every kind of query, asking nothing included, matters the same in total.
+    """Weigh the N steps, with mean 1, so that every kind of query, asking nothing included, counts the same in total.
 
     Without it the most frequent choice, to ask nothing, would outweigh the one feature subset query of an episode.
     """
@@ -54,16 +54,11 @@ def negative_log_likelihood(
 
 
 def fit_choices(
-    demonstrations: Sequence[Demonstration],
-    importance: NDArray[np.float64] | None = None,
-    ridge: float = RIDGE,
+    demonstrations: Sequence[Demonstration], importance: NDArray[np.float64] | None = None, ridge: float = RIDGE
 ) -> Array:
-    """(F,) weights under which the expert's choices are most probable.
+    """Find the (F,) weights under which the expert's choices are most probable.
 
-    Args:
-        demonstrations: one or more.
-        importance: (N,) of each step; by default every kind of query matters the same.
-        ridge: see `RIDGE`.
+    By default every kind of query matters the same; otherwise each step has its importance, (N,).
 
     Raises:
         InputError: no step, or none with more than one candidate.

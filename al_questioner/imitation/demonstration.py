@@ -1,4 +1,4 @@
-"""What an expert questioner shows: at each turn, what could be asked and what was."""
+"""Demonstrations of an expert questioner: the candidates of each turn, and the one that was chosen."""
 
 from __future__ import annotations
 
@@ -17,10 +17,9 @@ from al_questioner.domain import (
     QueryKind,
     QueryRecord,
     ViewTolerance,
-    random_stream,
 )
-from al_questioner.questioning import FEATURE_SETS, Episode, FeatureRecorder, FeatureSet, make_strategy
-from al_questioner.simulation import PerceivedWorld, ScriptedTeacher, WorldSpec, turns
+from al_questioner.questioning import FEATURE_SETS, FeatureSet
+from al_questioner.simulation import PerceivedWorld, ScriptedTeacher, WorldSpec
 from al_questioner.support.arrays import Array
 
 
@@ -29,7 +28,6 @@ class Step:
     """One decision.
 
     Attributes:
-        turn: 1-based.
         actions: the C candidates that were considered.
         features: (C, F) their features, in the order of the demonstration's feature set.
         chosen: index of the one that was chosen.
@@ -47,19 +45,14 @@ class Step:
 
     @property
     def contrasts(self) -> Array:
-        """(C, F) how the features of each candidate differ from those of the chosen one."""
+        """Features of each candidate less those of the chosen one, (C, F)."""
         difference: Array = self.features - self.features[self.chosen]
         return difference
 
 
 @dataclass(frozen=True)
 class UnknownWorld:
-    """A world that cannot be played in here.
-
-    Attributes:
-        task_name: as the demonstration names it.
-        reason: why not, in one line.
-    """
+    """A world that cannot be played in here: its task as the demonstration names it, and why not, in one line."""
 
     task_name: str
     reason: str
@@ -71,13 +64,11 @@ class Demonstration:
 
     Attributes:
         name: where it comes from, for people.
-        settings: of the episode.
         world: the simulated world it took place in; what is known of it if it cannot be played in; None if it was
             another one.
         turns: number of turns that were recorded.
         steps: one per turn in which there was something to choose.
         feature_names: of the objects.
-        queries: what was asked, and what came of it.
         change_turns: turns that began with a scene change.
         view_tolerance: of the learner, see `questioning.Episode`.
         feature_set: whose weights are to be learnt.
@@ -96,7 +87,7 @@ class Demonstration:
 
     @property
     def task_name(self) -> str:
-        """Of the world; 'another world' if it has none."""
+        """Name of the world's task; 'another world' if it has none."""
         if self.world is None:
             return 'another world'
         return self.world.task_name if isinstance(self.world, UnknownWorld) else self.world.task.name
@@ -113,7 +104,7 @@ class Demonstration:
         raise self._unplayable('' if self.world is None else self.world.reason)
 
     def open_world(self) -> PerceivedWorld:
-        """The simulated world, to play in.
+        """Open the simulated world, to play in.
 
         Raises:
             InputError: there is none, it cannot be opened, or things look otherwise in it than they were recorded.
@@ -129,12 +120,12 @@ class Demonstration:
 
     @cached_property
     def feature_counts(self) -> Array:
-        """(F,) features of what was chosen, mean over the turns: phi_E of equation 6, per turn."""
+        """Features of the chosen candidates, (F,), mean over the turns: phi_E of equation 6."""
         return np.asarray(np.mean([step.features[step.chosen] for step in self.steps], axis=0))
 
 
 def steps_of(decisions: Iterable[Decision]) -> tuple[Step, ...]:
-    """What decisions show of their questioner; while a question waits for a late answer there is nothing to choose.
+    """Return the steps of a questioner from its decisions, without the turns in which nothing could be chosen.
 
     Raises:
         InputError: see `step_of`; or there was nothing to choose in any turn.
@@ -146,13 +137,13 @@ def steps_of(decisions: Iterable[Decision]) -> tuple[Step, ...]:
 
 
 def _is_forced(decision: Decision) -> bool:
-    """Whether nothing was considered but to ask nothing, and nothing weighed."""
+    """Return whether only asking nothing was considered, and nothing weighed."""
     considered = np.flatnonzero(~np.isnan(decision.utilities))
     return considered.tolist() == [len(decision.candidates) - 1] and bool(np.isnan(decision.features).all())
 
 
 def step_of(decision: Decision) -> Step:
-    """What a decision shows of its questioner.
+    """Return the step of a questioner from its decision.
 
     Raises:
         InputError: it carries no decision features, or chose what it did not consider.
@@ -171,55 +162,19 @@ def step_of(decision: Decision) -> Step:
     return Step(decision.turn, actions, features, int(chosen[0]))
 
 
-def demonstrate(
-    choice: WorldSpec,
-    settings: EpisodeSettings,
-    teacher: ScriptedTeacher,
-    world: PerceivedWorld | None = None,
-    feature_set: FeatureSet = FEATURE_SETS['dt_task_env'],
-) -> Demonstration:
-    """A demonstration by the strategy of the settings, played offline.
-
-    Args:
-        choice: the world; its seed is the questioner's too.
-        settings: of the episode.
-        teacher: who answers.
-        world: the world of the choice, if it is open already.
-        feature_set: whose weights are to be learnt.
-
-    Raises:
-        SettingsError: an unknown strategy, or weights that do not fit it.
-    """
-    seen = PerceivedWorld(choice.open()) if world is None else world
-    expert = FeatureRecorder(make_strategy(settings.strategy, settings.weights), feature_set)
-    episode = Episode(settings, random_stream(choice.seed, 'learner'), strategy=expert)
-    steps = steps_of(decision for decision, _ in turns(episode, seen, teacher))
-    return Demonstration(
-        name=f'{settings.strategy} {choice.task.name} {choice.seed}',
-        settings=settings,
-        world=choice,
-        turns=settings.turns,
-        steps=steps,
-        feature_names=seen.scene(1).feature_names,
-        queries=episode.records,
-        change_turns=tuple(seen.change_turns(settings.turns)),
-        feature_set=feature_set,
-    )
-
-
 def teacher_of(choice: WorldSpec) -> ScriptedTeacher:
-    """Who answers in rollouts: as in the demonstrations that ship, things are shown that are known already."""
+    """Make the teacher of rollouts: as in the demonstrations that ship, it shows things that are known already."""
     return ScriptedTeacher(choice.task.symbols, choice.task.relevant_groups, choice.seed, repeat_shown=True)
 
 
 def all_steps(demonstrations: Sequence[Demonstration]) -> Iterator[Step]:
-    """The steps of several demonstrations."""
+    """Return the steps of several demonstrations."""
     for demonstration in demonstrations:
         yield from demonstration.steps
 
 
 def feature_scale(demonstrations: Sequence[Demonstration]) -> Array:
-    """(F,) by how much each feature varies among the candidates of a step: standard deviation around the step's mean.
+    """Return the (F,) standard deviations of the features around their mean over the candidates of a step.
 
     A feature that is the same for all candidates of every step has scale 0: no choice depends on it.
     """

@@ -1,4 +1,4 @@
-"""Which weights the demonstrations tell anything about."""
+"""Directions of the weights about which the demonstrations tell something."""
 
 from __future__ import annotations
 
@@ -19,11 +19,13 @@ class Identifiability:
     """The directions of the weights that no choice of the demonstrations depends on.
 
     Attributes:
+        scale: (F,) of the features, see `feature_scale`.
         null_space: (k, F) orthonormal rows, in units of the features' scale: w may move along them unseen.
         unidentified: names of the features that some such direction involves, in canonical order.
         cancelling: those of them that are the same for all candidates of every step.
     """
 
+    scale: Array
     null_space: Array
     unidentified: tuple[str, ...]
     cancelling: tuple[str, ...]
@@ -34,22 +36,18 @@ class Identifiability:
             return 'every weight is identified by the demonstrations'
         parts = []
         if self.cancelling:
-            parts.append(f'{_listed(self.cancelling)}: the same for all candidates of every turn, so the weight is 0')
-        linked = [name for name in self.unidentified if name not in self.cancelling]
+            names = ', '.join(self.cancelling)
+            parts.append(f'{names}: the same for all candidates of every turn, so the weight is 0')
+        linked = ', '.join(name for name in self.unidentified if name not in self.cancelling)
         if linked:
-            parts.append(f'{_listed(linked)}: they vary only together, the prior divides the weight among them')
+            parts.append(f'{linked}: they vary only together, the prior divides the weight among them')
         return f'not identified: {"; ".join(parts)}'
 
-    def project(self, weights: Array, scale: Array) -> Array:
-        """(F,) the weights without what cannot be identified.
-
-        Args:
-            weights: (F,) in the unit of the features.
-            scale: (F,) of the features, see `feature_scale`.
-        """
-        scaled = weights * scale
+    def project(self, weights: Array) -> Array:
+        """Return the weights, (F,) in the unit of the features, without what cannot be identified."""
+        scaled = weights * self.scale
         identified = scaled - self.null_space.T @ (self.null_space @ scaled)
-        return np.divide(identified, scale, out=np.zeros_like(weights), where=scale > 0)
+        return np.divide(identified, self.scale, out=np.zeros_like(weights), where=self.scale > 0)
 
 
 def identify(demonstrations: Sequence[Demonstration]) -> Identifiability:
@@ -64,11 +62,8 @@ def identify(demonstrations: Sequence[Demonstration]) -> Identifiability:
     null_space = directions.T[squared <= NEGLIGIBLE**2 * max(squared.max(), 1.0)]
     involved = np.abs(null_space).max(axis=0, initial=0.0) > np.sqrt(NEGLIGIBLE)
     return Identifiability(
+        scale,
         null_space,
         tuple(name for name, free in zip(names, involved, strict=True) if free),
         tuple(name for name, size in zip(names, scale, strict=True) if size == 0),
     )
-
-
-def _listed(names: Sequence[str]) -> str:
-    return ', '.join(names)

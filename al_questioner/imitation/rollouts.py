@@ -63,18 +63,14 @@ class Rollout:
 
     @property
     def feature_counts(self) -> Array:
-        """(F,) mean over the turns: phi_L of equation 6, per turn."""
+        """Feature counts of the learner, (F,), mean over the turns: phi_L of equation 6."""
         return np.asarray(self.features.mean(axis=0))
 
 
 class Simulator:
-    """Plays rollouts in the worlds of demonstrations, with their limits and prices, in several processes if so wished.
+    """Plays rollouts in the worlds of demonstrations, with their limits and prices, in this process or in several.
 
     What a rollout does depends on the weights and on the name of its random stream alone, not on the process.
-
-    Args:
-        demonstrations: each of a simulated world.
-        jobs: number of processes; 1 for this one.
 
     Raises:
         InputError: a demonstration took place in no simulated world, or its world cannot be opened.
@@ -100,18 +96,9 @@ class Simulator:
             self._pool.shutdown(cancel_futures=True)
 
     def roll_out(self, weights: Array, count: int, stream: str) -> list[list[Rollout]]:
-        """Rollouts of the softmax policy with these weights.
-
-        Args:
-            weights: (F,) w.
-            count: of rollouts for each demonstration.
-            stream: names their randomness.
-
-        Returns:
-            For each demonstration its rollouts.
-        """
-        parts = [(stage, number) for stage in range(len(self._stages)) for number in range(count)]
-        tasks = [(stage, weights, f'{stream}/{number}') for stage, number in parts]
+        """Play so many rollouts with these weights, (F,), for each demonstration; the stream names their randomness."""
+        stages = range(len(self._stages))
+        tasks = [(stage, weights, f'{stream}/{number}') for stage in stages for number in range(count)]
         if self._pool is None:
             found = [self._stages[stage].play(w, name) for stage, w, name in tasks]
         else:
@@ -146,7 +133,7 @@ class _Stage:
 
 
 _STAGES: list[_Stage] = []
-"""Of the simulator that this process works for."""
+"""Stages of the simulator that this process works for."""
 
 
 def _inherit(stages: Sequence[_Stage]) -> None:

@@ -1,4 +1,4 @@
-"""How weights are learnt, as its user chooses."""
+"""Settings of a training."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ choices are separable."""
 
 @dataclass(frozen=True)
 class MatchingSettings:
-    """How feature counts are matched.
+    """Settings of the matching of feature counts.
 
     Attributes:
         iterations: at most.
@@ -32,10 +32,10 @@ class MatchingSettings:
 
 @dataclass(frozen=True)
 class TrainingSettings:
-    """How weights are learnt.
+    """Settings of a training.
 
     Attributes:
-        method: 'maxent', see `feature_matching`, or 'choice', see `choice_likelihood`.
+        method: 'maxent', see `max_entropy_irl`, or 'choice', see `choice_likelihood`.
         validation: number of demonstrations, the last ones, that choose among the iterations of maxent.
         ridge: of the choice likelihood.
         matching: settings of maxent.
@@ -47,5 +47,5 @@ class TrainingSettings:
     matching: MatchingSettings = field(default_factory=MatchingSettings)
 
     def held_out_of(self, count: int) -> int:
-        """How many of so many demonstrations maxent holds out; one at least is left to learn from."""
+        """Return the number of demonstrations that maxent holds out; one at least is left to learn from."""
         return max(0, min(self.validation, count - 1))

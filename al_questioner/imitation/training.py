@@ -13,9 +13,9 @@ from al_questioner import __version__
 from al_questioner.domain import InputError
 from al_questioner.imitation.assessment import Agreement, agreement
 from al_questioner.imitation.choice_likelihood import fit_choices, fit_temperature
-from al_questioner.imitation.demonstration import Demonstration, all_steps, feature_scale
-from al_questioner.imitation.feature_matching import Iteration, Matching, match_features
+from al_questioner.imitation.demonstration import Demonstration, all_steps
 from al_questioner.imitation.identifiability import Identifiability, identify
+from al_questioner.imitation.max_entropy_irl import Iteration, Matching, match_features
 from al_questioner.imitation.settings import TrainingSettings
 from al_questioner.questioning import FeatureSet
 from al_questioner.support.arrays import Array
@@ -26,10 +26,8 @@ class Training:
     """Learnt weights.
 
     Attributes:
-        feature_set: what the weights are of.
         weights: (F,), absolute values adding up to 1.
         scale: what they are to be multiplied by to be those of the softmax policy that was trained.
-        settings: how they were learnt.
         free: what the demonstrations tell nothing about.
         validation: number of demonstrations that were held out.
         agreement: with the demonstrations, validation ones included; its log-likelihood is of the softmax whose scale
@@ -61,54 +59,40 @@ def train(
     settings: TrainingSettings,
     watch: Callable[[int, Iteration], None] | None = None,
 ) -> Training:
-    """Learn the weights.
+    """Learn the weights from demonstrations of the same task, for maxent of simulated worlds.
 
-    Args:
-        demonstrations: of the same task; for maxent, of simulated worlds.
-        settings: how.
-        watch: told of each iteration of maxent.
+    Each iteration of maxent is told to `watch`.
 
     Raises:
         InputError: demonstrations that do not fit together, or that the method cannot use.
     """
     check_alike(demonstrations)
-    free, scale = identify(demonstrations), feature_scale(demonstrations)
+    free = identify(demonstrations)
     matching, held_out = None, 0
     if settings.method == 'maxent':
         held_out = settings.held_out_of(len(demonstrations))
         split = len(demonstrations) - held_out
-        matching = match_features(demonstrations[:split], demonstrations[split:], settings.matching, watch)
+        matching = match_features(demonstrations[:split], demonstrations[split:], settings.matching, free, watch)
         found = matching.weights
         gap_before, gap_after = matching.iterations[0].gap, matching.gap
     else:
         found = fit_choices(demonstrations, ridge=settings.ridge)
-        gap_before, gap_after = (expected_gap(w, demonstrations, scale) for w in (np.zeros(len(scale)), found))
-    found = free.project(found, scale)
+        ends = (np.zeros(len(free.scale)), found)
+        gap_before, gap_after = (expected_gap(w, demonstrations, free.scale) for w in ends)
+    found = free.project(found)
     total = float(np.abs(found).sum())
     if total == 0:
         raise InputError('the demonstrations tell nothing about any weight')
     suiting = fit_temperature(found / total, list(all_steps(demonstrations)))
-    return Training(
-        demonstrations[0].feature_set,
-        found / total,
-        total,
-        settings,
-        free,
-        held_out,
-        agreement(found / total * suiting, demonstrations),
-        gap_before,
-        gap_after,
-        matching,
-    )
+    agreed = agreement(found / total * suiting, demonstrations)
+    gaps, feature_set = (gap_before, gap_after), demonstrations[0].feature_set
+    return Training(feature_set, found / total, total, settings, free, held_out, agreed, *gaps, matching)
 
 
 def expected_gap(weights: Array, demonstrations: Sequence[Demonstration], scale: Array) -> Array:
-    """(F,) chosen minus expected features at the expert's steps, mean, in units of the features' scale.
+    """Return the (F,) chosen minus expected features at the expert's steps, mean, in units of the features' scale.
 
-    Args:
-        weights: (F,) w of the softmax.
-        demonstrations: whose steps they are.
-        scale: (F,) see `feature_scale`.
+    The weights, (F,), are those of the softmax; for the scale, (F,), see `feature_scale`.
     """
     gaps = []
     for step in all_steps(demonstrations):
@@ -133,31 +117,20 @@ def check_alike(demonstrations: Sequence[Demonstration]) -> None:
         if other.task_name != first.task_name:
             raise InputError(f'{other.name} is of task {other.task_name}, {first.name} of {first.task_name}')
         if other.settings.symbols != first.settings.symbols:
-            raise InputError(
-                f'{other.name} is about {", ".join(other.settings.symbols)},'
-                f' {first.name} about {", ".join(first.settings.symbols)}'
-            )
+            theirs, ours = ', '.join(other.settings.symbols), ', '.join(first.settings.symbols)
+            raise InputError(f'{other.name} is about {theirs}, {first.name} about {ours}')
         if other.feature_names != first.feature_names:
+            counts = len(other.feature_names), len(first.feature_names)
             raise InputError(
-                f'{other.name} was recorded with other features ({len(other.feature_names)})'
-                f' than {first.name} ({len(first.feature_names)})'
+                f'{other.name} was recorded with other features ({counts[0]}) than {first.name} ({counts[1]})'
             )
-
-
-def validation_gaps(matching: Matching) -> dict[str, float]:
-    """Length of the gap over the validation demonstrations: before, after, and the smallest mean of a window."""
-    return {
-        'before': float(np.linalg.norm(matching.iterations[0].validation_gap)),
-        'after': float(np.linalg.norm(matching.validation_gap)),
-        'smallest': matching.smallest_validation_gap,
-    }
 
 
 def validation_text(training: Training, matching: Matching) -> str:
-    """Whether the weights hold for demonstrations that they were not learnt from, in words; a warning in colour."""
+    """Say whether the weights hold for demonstrations that they were not learnt from; a warning is in colour."""
     if not training.validation:
         return 'no demonstration was held out, so nothing tells whether the weights hold for others'
-    gaps = validation_gaps(matching)
+    gaps = matching.validation_gaps
     found = (
         f'validation gap {gaps["before"]:.2f} before, {gaps["after"]:.2f} after,'
         f' {gaps["smallest"]:.2f} where it was smallest, up to iteration {matching.kept + 1}'
@@ -171,12 +144,9 @@ def validation_text(training: Training, matching: Matching) -> str:
 
 
 def weights_document(training: Training, count: int, bags: Sequence[Mapping[str, str]]) -> dict[str, Any]:
-    """What `train_weights` writes: the weights, and where they come from.
+    """Return the content of a weights file: the weights, and where they come from.
 
-    Args:
-        training: the weights.
-        count: number of demonstrations.
-        bags: `name` and `sha256` of each bag.
+    That is the number of demonstrations, and `name` and `sha256` of each bag.
     """
     settings, matching = training.settings, training.matching
     source = f'{count} recorded demonstration{"s" if count != 1 else ""} of an expert'
@@ -189,7 +159,7 @@ def weights_document(training: Training, count: int, bags: Sequence[Mapping[str,
         }
         details['iterations'] = len(matching.iterations)
         details['kept_iteration'] = matching.kept + 1
-        details['validation_gap'] = {name: round(gap, 4) for name, gap in validation_gaps(matching).items()}
+        details['validation_gap'] = {name: round(gap, 4) for name, gap in matching.validation_gaps.items()}
     else:
         details['settings'] = {'ridge': settings.ridge}
     return {

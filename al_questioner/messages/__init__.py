@@ -1,1 +1,1 @@
-"""Domain objects as JSON documents, point clouds and images, for whichever message classes the caller hands in."""
+"""Conversion of domain objects to JSON documents, point clouds and images; the caller passes the message classes."""

@@ -1,6 +1,6 @@
-"""Scenes and decisions as PointCloud2: one point per object, or one per candidate.
+"""Conversion of scenes and decisions to and from PointCloud2: one point per object, or one per candidate.
 
-The message classes are handed in, so that the same code serves rclpy and bag readers.
+The message classes are passed in, so that the same code serves rclpy and bag readers.
 """
 
 from __future__ import annotations
@@ -15,14 +15,14 @@ from numpy.typing import NDArray
 from al_questioner.domain import DECISION_FEATURES, Action, Decision, QueryKind, Scene, SceneError
 
 _FORMATS = {1: 'i1', 2: 'u1', 3: 'i2', 4: 'u2', 5: 'i4', 6: 'u4', 7: 'f4', 8: 'f8'}
-"""numpy format of each datatype of sensor_msgs/PointField."""
+"""Format of numpy for each datatype of sensor_msgs/PointField."""
 _DATATYPES = {format_: datatype for datatype, format_ in _FORMATS.items()}
 
 _KINDS = tuple(QueryKind)
 _NO_SYMBOL = -1
 _NO_OBJECT = 2**32 - 1
 _POSITION = (('x', 'f4'), ('y', 'f4'), ('z', 'f4'))
-"""What RViz and Foxglove draw a cloud by."""
+"""Fields that RViz and Foxglove need to draw a cloud."""
 _SCENE_HEAD = (*_POSITION, ('object_id', 'u4'))
 _DECISION_FIELDS = (
     ('kind', 'u1'),
@@ -32,18 +32,18 @@ _DECISION_FIELDS = (
     *((name, 'f8') for name in DECISION_FEATURES),
     ('utility', 'f8'),
 )
-"""What a decision is read from; recordings of before tell no positions."""
+"""Fields that every decision cloud has; old recordings have no positions."""
 
 MAXIMAL_OBJECTS = 2_000
-"""In a scene: to think one over takes about half a minute."""
+"""Largest number of objects in a scene; with so many, one turn takes about half a minute to compute."""
 MAXIMAL_CANDIDATES = 100_000
-"""In a decision."""
+"""Largest number of candidates in a decision."""
 MAXIMAL_FIELDS = 10_000
 
 
 @dataclass(frozen=True)
 class CloudTypes:
-    """What a cloud is made of: the two message classes and the container of its bytes."""
+    """The two message classes of a cloud, and the container of its bytes."""
 
     cloud: Callable[..., Any]
     field: Callable[..., Any]
@@ -51,7 +51,7 @@ class CloudTypes:
 
 
 def cloud_of_scene(scene: Scene, header: Any, types: CloudTypes) -> Any:
-    """The `objects` cloud of a scene: `x y z object_id`, then one float32 field per feature."""
+    """Return the `objects` cloud of a scene: `x y z object_id`, then one float32 field per feature."""
     points = np.empty(len(scene), dtype=[*_SCENE_HEAD, *((name, 'f4') for name in scene.feature_names)])
     points['x'], points['y'], points['z'] = scene.positions.T
     points['object_id'] = scene.object_ids
@@ -61,24 +61,25 @@ def cloud_of_scene(scene: Scene, header: Any, types: CloudTypes) -> Any:
 
 
 def scene_of_cloud(cloud: Any, known_features: Sequence[str] = ()) -> Scene:
-    """The scene that an `objects` cloud shows; one without points shows that nothing is there.
+    """Return the scene that an `objects` cloud shows; a cloud without points shows that no object is there.
 
-    Args:
-        cloud: the message.
-        known_features: those of the scenes before: a cloud without points need not have their fields.
+    Such a cloud need not have the fields of the features that earlier scenes have made known.
 
     Raises:
         SceneError: a field is missing, or the layout contradicts itself, or the scene is unusable.
     """
     if not cloud.width * cloud.height and (known_features or not cloud.fields):
-        return _empty_scene(tuple(known_features))
+        if not known_features:
+            raise SceneError('the cloud holds neither points nor fields, so its features are unknown')
+        nothing = np.empty((0, 3), np.float32), np.empty((0, len(known_features)), np.float32)
+        return Scene((), *nothing, tuple(known_features))
     points = _points(cloud, MAXIMAL_OBJECTS)
     names = points.dtype.names or ()
     missing = [name for name, _ in _SCENE_HEAD if name not in names]
     if missing:
         raise SceneError(f'the objects cloud has no field {", ".join(missing)}')
     features = tuple(name for name in names if name not in {head for head, _ in _SCENE_HEAD})
-    # What does not fit into 32 bits becomes infinite, which a scene refuses.
+    # A value that does not fit into 32 bits becomes infinite, which a scene rejects.
     with np.errstate(over='ignore', invalid='ignore'):
         ids = points['object_id']
         if not np.array_equal(ids, ids.astype(np.uint32)) or (ids == _NO_OBJECT).any():
@@ -93,31 +94,19 @@ def scene_of_cloud(cloud: Any, known_features: Sequence[str] = ()) -> Scene:
     )
 
 
-def _empty_scene(feature_names: tuple[str, ...]) -> Scene:
-    if not feature_names:
-        raise SceneError('the cloud holds neither points nor fields, so that it does not tell which features there are')
-    return Scene((), np.empty((0, 3), np.float32), np.empty((0, len(feature_names)), np.float32), feature_names)
-
-
 def cloud_of_decision(
     decision: Decision, symbols: tuple[str, ...], header: Any, types: CloudTypes, scene: Scene | None = None
 ) -> Any:
-    """The `decision` cloud: a point per candidate.
+    """Return the `decision` cloud: one point per candidate.
 
-    `x y z` is where the object of a candidate lies, NaN where it has none. `kind` is the position in (label,
-    demonstration, feature_subset, no_query), `symbol` the position in the episode's symbols. Where a candidate names
-    none, `object_id` is 2^32 - 1 and `symbol` -1. `chosen` is 1 for one point.
-
-    Args:
-        decision: what was weighed.
-        symbols: of the episode.
-        header: of the cloud.
-        types: the message classes.
-        scene: where the objects lie; if not given, no candidate has a position.
+    `x y z` is the position of the candidate's object, NaN if it has none. `kind` is the position in (label,
+    demonstration, feature_subset, no_query), `symbol` the position in the episode's symbols. If a candidate names
+    none, `object_id` is 2^32 - 1 and `symbol` -1. `chosen` is 1 for one point. Without the scene no candidate has a
+    position.
     """
     places = {} if scene is None else dict(zip(scene.object_ids, scene.positions, strict=True))
     nowhere = np.full(3, np.nan, np.float32)
-    # Zeros, as bytes between the fields are not to be those of what was there before.
+    # Zeros, so that the padding bytes between the fields are always the same.
     points = np.zeros(len(decision.candidates), dtype=np.dtype([*_POSITION, *_DECISION_FIELDS], align=True))
     for row, action in enumerate(decision.candidates):
         place = nowhere if action.object_id is None else places.get(action.object_id, nowhere)
@@ -133,7 +122,7 @@ def cloud_of_decision(
 
 
 def decision_of_cloud(cloud: Any, symbols: tuple[str, ...], turn: int) -> Decision:
-    """The decision that a `decision` cloud tells of, without its query.
+    """Return the decision that a `decision` cloud holds, without its query.
 
     Raises:
         SceneError: the layout is not that of a decision, or not exactly one candidate is chosen.
@@ -150,16 +139,12 @@ def decision_of_cloud(cloud: Any, symbols: tuple[str, ...], turn: int) -> Decisi
         values = points[name]
         if not ((least <= values) & (values < end) & (values == np.floor(values))).all():
             raise SceneError(f'the decision cloud names a {name} that does not exist')
+    kinds = [_KINDS[int(kind)] for kind in points['kind']]
+    ids = [None if object_id == _NO_OBJECT else int(object_id) for object_id in points['object_id']]
+    named = [None if symbol == _NO_SYMBOL else symbols[int(symbol)] for symbol in points['symbol']]
     return Decision(
         turn=turn,
-        candidates=tuple(
-            Action(
-                _KINDS[int(point['kind'])],
-                None if point['object_id'] == _NO_OBJECT else int(point['object_id']),
-                None if point['symbol'] == _NO_SYMBOL else symbols[int(point['symbol'])],
-            )
-            for point in points
-        ),
+        candidates=tuple(map(Action, kinds, ids, named)),
         features=np.stack([points[name].astype(np.float64) for name in DECISION_FEATURES], axis=1),
         utilities=points['utility'].astype(np.float64),
         chosen=int(chosen[0]),
@@ -187,7 +172,7 @@ def _cloud(points: NDArray[np.void], header: Any, types: CloudTypes) -> Any:
 
 
 def _points(cloud: Any, most: int) -> NDArray[np.void]:
-    """The points, at most so many, of any cloud with scalar fields, whatever its byte order, padding and rows."""
+    """Return the points of any cloud with scalar fields, with any byte order, padding and rows; reject too many."""
     if any(field.count != 1 for field in cloud.fields):
         raise SceneError('a field of the cloud holds more than one value a point')
     count = cloud.width * cloud.height
@@ -202,34 +187,25 @@ def _points(cloud: Any, most: int) -> NDArray[np.void]:
     data = np.frombuffer(memoryview(cloud.data).cast('B'), np.uint8)
     row = cloud.point_step * cloud.width
     if cloud.row_step < row or len(data) < cloud.row_step * cloud.height:
-        raise SceneError(
-            f'the cloud holds {len(data)} bytes, too few for {cloud.height} x {cloud.width} points'
-            f' of {cloud.point_step} bytes'
-        )
-    # Not before: numpy computes with 32 bits here, and would read beyond the data.
+        size = f'{cloud.height} x {cloud.width} points of {cloud.point_step} bytes'
+        raise SceneError(f'the cloud holds {len(data)} bytes, too few for {size}')
+    # Only after the checks: numpy computes with 32 bits here, and would read beyond the data.
     layout = _layout(cloud)
     rows = data[: cloud.row_step * cloud.height].reshape(cloud.height, cloud.row_step)[:, :row]
     return np.ascontiguousarray(rows).reshape(-1).view(layout)
 
 
 def _layout(cloud: Any) -> np.dtype[np.void]:
-    """How the values of a point lie in its bytes, of which there are no more than the cloud holds."""
+    """Return where the values of a point lie in its bytes; reject values that lie beyond its end."""
     order = '>' if cloud.is_bigendian else '<'
     formats = [_FORMATS.get(field.datatype, '') for field in cloud.fields]
     for field, format_ in zip(cloud.fields, formats, strict=True):
         if not format_ or field.offset + int(format_[1]) > cloud.point_step:
-            raise SceneError(
-                f'the fields of the cloud do not make a layout: {field.name[:100]!r} of type {field.datatype}'
-                f' at {field.offset} of {cloud.point_step} bytes'
-            )
+            where = f'{field.name[:100]!r} of type {field.datatype} at {field.offset} of {cloud.point_step} bytes'
+            raise SceneError(f'the fields of the cloud do not make a layout: {where}')
     try:
-        return np.dtype(
-            {
-                'names': [field.name for field in cloud.fields],
-                'formats': [order + format_ for format_ in formats],
-                'offsets': [field.offset for field in cloud.fields],
-                'itemsize': cloud.point_step,
-            }
-        )
+        names, offsets = [field.name for field in cloud.fields], [field.offset for field in cloud.fields]
+        formats = [order + format_ for format_ in formats]
+        return np.dtype({'names': names, 'formats': formats, 'offsets': offsets, 'itemsize': cloud.point_step})
     except (ValueError, TypeError) as error:
         raise SceneError(f'the fields of the cloud do not make a layout ({error})') from error

@@ -7,14 +7,15 @@ Every document is one JSON object with `schema` (`al_questioner/KIND/1`), `episo
 from __future__ import annotations
 
 import json
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import asdict, fields
 from functools import cache
-from typing import Any, NoReturn
+from typing import Any, NoReturn, TypeVar
 
 import jsonschema
 
 from al_questioner.domain import (
+    COSTS,
     Action,
     Answer,
     Costs,
@@ -28,11 +29,20 @@ from al_questioner.domain import (
 from al_questioner.messages.schemas import SCHEMAS
 
 Document = dict[str, Any]
+Item = TypeVar('Item', Query, Answer, QueryRecord, Action)
 
-_COSTS = tuple(field.name for field in fields(Costs))
+_SETTINGS = [name for name in SCHEMAS['episode']['properties'] if name in EpisodeSettings.__dataclass_fields__]
+"""Members of an `episode` document that are attributes of `EpisodeSettings`, in the order of the document."""
+
+_ENUMS = {'kind': QueryKind, 'outcome': Outcome}
+_READ: Mapping[str, Callable[[Any], Any]] = {**_ENUMS, 'cost': float, 'budget_left': float}
+"""Types of members that JSON does not tell."""
+_LATER = ('known', 'replaces', 'answered_in')
+"""Members that documents of earlier versions do not have, and that are left out where they are None."""
+_OPTIONAL = ('content', *_LATER)
 
 EARLIER_AMPLITUDE = 4.0
-"""Of the learners whose `episode` documents do not tell it."""
+"""Amplitude of learners whose `episode` documents do not tell it."""
 
 MAXIMAL_LENGTH = 4_000_000
 """Characters; a longer text is refused unread."""
@@ -43,12 +53,12 @@ class DocumentError(InputError):
 
 
 def schema_name(kind: str) -> str:
-    """The `schema` member of a kind of document."""
+    """Return the `schema` member of a kind of document."""
     return f'al_questioner/{kind}/1'
 
 
 def write(kind: str, episode_id: str, members: Mapping[str, Any]) -> str:
-    """The JSON text of a document; what it says in words stands first, where tools that cut a message still show it.
+    """Write a document as JSON; its text for people stands first, where tools that cut a message still show it.
 
     Raises:
         ValueError: a member is NaN or infinite, which JSON cannot say.
@@ -59,7 +69,7 @@ def write(kind: str, episode_id: str, members: Mapping[str, Any]) -> str:
 
 
 def read(kind: str, text: str) -> Document:
-    """The document that a text holds.
+    """Read and check the document that a text holds.
 
     Raises:
         DocumentError: too long, no JSON, another schema, or a member that is missing or of the wrong form.
@@ -111,125 +121,75 @@ def _validator(kind: str) -> jsonschema.protocols.Validator:
 
 
 def settings_members(settings: EpisodeSettings) -> Document:
-    """What an `episode` document tells of the settings of its episode."""
-    return {
+    """Return what an `episode` document tells of the settings of its episode."""
+    return {name: getattr(settings, name) for name in _SETTINGS} | {
         'symbols': list(settings.symbols),
-        'budget': settings.budget,
-        'turns': settings.turns,
-        'change_interval': settings.change_interval,
         'costs': asdict(settings.costs),
-        'strategy': settings.strategy,
         'weights': dict(settings.weights),
-        'tune_every': settings.tune_every,
-        'amplitude': settings.amplitude,
-        'length_scale': settings.length_scale,
     }
 
 
 def settings_of(document: Document) -> EpisodeSettings:
-    """The settings that a checked `episode` document tells of; what an earlier version did not tell had its default.
+    """Return the settings that a checked `episode` document tells of; what an earlier one did not tell had its default.
 
     Raises:
         SettingsError: a value outside its range.
     """
-    return EpisodeSettings(
-        symbols=tuple(document['symbols']),
-        budget=float(document['budget']),
-        turns=document['turns'],
-        strategy=document['strategy'],
-        weights={name: float(weight) for name, weight in document['weights'].items()},
-        change_interval=document['change_interval'],
-        costs=Costs(**{name: float(document['costs'][name]) for name in _COSTS if name in document['costs']}),
-        tune_every=document.get('tune_every', 0),
-        amplitude=document.get('amplitude', EARLIER_AMPLITUDE),
-        length_scale=document.get('length_scale'),
-    )
+    told = {name: document[name] for name in _SETTINGS if name in document}
+    told['budget'] = float(document['budget'])
+    told['weights'] = {name: float(weight) for name, weight in document['weights'].items()}
+    told['costs'] = Costs(**{name: float(document['costs'][name]) for name in COSTS if name in document['costs']})
+    return EpisodeSettings(**{'amplitude': EARLIER_AMPLITUDE, **told})
 
 
 def query_members(query: Query) -> Document:
     """Members of a `query` document."""
-    members = {
-        'query_id': query.query_id,
-        'turn': query.turn,
-        'kind': query.action.kind.value,
-        'object_id': query.action.object_id,
-        'symbol': query.action.symbol,
-        'choices': list(query.choices),
-        'cost': query.cost,
-        'budget_left': query.budget_left,
-        'turns_left': query.turns_left,
-        'model_version': query.model_version,
-        'text': query.text,
-    }
-    return members if query.known is None else {**members, 'known': list(query.known)}
+    return members_of(query)
 
 
 def query_of(document: Document) -> Query:
-    """The query that a checked `query` document tells of."""
-    known = document.get('known')
-    return Query(
-        query_id=document['query_id'],
-        turn=document['turn'],
-        action=Action(QueryKind(document['kind']), document['object_id'], document['symbol']),
-        choices=tuple(document['choices']),
-        cost=float(document['cost']),
-        budget_left=float(document['budget_left']),
-        turns_left=document['turns_left'],
-        model_version=document['model_version'],
-        text=document['text'],
-        known=None if known is None else tuple(known),
-    )
+    """Return the query that a checked `query` document describes."""
+    return read_as(Query, document)
 
 
 def answer_members(answer: Answer) -> Document:
     """Members of an `answer` document."""
-    content = list(answer.content) if isinstance(answer.content, tuple) else answer.content
-    members = {
-        'query_id': answer.query_id,
-        'answer_id': answer.answer_id,
-        'teacher_id': answer.teacher_id,
-        'outcome': answer.outcome.value,
-        'content': content,
-    }
-    return members if answer.replaces is None else {**members, 'replaces': answer.replaces}
+    return members_of(answer)
 
 
 def answer_of(document: Document) -> Answer:
-    """The answer that a checked `answer` document tells of."""
-    content = document.get('content')
-    return Answer(
-        query_id=document['query_id'],
-        answer_id=document['answer_id'],
-        teacher_id=document['teacher_id'],
-        outcome=Outcome(document['outcome']),
-        content=tuple(content) if isinstance(content, list) else content,
-        replaces=document.get('replaces'),
-    )
+    """Return the answer that a checked `answer` document describes."""
+    return read_as(Answer, document)
 
 
 def record_members(record: QueryRecord) -> Document:
-    """A query and what came of it, as it stands in `learner_state` and in an episode's JSON."""
-    members = {
-        'turn': record.turn,
-        'kind': record.kind.value,
-        'object_id': record.object_id,
-        'symbol': record.symbol,
-        'cost': record.cost,
-        'outcome': record.outcome.value,
-        'groups': list(record.groups),
-    }
-    return members if record.answered_in is None else {**members, 'answered_in': record.answered_in}
+    """Return a query and its outcome as they stand in `learner_state` and in an episode's JSON."""
+    return members_of(record)
 
 
 def record_of(members: Document) -> QueryRecord:
-    """The inverse of `record_members`."""
-    return QueryRecord(
-        turn=members['turn'],
-        kind=QueryKind(members['kind']),
-        object_id=members['object_id'],
-        symbol=members['symbol'],
-        cost=float(members['cost']),
-        outcome=Outcome(members['outcome']),
-        groups=tuple(members['groups']),
-        answered_in=members.get('answered_in'),
-    )
+    """Return the record that `record_members` wrote."""
+    return read_as(QueryRecord, members)
+
+
+def members_of(item: Query | Answer | QueryRecord | Action) -> Document:
+    """Return the attributes of an object as JSON holds them; those of an action stand in the place of the action."""
+    members: Document = {}
+    for name, value in vars(item).items():
+        if isinstance(value, Action):
+            members |= members_of(value)
+        elif value is not None or name not in _LATER:
+            members[name] = list(value) if isinstance(value, tuple) else value.value if name in _ENUMS else value
+    return members
+
+
+def read_as(kind: type[Item], members: Document) -> Item:
+    """Return the object that `members_of` wrote; other members are passed over."""
+    values: Document = {}
+    for name in (field.name for field in fields(kind)):
+        if name == 'action':
+            values[name] = read_as(Action, members)
+        else:
+            value = members.get(name) if name in _OPTIONAL else members[name]
+            values[name] = tuple(value) if isinstance(value, list) else _READ.get(name, lambda same: same)(value)
+    return kind(**values)

@@ -1,4 +1,4 @@
-"""Pictures and RViz markers as messages; the message classes are handed in."""
+"""Conversion of pictures to and from image messages, and RViz markers; the message classes are passed in."""
 
 from __future__ import annotations
 
@@ -21,7 +21,7 @@ _COLOURS = (
     (0.55, 0.43, 0.33),
     (0.93, 0.47, 0.65),
 )
-"""Red, green, blue of the symbols in order; more symbols start over."""
+"""Colours (red, green, blue) of the symbols in order; further symbols begin again with the first."""
 
 _PENDING_COLOUR = (1.0, 1.0, 1.0)
 
@@ -29,7 +29,7 @@ _PENDING_COLOUR = (1.0, 1.0, 1.0)
 def image(
     picture: NDArray[np.uint8], header: Any, image_type: Callable[..., Any], octets: Callable[[bytes], Any]
 ) -> Any:
-    """A sensor_msgs/Image of an (h, w, 3) uint8 red-green-blue picture."""
+    """Return a sensor_msgs/Image of an (h, w, 3) uint8 red-green-blue picture."""
     height, width, _ = picture.shape
     return image_type(
         header=header,
@@ -43,10 +43,10 @@ def image(
 
 
 def picture_of_image(message: Any) -> NDArray[np.uint8]:
-    """The (h, w, 3) uint8 red-green-blue picture that a sensor_msgs/Image holds.
+    """Return the (h, w, 3) uint8 red-green-blue picture that a sensor_msgs/Image holds.
 
     Raises:
-        InputError: another encoding than rgb8, no pixel, or fewer bytes than the size asks for.
+        InputError: another encoding than rgb8, no pixel, or fewer bytes than the size requires.
     """
     height, width, step = message.height, message.width, message.step
     if message.encoding != 'rgb8':
@@ -60,7 +60,7 @@ def picture_of_image(message: Any) -> NDArray[np.uint8]:
 
 @dataclass(frozen=True)
 class MarkerTypes:
-    """What a marker array is made of."""
+    """The message classes of a marker array."""
 
     array: Callable[..., Any]
     marker: Callable[..., Any]
@@ -69,7 +69,7 @@ class MarkerTypes:
     vector: Callable[..., Any]
     colour: Callable[..., Any]
     constants: Any
-    """Holds the constants DELETEALL, SPHERE and TEXT_VIEW_FACING: the Marker class itself."""
+    """The Marker class, for its constants DELETEALL, SPHERE and TEXT_VIEW_FACING."""
 
 
 def markers(
@@ -80,15 +80,9 @@ def markers(
     header: Any,
     types: MarkerTypes,
 ) -> Any:
-    """A visualization_msgs/MarkerArray: a sphere and a text per object, the object asked about larger and white.
+    """Return a visualization_msgs/MarkerArray: a sphere and a text per object, given (n, |Y|) beliefs in the symbols.
 
-    Args:
-        scene: the objects.
-        beliefs: (n, |Y|) probability of each symbol.
-        symbols: the |Y| names.
-        pending: id of the object that the pending query is about.
-        header: of every marker.
-        types: the message classes.
+    The object that the pending query asks about is larger and white.
     """
     constants = types.constants
     result = [types.marker(header=header, action=constants.DELETEALL)]

@@ -2,14 +2,26 @@
 
 from __future__ import annotations
 
+import math
 from typing import Any
 
-from al_questioner.domain import AUTO, SAYABLE_OUTCOMES, WEIGHED, Outcome, QueryKind
+from al_questioner.domain import (
+    AMPLITUDE,
+    BUDGET,
+    CHANGE_INTERVAL,
+    COSTS,
+    LARGEST_TURN,
+    LENGTH_SCALE,
+    SAME_VIEW,
+    SAYABLE_OUTCOMES,
+    TUNE_EVERY,
+    TURNS,
+    Outcome,
+    QueryKind,
+    Setting,
+)
 
 JsonSchema = dict[str, Any]
-
-LARGEST_TURN = 10_000
-"""Of an episode: each state of the learner tells all queries so far, and must stay a message of a sane size."""
 
 _TEXT: JsonSchema = {'type': 'string', 'minLength': 1, 'maxLength': 10_000}
 _COUNT: JsonSchema = {'type': 'integer', 'minimum': 0}
@@ -27,47 +39,35 @@ _SHARE: JsonSchema = {'type': 'number', 'minimum': 0, 'maximum': 1}
 
 
 def _record(required: JsonSchema, optional: JsonSchema | None = None) -> JsonSchema:
-    """A mapping; members beyond those named are let through, so that later versions may add some."""
+    """Return the schema of a mapping; it accepts other members, so that later versions may add some."""
     return {'type': 'object', 'properties': {**required, **(optional or {})}, 'required': list(required)}
 
 
-_WORLD = _record({'task': _TEXT, 'seed': _COUNT, 'sample': _COUNT, 'dataset': _OPTIONAL_TEXT})
-_STAMP = _record(
-    {
-        'sec': {'type': 'integer', 'minimum': 0, 'maximum': 2**31 - 1},
-        'nanosec': {'type': 'integer', 'minimum': 0, 'maximum': 999_999_999},
+def _member(setting: Setting[Any]) -> JsonSchema:
+    """Return the schema of the member that holds a setting."""
+    limits = {'minimum': setting.lower, 'maximum': setting.upper}
+    number = {
+        'type': 'integer' if type(setting.default) is int else 'number',
+        **{name: limit for name, limit in limits.items() if math.isfinite(limit)},
     }
-)
+    return {'anyOf': [number, {'const': setting.word}]} if setting.word else number
+
+
+_WORLD = _record({'task': _TEXT, 'seed': _COUNT, 'sample': _COUNT, 'dataset': _OPTIONAL_TEXT})
+_STAMP = _record({'sec': {**_COUNT, 'maximum': 2**31 - 1}, 'nanosec': {**_COUNT, 'maximum': 999_999_999}})
+_ACTION: JsonSchema = {'kind': {'enum': _QUERIES}, 'object_id': _OBJECT_ID, 'symbol': _OPTIONAL_TEXT}
 _QUERY_RECORD = _record(
-    {
-        'turn': _TURN,
-        'kind': {'enum': _QUERIES},
-        'object_id': _OBJECT_ID,
-        'symbol': _OPTIONAL_TEXT,
-        'cost': _AMOUNT,
-        'outcome': {'enum': _OUTCOMES},
-        'groups': _NAMES,
-    },
+    {'turn': _TURN, **_ACTION, 'cost': _AMOUNT, 'outcome': {'enum': _OUTCOMES}, 'groups': _NAMES},
     {'answered_in': _TURN},
 )
-_TEACHER = _record(
-    {
-        'answered': _COUNT,
-        'unknown': _COUNT,
-        'skipped': _COUNT,
-        'corrected': _COUNT,
-        'late': _COUNT,
-        'reliability': _SHARE,
-    }
-)
+_TEACHER_COUNTS = ('answered', 'unknown', 'skipped', 'corrected', 'late')
+_TEACHER = _record({**dict.fromkeys(_TEACHER_COUNTS, _COUNT), 'reliability': _SHARE})
 
 _QUERY = _record(
     {
         'query_id': _TEXT,
         'turn': _TURN,
-        'kind': {'enum': _QUERIES},
-        'object_id': _OBJECT_ID,
-        'symbol': _OPTIONAL_TEXT,
+        **_ACTION,
         'choices': _NAMES,
         'cost': _AMOUNT,
         'budget_left': _AMOUNT,
@@ -75,10 +75,7 @@ _QUERY = _record(
         'model_version': _COUNT,
         'text': _TEXT,
     },
-    {
-        'world': {'oneOf': [_WORLD, {'type': 'null'}]},
-        'known': _OBJECT_IDS,
-    },
+    {'world': {'oneOf': [_WORLD, {'type': 'null'}]}, 'known': _OBJECT_IDS},
 )
 _ANSWER = _record(
     {'query_id': _TEXT, 'answer_id': _TEXT, 'teacher_id': _TEXT, 'outcome': {'enum': _SAYABLE}},
@@ -93,36 +90,26 @@ SCHEMAS: dict[str, JsonSchema] = {
         {
             'symbols': {'type': 'array', 'items': _TEXT, 'minItems': 2},
             'feature_names': _NAMES,
-            'budget': _AMOUNT,
-            'turns': _TURN,
-            'change_interval': {'type': 'integer', 'minimum': 1},
+            'budget': _member(BUDGET),
+            'turns': _member(TURNS),
+            'change_interval': _member(CHANGE_INTERVAL),
             'costs': _record(
-                {'label': _AMOUNT, 'demonstration': _AMOUNT, 'feature_subset': _AMOUNT},
-                {'unknown': _SHARE, 'skip': _SHARE, 'unanswered': _SHARE},
+                {name: _member(price) for name, price in COSTS.items() if name in _QUERIES},
+                {name: _member(share) for name, share in COSTS.items() if name not in _QUERIES},
             ),
             'strategy': _TEXT,
-            'weights': {
-                'type': 'object',
-                'propertyNames': {'enum': list(WEIGHED)},
-                'additionalProperties': {'type': 'number'},
-            },
+            'weights': {'type': 'object', 'additionalProperties': {'type': 'number'}},
             'seed': _COUNT,
             'world': {'oneOf': [_WORLD, {'type': 'null'}]},
         },
         {
-            'tune_every': _COUNT,
-            'amplitude': _POSITIVE,
-            'length_scale': {'anyOf': [_POSITIVE, {'type': 'null'}]},
-            'view_tolerance': {'anyOf': [_AMOUNT, {'const': AUTO}]},
+            'tune_every': _member(TUNE_EVERY),
+            'amplitude': _member(AMPLITUDE),
+            'length_scale': {'anyOf': [_member(LENGTH_SCALE), {'type': 'null'}]},
+            'view_tolerance': _member(SAME_VIEW),
         },
     ),
-    'turn': _record(
-        {
-            'turn': _TURN,
-            'stamp': _STAMP,
-            'world': {'oneOf': [_WORLD, {'type': 'null'}]},
-        }
-    ),
+    'turn': _record({'turn': _TURN, 'stamp': _STAMP, 'world': {'oneOf': [_WORLD, {'type': 'null'}]}}),
     'query': _QUERY,
     'answer': _ANSWER,
     'answer_ack': _record(

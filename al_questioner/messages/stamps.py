@@ -5,19 +5,19 @@ from __future__ import annotations
 from typing import Any
 
 SECOND = 1_000_000_000
-"""Nanoseconds."""
+"""One second in nanoseconds."""
 
 
 def nanoseconds(stamp: Any) -> int:
-    """A stamp of a message, which has `sec` and `nanosec`."""
+    """Return the stamp of a message, which has `sec` and `nanosec`, in nanoseconds."""
     return int(stamp.sec) * SECOND + int(stamp.nanosec)
 
 
 def stamp_members(stamp: int) -> dict[str, int]:
-    """A stamp in nanoseconds as the member of a document."""
+    """Return a stamp in nanoseconds as the object that a JSON document holds."""
     return {'sec': stamp // SECOND, 'nanosec': stamp % SECOND}
 
 
 def stamp_of(members: dict[str, Any]) -> int:
-    """The inverse of `stamp_members`."""
+    """Return the nanoseconds of such an object, as the inverse of `stamp_members`."""
     return int(members['sec']) * SECOND + int(members['nanosec'])

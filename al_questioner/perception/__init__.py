@@ -1,4 +1,4 @@
-"""From an RGB-D view of an object to a named feature vector."""
+"""Measurement of an object in its RGB-D view, as a named feature vector."""
 
 from al_questioner.perception.features import VIEW_FEATURE_NAMES, view_features
 from al_questioner.perception.scene import perceive

@@ -1,7 +1,7 @@
-"""What a camera can tell of one object: its colour, size, shape and texture.
+"""Features of one object in a camera's view: its colour, size, shape and texture.
 
-Only pixels of the mask count: what lies behind the object changes no feature. Colour and texture are measured at a
-bounded resolution, so that an object looks much the same from near and far, and measuring it takes bounded time.
+Only pixels of the mask count, so the background changes no feature. Colour and texture are measured at a
+bounded resolution, so that an object looks much the same from near and far, and measuring takes a bounded time.
 """
 
 from __future__ import annotations
@@ -16,61 +16,41 @@ from numpy.typing import NDArray
 
 from al_questioner.domain import InputError, View
 
-VIEW_FEATURE_NAMES = (
-    'colour_lightness',
-    'colour_green_red',
-    'colour_blue_yellow',
-    'colour_lightness_spread',
-    'colour_saturation_spread',
-    'colour_red',
-    'colour_yellow',
-    'colour_green',
-    'colour_cyan',
-    'colour_blue',
-    'colour_magenta',
-    'size_length',
-    'size_width',
-    'size_area',
-    'size_depth',
-    'shape_aspect',
-    'shape_solidity',
-    'shape_extent',
-    'shape_circularity',
-    'shape_hu_1',
-    'shape_hu_2',
-    'shape_hu_3',
-    'texture_edges',
-    'texture_fine',
-    'texture_coarse',
-    'texture_entropy',
+_NAMES_BY_GROUP = (
+    ('colour', ('lightness', 'green_red', 'blue_yellow', 'lightness_spread', 'saturation_spread')),
+    ('colour', ('red', 'yellow', 'green', 'cyan', 'blue', 'magenta')),
+    ('size', ('length', 'width', 'area', 'depth')),
+    ('shape', ('aspect', 'solidity', 'extent', 'circularity', 'hu_1', 'hu_2', 'hu_3')),
+    ('texture', ('edges', 'fine', 'coarse', 'entropy')),
 )
+VIEW_FEATURE_NAMES = tuple(f'{group}_{name}' for group, names in _NAMES_BY_GROUP for name in names)
 """Names of the entries of `view_features`; the part before the first underscore is the group."""
 
 NOMINAL_DISTANCE = 0.8
-"""Metres to assume where the depth image says nothing: a thing on a table within an arm's reach."""
+"""Distance in metres of an object without a depth reading: an object on a table within an arm's reach."""
 
 MEASURING_SIZE = 64
 """Longest side, in pixels, of an object whose colour and texture are measured; larger ones are scaled down to it."""
 
 HUES = 6
-"""Number of hues, evenly spaced on the colour wheel from red on."""
+"""Number of hues, evenly spaced on the colour wheel, starting at red."""
 
 EDGE_THRESHOLD = 0.05
 """Change of lightness per pixel, as a share of its range, above which a pixel is an edge."""
 
 ENTROPY_BINS = 32
-"""Levels of lightness that the entropy tells apart: it is at most 5 bits."""
+"""Number of lightness levels that the entropy distinguishes; it is at most 5 bits."""
 
 HU_FLOOR = 1e-5
-"""Added to Hu's invariants before the logarithm."""
+"""Small number added to Hu's invariants before the logarithm."""
 
 
 @dataclass(frozen=True, eq=False)
 class _Patch:
-    """The object cut out of its crop.
+    """The part of a crop that shows the object.
 
     Attributes:
-        color: (h, w, 3), blue-green-red, the mean colour of the object behind it.
+        color: (h, w, 3), blue-green-red; the background has the mean colour of the object.
         mask: (h, w), 1 on the object.
     """
 
@@ -79,29 +59,23 @@ class _Patch:
 
     @cached_property
     def lab(self) -> NDArray[np.uint8]:
-        """(h, w, 3) L* scaled from 100 to 255, a* and b* shifted by 128, as OpenCV stores them."""
+        """Colours as OpenCV stores them, (h, w, 3): L* scaled from 100 to 255, a* and b* shifted by 128."""
         return np.asarray(cv2.cvtColor(self.color, cv2.COLOR_BGR2Lab), dtype=np.uint8)
 
 
 def view_features(view: View) -> NDArray[np.float32]:
-    """Measure one object.
+    """Return the (len(VIEW_FEATURE_NAMES),) float32 features of one object, all finite.
 
     - colour: mean L*, a*, b* (unit: L* range 1), spread of L* and of the saturation, and how strongly the object shows
-      each of six hues: the mean over its pixels of their chroma, shared between the two nearest hues. A grey pixel thus
-      has no hue rather than a random one.
-    - size: length and width (m) of the tightest rectangle around the silhouette, area (m^2) of the silhouette, both
-      in the plane at the object's median depth; and the extent in depth (m), 5th to 95th percentile. Without any
-      depth reading on the object, it is taken to stand at `NOMINAL_DISTANCE`, and its extent in depth to be 0.
-    - shape: width / length; area / area of the convex hull; area / area of the rectangle; 4 pi area / (perimeter of
-      the hull)^2; and log10(h + 1e-5) of Hu's first three invariants (the others are products of higher degree,
-      mostly noise on a small mask; the floor keeps the logarithm of a symmetric shape's zeros from swinging).
+      each of six hues. This is the mean over its pixels of their chroma, shared between the two nearest hues. So a grey
+      pixel has no hue instead of a random one.
+    - size: length and width (m) of the tightest rectangle around the silhouette, area (m^2) of the silhouette, both in
+      the plane at the object's median depth; and the extent in depth (m), 5th to 95th percentile. Without any depth
+      reading on the object, its distance is `NOMINAL_DISTANCE` and its extent in depth 0.
+    - shape: width / length; area / area of the convex hull; area / area of the rectangle; 4 pi area / (perimeter of the
+      hull)^2; and log10(h + 1e-5) of Hu's first three invariants. The other invariants are products of higher degree,
+      mostly noise on a small mask. The added 1e-5 keeps the logarithm stable at a symmetric shape's zeros.
     - texture: share of edge pixels, standard deviation of the lightness in a fine and in a coarse band, entropy (bits).
-
-    Args:
-        view: crop of any size with at least one pixel in its mask.
-
-    Returns:
-        (len(VIEW_FEATURE_NAMES),) float32, finite.
 
     Raises:
         InputError: colour, depth and mask of different sizes, an empty mask, or focal lengths that are not positive.
@@ -114,12 +88,7 @@ def view_features(view: View) -> NDArray[np.float32]:
     outline = _outline(silhouette)
     patch = _patch(view.color[window], silhouette)
     return np.array(
-        [
-            *_colour(patch),
-            *_size(view, window, silhouette, outline),
-            *_shape(silhouette, outline),
-            *_texture(patch),
-        ],
+        [*_colour(patch), *_size(view, window, silhouette, outline), *_shape(silhouette, outline), *_texture(patch)],
         dtype=np.float32,
     )
 
@@ -141,7 +110,7 @@ def _check(view: View) -> None:
 
 
 def _outline(silhouette: NDArray[np.uint8]) -> NDArray[np.float32]:
-    """(k, 2) corners, in pixels, of the convex hull of all pixels of the silhouette, each a full square."""
+    """Return the (k, 2) corners, in pixels, of the convex hull of the silhouette; each pixel is a full square."""
     contours, _ = cv2.findContours(silhouette, cv2.RETR_EXTERNAL, cv2.CHAIN_APPROX_SIMPLE)
     centres = cv2.convexHull(np.concatenate(contours)).reshape(-1, 1, 2)
     corners = centres + np.array([[-0.5, -0.5], [-0.5, 0.5], [0.5, -0.5], [0.5, 0.5]])
@@ -156,7 +125,7 @@ def _patch(color: NDArray[np.uint8], silhouette: NDArray[np.uint8]) -> _Patch:
     if scale < 1:
         size = (max(1, round(width * scale)), max(1, round(height * scale)))
         coverage = cv2.resize(silhouette.astype(np.float32), size, interpolation=cv2.INTER_AREA)
-        # A pixel belongs to the object if half of it does; of a thinner silhouette, the best covered pixels do.
+        # A pixel belongs to the object if half of it is covered; if none is, those with the largest cover belong to it.
         mask = (coverage >= min(0.5, float(coverage.max()))).astype(np.uint8)
         share = np.where(mask, coverage, 1)
         seen = cv2.resize(cut, size, interpolation=cv2.INTER_AREA) / cv2.merge([share, share, share])
@@ -177,21 +146,14 @@ def _colour(patch: _Patch) -> list[float]:
     lower = position.astype(np.intp)
     share = position - lower
     hues = np.bincount(lower, chroma * (1 - share), HUES) + np.bincount((lower + 1) % HUES, chroma * share, HUES)
-    return [
-        lightness,
-        green_red,
-        blue_yellow,
-        lab_spread[0, 0] / 255,
-        saturation.std() / 255,
-        *(hues / chroma.size),
-    ]
+    return [lightness, green_red, blue_yellow, lab_spread[0, 0] / 255, saturation.std() / 255, *(hues / chroma.size)]
 
 
 def _size(
     view: View, window: tuple[slice, slice], silhouette: NDArray[np.uint8], outline: NDArray[np.float32]
 ) -> list[float]:
     depth = view.depth[window]
-    # Of 16-bit numbers, numpy's stable sort is a radix sort.
+    # For 16-bit numbers, numpy's stable sort is a fast radix sort.
     readings = np.sort(depth[(silhouette > 0) & (depth > 0)], kind='stable')
     if readings.size:
         near, distance, far = readings[[round(share * (readings.size - 1)) for share in (0.05, 0.5, 0.95)]] / 1000.0
@@ -225,21 +187,17 @@ def _texture(patch: _Patch) -> list[float]:
     across = cv2.Sobel(lightness, cv2.CV_32F, 1, 0, scale=1 / 8)
     down = cv2.Sobel(lightness, cv2.CV_32F, 0, 1, scale=1 / 8)
     within = np.flatnonzero(inner)
-    # Not cv2.magnitude: it rounds by where in memory the images lie, so that a pixel at the threshold comes and goes.
+    # Not cv2.magnitude: its rounding depends on memory addresses, so a pixel at the threshold would come and go.
     edges = np.sqrt(across**2 + down**2).take(within) > EDGE_THRESHOLD
     smooth = cv2.GaussianBlur(lightness, (0, 0), 1.0)
     smoother = cv2.GaussianBlur(lightness, (0, 0), 4.0)
     levels = np.minimum((lightness.take(within) * ENTROPY_BINS).astype(np.intp), ENTROPY_BINS - 1)
     shares = np.bincount(levels) / levels.size
     shares = shares[shares > 0]
-    return [
-        edges.mean(),
-        _spread(lightness - smooth, inner),
-        _spread(smooth - smoother, inner),
-        float(-shares @ np.log2(shares)),
-    ]
+    bands = (_spread(lightness - smooth, inner), _spread(smooth - smoother, inner))
+    return [edges.mean(), *bands, float(-shares @ np.log2(shares))]
 
 
 def _spread(image: NDArray[Any], mask: NDArray[Any]) -> float:
-    """Standard deviation of an image within a mask."""
+    """Return the standard deviation of an image within a mask."""
     return float(cv2.meanStdDev(image, mask=mask)[1][0, 0])

@@ -1,4 +1,4 @@
-"""From the observations of a turn to the scene that the learner sees."""
+"""Conversion of the observations of a turn to the scene that the learner sees."""
 
 from __future__ import annotations
 
@@ -11,18 +11,13 @@ from al_questioner.domain import InputError, Observation, Scene, SceneError, Vie
 from al_questioner.perception.features import VIEW_FEATURE_NAMES, view_features
 
 Measure = Callable[[View], NDArray[np.float32]]
-"""From a view to the entries of `VIEW_FEATURE_NAMES`."""
+"""Function that maps a view to the entries of `VIEW_FEATURE_NAMES`."""
 
 
 def perceive(observations: Sequence[Observation], measure: Measure = view_features) -> Scene:
-    """The scene of these n observations: the view's features, then the sensors' readings in the first one's order.
+    """Return the scene of n observations: (n, m) features, `VIEW_FEATURE_NAMES` and then the sensor readings.
 
-    Args:
-        observations: what is seen.
-        measure: `view_features`, or the same with a memory of the views that come back.
-
-    Returns:
-        A scene with (n, m) features, m = len(VIEW_FEATURE_NAMES) + number of sensors.
+    The readings are in the order of the first observation. Views that return may be measured with a cache.
 
     Raises:
         SceneError: no observation, or a reading that is not finite.

@@ -1,8 +1,9 @@
-"""What to ask next, and what comes of it: the ask/tell episode, candidates, strategies, and answers in plain words."""
+"""The ask/tell episode, candidates, strategies, and answers in plain words."""
 
+from al_questioner.questioning.answers import PreparedAnswer, Receipt
 from al_questioner.questioning.episode import Episode
 from al_questioner.questioning.initial_concepts import new_concept_learner
-from al_questioner.questioning.plain_words import read_plain_answer, respelt
+from al_questioner.questioning.plain_answers import read_plain_answer, respelt
 from al_questioner.questioning.strategies.choice import (
     Choice,
     Strategy,
@@ -10,13 +11,15 @@ from al_questioner.questioning.strategies.choice import (
     has_asked,
     nothing_considered,
     rows_of,
+    weight_names,
 )
 from al_questioner.questioning.strategies.decision_features import symbol_given_object
-from al_questioner.questioning.strategies.decision_theoretic import IROS_FEATURES, TASK_FEATURES
+from al_questioner.questioning.strategies.dt_iros import DtIros
+from al_questioner.questioning.strategies.dt_task import DtTask
 from al_questioner.questioning.strategies.expected_utility import expected_features
 from al_questioner.questioning.strategies.feature_sets import FEATURE_SETS, FeatureRecorder, FeatureSet
 from al_questioner.questioning.strategies.human import Human, ReplayedPicks
-from al_questioner.questioning.strategies.registry import STRATEGIES, known_strategies, make_strategy, strategy_factory
+from al_questioner.questioning.strategies.registry import STRATEGIES, known_strategies, make_strategy
 from al_questioner.questioning.strategies.subset_first import UnlabelledFirst
 from al_questioner.questioning.strategies.uncertainty_sampling import UncertaintySampling
 from al_questioner.questioning.strategies.weights import Weights, load_weights, read_weights, shipped_file
@@ -25,14 +28,16 @@ from al_questioner.questioning.turn_context import TurnContext
 
 __all__ = [
     'FEATURE_SETS',
-    'IROS_FEATURES',
     'STRATEGIES',
-    'TASK_FEATURES',
     'Choice',
+    'DtIros',
+    'DtTask',
     'Episode',
     'FeatureRecorder',
     'FeatureSet',
     'Human',
+    'PreparedAnswer',
+    'Receipt',
     'ReplayedPicks',
     'Strategy',
     'Teacher',
@@ -53,6 +58,6 @@ __all__ = [
     'respelt',
     'rows_of',
     'shipped_file',
-    'strategy_factory',
     'symbol_given_object',
+    'weight_names',
 ]

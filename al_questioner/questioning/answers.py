@@ -1,8 +1,10 @@
-"""What was said to each query: which answers were taken, which came too late, and what an answer says."""
+"""Answers to the queries of an episode: accepted, replaced or late, and their meaning."""
 
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+from enum import Enum
 
 from al_questioner.domain import (
     NO_SYMBOL,
@@ -10,12 +12,42 @@ from al_questioner.domain import (
     Action,
     Answer,
     AnswerError,
-    LateAnswerError,
     Outcome,
     Query,
     QueryKind,
+    QueryRecord,
     Scene,
 )
+
+LATE_KEPT = 100
+"""Late answers to one query that are kept."""
+
+
+class Receipt(Enum):
+    """Outcome of handing in an answer that fits its query.
+
+    It counts; it was taken before; or another answer had settled its query: then it is not learnt from, and only kept
+    for what it tells of its teacher.
+    """
+
+    ACCEPTED = 'accepted'
+    DUPLICATE = 'duplicate'
+    LATE = 'late'
+
+
+@dataclass(frozen=True)
+class PreparedAnswer:
+    """An answer that was checked, and what taking it will do.
+
+    Attributes:
+        record: what comes of its query; None if it is not accepted.
+        is_kept: whether it changes anything: not if it was heard before, or if too many others are late as well.
+    """
+
+    answer: Answer
+    receipt: Receipt
+    record: QueryRecord | None = None
+    is_kept: bool = True
 
 
 class AnswerHistory:
@@ -41,60 +73,51 @@ class AnswerHistory:
         self.late[answer] = None
 
     def standing(self) -> Iterator[Answer]:
-        """The answer to each query that holds now: the last, if some were replaced."""
+        """Return the valid answer to each query: the last one, if some were replaced."""
         for answers in self._taken.values():
             yield answers[next(reversed(answers))]
 
     def replaced(self) -> Iterator[Answer]:
-        """The answers that were replaced."""
+        """Return the answers that were replaced."""
         for answers in self._taken.values():
             yield from list(answers.values())[:-1]
 
-    def has_taken(self, answer: Answer) -> bool:
-        """Whether this very answer was taken before.
+    def receipt_for(self, answer: Answer) -> Receipt:
+        """Return what becomes of an answer, as far as the answers before tell.
 
         Raises:
-            AnswerError: another answer of the same ids was.
-            LateAnswerError: its query was settled by an answer of another id, which it does not replace.
+            AnswerError: another answer of the same ids was taken, or this one corrects none that can be corrected.
         """
         taken = self._taken.get(answer.query_id, {})
         same_id = taken.get(answer.answer_id)
-        if same_id is not None and same_id != answer:
+        if same_id == answer:
+            return Receipt.DUPLICATE
+        if same_id is not None:
             raise AnswerError(f'another answer {answer.answer_id!r} to query {answer.query_id!r} was taken already')
-        if taken and same_id is None and answer.replaces is None:
-            first = next(iter(taken))
-            raise LateAnswerError(f'query {answer.query_id!r} was answered already, by {first!r}')
-        return same_id is not None
-
-    def check_correction(self, answer: Answer) -> None:
-        """Make sure that an answer can replace the one that it names.
-
-        Raises:
-            AnswerError: that was not taken, or was replaced already, or the id of this one is taken.
-        """
-        taken = self._taken.get(answer.query_id, {})
+        if answer.replaces is None:
+            return Receipt.LATE if taken else Receipt.ACCEPTED
         if answer.replaces not in taken:
             raise AnswerError(f'no answer {answer.replaces!r} to query {answer.query_id!r} was taken')
-        if answer.answer_id in taken:
-            raise AnswerError(f'another answer {answer.answer_id!r} to query {answer.query_id!r} was taken already')
-        last = next(reversed(taken))
+        last, to = next(reversed(taken)), f'query {answer.query_id!r}'
         if answer.replaces != last:
-            raise AnswerError(
-                f'answer {answer.replaces!r} to query {answer.query_id!r} was replaced, in the end by {last!r}'
-            )
+            raise AnswerError(f'answer {answer.replaces!r} to {to} was replaced, in the end by {last!r}')
+        return Receipt.ACCEPTED
+
+    def keeps_late(self, answer: Answer) -> bool:
+        """Return whether a late answer is one to keep: it was not kept before, and not too many others were."""
+        return answer not in self.late and sum(one.query_id == answer.query_id for one in self.late) < LATE_KEPT
+
+    def why_not(self, answer: Answer, receipt: Receipt) -> str:
+        """Return why an answer of this receipt does not count now; empty if it does."""
+        if receipt is Receipt.LATE:
+            return f'query {answer.query_id!r} was answered already, by {next(iter(self._taken[answer.query_id]))!r}'
+        return 'already taken' if receipt is Receipt.DUPLICATE else ''
 
 
 def content_of(
     answer: Answer, action: Action, symbols: Sequence[str], groups: Sequence[str], scene: Scene
 ) -> tuple[int | None, str | None, tuple[str, ...]]:
-    """Object, symbol and feature groups that a question and its answer speak of.
-
-    Args:
-        answer: what was said.
-        action: what was asked.
-        symbols: the concepts.
-        groups: the feature groups.
-        scene: of the turn in which it was asked.
+    """Object, symbol and feature groups that a question about a scene and its answer speak of.
 
     Raises:
         AnswerError: the answer does not fit the question.
@@ -113,7 +136,7 @@ def content_of(
 
 
 def _named_symbol(answer: Answer, symbols: Sequence[str]) -> str:
-    """The symbol, or `NO_SYMBOL`, that an answer to a label query names."""
+    """Return the symbol, or `NO_SYMBOL`, that an answer to a label query names."""
     known = (*symbols, NO_SYMBOL)
     if not isinstance(answer.content, str):
         raise AnswerError(f'a label is one of {", ".join(known)}, not {answer.content!r}')
@@ -123,7 +146,7 @@ def _named_symbol(answer: Answer, symbols: Sequence[str]) -> str:
 
 
 def _shown_object(answer: Answer, scene: Scene) -> int | None:
-    """The object of the scene that an answer to a demonstration query shows; None if there is none to show."""
+    """Return the object that an answer to a demonstration query shows; None if there is none to show."""
     if answer.content == NO_SYMBOL:
         return None
     if not isinstance(answer.content, int) or isinstance(answer.content, bool):
@@ -134,7 +157,7 @@ def _shown_object(answer: Answer, scene: Scene) -> int | None:
 
 
 def _named_groups(answer: Answer, groups: Sequence[str]) -> tuple[str, ...]:
-    """The feature groups that an answer to a feature subset query names, each once."""
+    """Return the feature groups that an answer to a feature subset query names, each once."""
     if not isinstance(answer.content, tuple) or not answer.content:
         raise AnswerError(f'a feature subset is some of {", ".join(groups)}, not {answer.content!r}')
     for group in answer.content:

@@ -1,7 +1,7 @@
-"""What the things on the table are, or whether they are of no symbol at all, as far as the labels so far can tell.
+"""Probability that an object is of each symbol, or of none, judged by the labels so far.
 
-The classifiers tell symbols apart, but not what is of none: far from their labels they fall back to 1/2. What a
-question is worth depends on that, so here the labels vote directly. The derivation is in
+The classifiers distinguish symbols, but do not recognise objects of no symbol: far from their labels they return 1/2.
+The value of a question depends on that, so here the labels vote directly. The derivation is in
 docs/explanation/value_per_cost.md.
 """
 
@@ -15,16 +15,12 @@ from al_questioner.support.arrays import Array
 
 
 def class_beliefs(context: TurnContext, reach: float, doubt: float) -> Array:
-    """(|X|, |Y| + 1) probability that an object is of each symbol, or, last, of none.
+    """Return (|X|, |Y| + 1) probability that an object is of each symbol, or, last, of none.
 
-    The nearest labelled view of each of them votes with exp(-d^2 / (2 reach^2)), and `doubt` votes are shared among all
-    as they were among the answers so far (docs/explanation/value_per_cost.md). A symbol that was asked for in this
-    scene, and of which nothing was shown, is of no object of it.
-
-    Args:
-        context: what is seen and known.
-        reach: how far a label tells what things are, in standard deviations of a feature, root mean square.
-        doubt: votes that no label has, above 0.
+    For each symbol, the nearest labelled view votes with exp(-d^2 / (2 reach^2)), and `doubt` votes are shared among
+    all as they were among the answers so far (docs/explanation/value_per_cost.md). If a symbol was asked for
+    in this scene and the teacher showed nothing, no object of the scene is of that symbol. The reach is in standard
+    deviations of a feature, root mean square; the doubt is above 0.
     """
     votes = doubt * np.tile(class_shares(context), (len(context.scene), 1))
     labels = np.array([view.label for view in context.concepts.labelled_views], dtype=object)
@@ -37,10 +33,10 @@ def class_beliefs(context: TurnContext, reach: float, doubt: float) -> Array:
 
 
 def class_shares(context: TurnContext) -> Array:
-    """(|Y| + 1,) share of the things of each symbol, or, last, of none, before anything is known of one.
+    """Return (|Y| + 1,) share of the objects of each symbol, or, last, of none, before anything is known of an object.
 
-    That of none is estimated from the answers to label queries, with the prior of Jeffreys; what is left is divided
-    equally, since which symbols were heard of says more about the questions than about the table.
+    The share of none is estimated from the answers to label queries, with the prior of Jeffreys. The rest is divided
+    equally, since the symbols of the answers depend more on the questions than on the table.
     """
     answers = [r.symbol for r in context.history if r.kind is QueryKind.LABEL and r.outcome is Outcome.ANSWERED]
     none = (answers.count(NO_SYMBOL) + 0.5) / (len(answers) + 1)
@@ -49,7 +45,7 @@ def class_shares(context: TurnContext) -> Array:
 
 
 def with_labels(context: TurnContext, beliefs: Array) -> Array:
-    """(|X|, |Y|) the beliefs in the symbols, but certainty about the views that have been labelled."""
+    """Return (|X|, |Y|) beliefs in the symbols, with certainty about the views that have been labelled."""
     known = beliefs[:, :-1].copy()
     for row, label in enumerate(context.concepts.labels_of(context.scene)):
         if label is not None:

@@ -1,4 +1,4 @@
-"""The communicative actions of a turn, and how each is put to the teacher."""
+"""Communicative actions of a turn, and the answers that each query can have."""
 
 from __future__ import annotations
 
@@ -7,29 +7,28 @@ from collections.abc import Sequence
 from al_questioner.domain import Action, Costs, QueryKind, Scene, group_of
 
 BUDGET_ROUNDING = 1e-9
-"""Costs that add up to the budget but for rounding (three times 0.1 for 0.3) are affordable."""
+"""Largest amount by which rounding may exceed the budget: three times 0.1 is affordable with 0.3."""
 
 
 def candidates(scene: Scene, symbols: Sequence[str], costs: Costs, budget_left: float) -> tuple[Action, ...]:
-    """The |Y| + |X| + 2 actions of section 2.1 of the paper that the budget can pay and that have several answers.
+    """Return the actions of section 2.1 of the paper that the budget can pay and that have several answers.
+
+    Without these limits there are |Y| + |X| + 2.
 
     Returns:
         DQ(y) in the order of the symbols, LQ(x) in the order of the scene, FSQ, NQ; of each kind all of them or none.
     """
-    by_kind = {
-        QueryKind.DEMONSTRATION: [Action(QueryKind.DEMONSTRATION, symbol=symbol) for symbol in symbols],
-        QueryKind.LABEL: [Action(QueryKind.LABEL, object_id=object_id) for object_id in scene.object_ids],
-        QueryKind.FEATURE_SUBSET: [Action(QueryKind.FEATURE_SUBSET)],
-        QueryKind.NO_QUERY: [Action(QueryKind.NO_QUERY)],
-    }
-    kinds = (kind for kind in by_kind if is_affordable(costs.price(kind), budget_left) and is_open(kind, scene))
-    return tuple(action for kind in kinds for action in by_kind[kind])
+    actions = [Action(QueryKind.DEMONSTRATION, symbol=symbol) for symbol in symbols]
+    actions += [Action(QueryKind.LABEL, object_id=object_id) for object_id in scene.object_ids]
+    actions += [Action(QueryKind.FEATURE_SUBSET), Action(QueryKind.NO_QUERY)]
+    kinds = {kind for kind in QueryKind if is_affordable(costs.price(kind), budget_left) and is_open(kind, scene)}
+    return tuple(action for action in actions if action.kind in kinds)
 
 
 def is_open(kind: QueryKind, scene: Scene) -> bool:
-    """Whether a question of this kind has more than one possible answer in this scene, so that it can tell something.
+    """Return whether a question of this kind has more than one possible answer in this scene.
 
-    Where nothing is in view nothing can be shown, and where all features are of one group that is the one that matters.
+    In an empty scene nothing can be shown. If all features are of one group, that is the group that matters.
     """
     if kind is QueryKind.DEMONSTRATION:
         return len(scene) > 0
@@ -39,40 +38,14 @@ def is_open(kind: QueryKind, scene: Scene) -> bool:
 
 
 def is_affordable(cost: float, budget_left: float) -> bool:
-    """Whether the budget can pay for it; what costs nothing always is."""
+    """Return whether the budget can pay a cost; a cost of 0 is always affordable."""
     return cost <= budget_left + BUDGET_ROUNDING
 
 
-def question_text(action: Action, symbols: Sequence[str]) -> str:
-    """The question in plain English.
-
-    Raises:
-        ValueError: the action asks nothing.
-    """
-    if action.kind is QueryKind.LABEL:
-        return f'What is object {action.object_id}?'
-    if action.kind is QueryKind.DEMONSTRATION:
-        return f'Can you show me {_with_article(_spoken(str(action.symbol)))}?'
-    if action.kind is QueryKind.FEATURE_SUBSET:
-        spoken = [_spoken(symbol) for symbol in symbols]
-        names = f'{", ".join(spoken[:-1])} and {spoken[-1]}'
-        return f'Which properties matter for telling {names} apart?'
-    raise ValueError('NQ asks nothing')
-
-
-def _spoken(symbol: str) -> str:
-    return symbol.replace('_', ' ')
-
-
-def _with_article(noun: str) -> str:
-    article = 'some' if noun.endswith('s') else 'an' if noun[0].lower() in 'aeiou' else 'a'
-    return f'{article} {noun}'
-
-
 def choices(action: Action, scene: Scene, symbols: Sequence[str], groups: Sequence[str]) -> tuple[str, ...]:
-    """The answers that count: symbols, object ids as text, or feature groups.
+    """Return the answers to choose from: symbols, object ids as text, or feature groups.
 
-    That nothing fits (`NO_SYMBOL`) can be said of every label and demonstration query and is not listed.
+    `NO_SYMBOL` is a valid answer to every label and demonstration query and is not listed.
 
     Raises:
         ValueError: the action asks nothing.

@@ -1,4 +1,4 @@
-"""What a learner knows before anybody has told it anything."""
+"""The concept learner at the beginning of an episode."""
 
 from __future__ import annotations
 
@@ -11,12 +11,9 @@ from al_questioner.questioning.strategies.registry import make_strategy
 def new_concept_learner(
     settings: EpisodeSettings, view_tolerance: float = VIEW_TOLERANCE, strategy: Strategy | None = None
 ) -> ConceptLearner:
-    """What a learner with these settings knows before the first turn.
+    """Make the concept learner of these settings, as it is before the first turn.
 
-    Args:
-        settings: of the episode.
-        view_tolerance: see `ConceptLearner`.
-        strategy: who decides, and selects features, in the place of the strategy that the settings name.
+    A strategy that is given selects features in the place of the one that the settings name.
 
     Raises:
         SettingsError: an unknown strategy, or weights that do not fit it.
@@ -24,9 +21,5 @@ def new_concept_learner(
     if strategy is None:
         strategy = make_strategy(settings.strategy, settings.weights)
     return ConceptLearner(
-        settings.symbols,
-        settings.amplitude,
-        settings.length_scale,
-        strategy.selector,
-        view_tolerance,
+        settings.symbols, settings.amplitude, settings.length_scale, strategy.selector, view_tolerance
     )

@@ -1,14 +1,14 @@
-"""How far each teacher can be relied on, judged by what the models believed before they were told.
+"""Reliability of each teacher, judged by the beliefs of the models before each answer.
 
-The one-coin model of Dawid and Skene (1979), with the beliefs of the classifiers as prior of what a thing is, as in
-Raykar et al. (2010). A teacher t names the right one of L labels with probability r_t, and each wrong one with
+The one-coin model of Dawid and Skene (1979), with the beliefs of the classifiers as prior of the label of an object, as
+in Raykar et al. (2010). A teacher t names the right one of L labels with probability r_t, and each wrong one with
 (1 - r_t) / (L - 1). Expectation maximisation alternates
 
     P(z_i = l) proportional to b_il prod_t (r_t if t said l, else (1 - r_t) / (L - 1)),
-    r_t = (a + sum of P(z_i = what t said of i)) / (a + c + number of i that t spoke of),
+    r_t = (a + sum of P(z_i = the label that t gave i)) / (a + c + number of i that t labelled),
 
-with a = 9 and c = 1: nine right answers and a wrong one that every teacher is credited with. Where the models know
-nothing, b is uniform and nothing is learnt of a teacher who speaks alone.
+with a = 9 and c = 1: nine right answers and a wrong one that every teacher is credited with. If the models know
+nothing, b is uniform, and nothing is learnt of a teacher whose objects no other teacher labels.
 """
 
 from __future__ import annotations
@@ -23,22 +23,16 @@ from al_questioner.questioning.answers import AnswerHistory
 from al_questioner.support.arrays import Array
 
 CREDIT_RIGHT, CREDIT_WRONG = 9.0, 1.0
-"""Answers that every teacher is credited with before the first."""
+"""Number of right and wrong answers that every teacher is credited with before the first answer."""
 CONVERGED = 1e-6
 MOST_ITERATIONS = 1000
 LEAST_BELIEF = 1e-9
-"""Nothing is impossible: a label that the models exclude can still be the right one."""
+"""Smallest belief in a label: a label that the models exclude can still be the right one."""
 
 
 @dataclass(frozen=True)
 class Statement:
-    """That a teacher said of one thing that it is one of the labels.
-
-    Attributes:
-        item: turn in which it was asked what the thing is.
-        teacher_id: who said it.
-        label: index into the labels.
-    """
+    """A label, by its index, that a teacher gave to one object; `item` is the turn of the query about the object."""
 
     item: int
     teacher_id: str
@@ -47,14 +41,14 @@ class Statement:
 
 @dataclass(frozen=True)
 class TeacherRecord:
-    """What a teacher has said so far.
+    """Counts of a teacher's answers so far, and the teacher's reliability.
 
     Attributes:
         answered: answers that count now.
         unknown: queries of which the teacher did not know the answer.
         skipped: queries that the teacher skipped.
         corrected: answers of this teacher that were replaced.
-        late: answers to queries that another answer had settled.
+        late: answers to queries that already had another answer.
         reliability: estimated probability that a label of this teacher is right.
     """
 
@@ -67,9 +61,9 @@ class TeacherRecord:
 
 
 def label_beliefs(probabilities: Array) -> Array:
-    """(L,) probability of each symbol, and of none as the last, from (L - 1,) independent q_y(x).
+    """Return (L,) probability of each symbol, and of none as the last, from (L - 1,) independent q_y(x).
 
-    Exactly one of them holds, so that p(y) is proportional to q_y / (1 - q_y), and p(none) to 1.
+    Exactly one of them is true, so that p(y) is proportional to q_y / (1 - q_y), and p(none) to 1.
     """
     q = np.clip(probabilities, LEAST_BELIEF, 1.0 - LEAST_BELIEF)
     odds = np.append(q / (1.0 - q), 1.0)
@@ -77,12 +71,7 @@ def label_beliefs(probabilities: Array) -> Array:
 
 
 def reliabilities(statements: Sequence[Statement], beliefs: Mapping[int, Array]) -> dict[str, float]:
-    """The estimated r_t of every teacher, see the formulas above.
-
-    Args:
-        statements: what was said.
-        beliefs: (L,) b_i of every item that is spoken of.
-    """
+    """Return the estimated r_t of every teacher, see the formulas above, given (L,) b_i of every item."""
     teachers = list(dict.fromkeys(statement.teacher_id for statement in statements))
     items = list(dict.fromkeys(statement.item for statement in statements))
     if not statements:
@@ -111,15 +100,10 @@ def reliabilities(statements: Sequence[Statement], beliefs: Mapping[int, Array])
 def statements_of(
     book: AnswerHistory, queries: Mapping[str, Query], symbols: Sequence[str], beliefs: Collection[int]
 ) -> list[Statement]:
-    """What the answers say of things, those that came too late included.
+    """Return the labels that the answers give to objects, including late answers.
 
-    Of a demonstration that came too late it is not known whether it shows the same thing as the one that was taken.
-
-    Args:
-        book: all answers.
-        queries: by `query_id`.
-        symbols: the labels, `NO_SYMBOL` comes after them.
-        beliefs: turns in which one thing was asked or shown, and named.
+    A late demonstration is left out, since it may show another object than the accepted one. There are beliefs of the
+    turns in which one object was asked about or shown, and named; the last label is `NO_SYMBOL`.
     """
     labels = (*symbols, NO_SYMBOL)
     taken = [(answer, queries[answer.query_id]) for answer in book.standing()]
@@ -136,13 +120,9 @@ def statements_of(
 def teacher_records(
     book: AnswerHistory, queries: Mapping[str, Query], symbols: Sequence[str], beliefs: Mapping[int, Array]
 ) -> dict[str, TeacherRecord]:
-    """What every teacher has said, in the order of their names.
+    """Return the record of every teacher, in the order of their names.
 
-    Args:
-        book: all answers.
-        queries: by `query_id`.
-        symbols: the labels, `NO_SYMBOL` comes after them.
-        beliefs: by turn, (L,) what the models believed of the thing that was named in it, before they were told.
+    The beliefs are by turn, (L,) of the models about the object that was named in it, before its label.
     """
     statements = statements_of(book, queries, symbols, beliefs)
     estimated = reliabilities(statements, beliefs)

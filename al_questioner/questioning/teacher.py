@@ -1,4 +1,4 @@
-"""What every teacher does, simulated or human."""
+"""The interface of every teacher, simulated or human."""
 
 from __future__ import annotations
 
@@ -12,10 +12,5 @@ class Teacher(Protocol):
     """Somebody who answers questions about a scene."""
 
     def answer(self, query: Query, truth: Mapping[int, str]) -> Answer:
-        """Answer a query.
-
-        Args:
-            query: the question.
-            truth: what this teacher sees: the symbol, or `NO_SYMBOL`, of every object in the scene of the query.
-        """
+        """Answer a query; the truth is the symbol, or `NO_SYMBOL`, that this teacher sees in each thing of a scene."""
         ...

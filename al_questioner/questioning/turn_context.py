@@ -1,9 +1,10 @@
-"""What a questioning strategy sees of a turn."""
+"""State of a turn as a questioning strategy sees it."""
 
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
+from collections.abc import Callable
+from dataclasses import dataclass, field
 from functools import cached_property
 from itertools import takewhile
 
@@ -15,24 +16,34 @@ from al_questioner.domain import Action, Costs, Outcome, QueryKind, QueryRecord,
 from al_questioner.questioning.candidates import candidates
 
 
+class LastResult:
+    """The last result of a costly computation: it is not repeated while what it is made from stays the same."""
+
+    def __init__(self) -> None:
+        self._made_from: tuple[object, ...] | None = None
+        self._result = np.empty(0)
+
+    def of(self, made_from: tuple[object, ...], compute: Callable[[], NDArray[np.float64]]) -> NDArray[np.float64]:
+        """Return the result for what it is made from, computed if that is not what it was the last time."""
+        if made_from != self._made_from:
+            self._result, self._made_from = compute(), made_from
+        return self._result
+
+
 @dataclass(frozen=True, eq=False)
 class TurnContext:
-    """The learning state of section 2.1 of the paper, before the action of the turn.
+    """Learning state of section 2.1 of the paper, before the action of the turn.
 
-    It refers to the episode's concepts and is valid until that changes. What costs time is computed on first use.
+    It refers to the episode's concepts and is valid until they change. Costly values are computed on first use.
 
     Attributes:
         turn: 1-based.
-        turns: number of turns of the episode.
-        scene: the objects seen this turn.
-        concepts: what the learner has been told.
-        budget: of the episode.
-        spent: of the budget so far.
-        costs: price of each kind of query.
+        spent: part of the budget that was spent so far.
         change_interval: turns between scene changes as the robot expects them: the window of the non-query time.
         non_query_turns: consecutive turns before this one in which nothing was asked.
         scene_turn: turn in which the present scene was first seen.
         history: the queries so far, in order.
+        look_ahead: the look-ahead of the last turn that needed one, kept by the episode.
     """
 
     turn: int
@@ -46,10 +57,11 @@ class TurnContext:
     non_query_turns: int
     scene_turn: int
     history: tuple[QueryRecord, ...]
+    look_ahead: LastResult = field(default_factory=LastResult)
 
     @property
     def symbols(self) -> tuple[str, ...]:
-        """The concepts to ground."""
+        """Concepts to ground."""
         return self.concepts.symbols
 
     @property
@@ -64,14 +76,14 @@ class TurnContext:
 
     @property
     def allowance(self) -> float:
-        """What may be spent in the present scene if, of K scenes, k/K of the budget is to last until the k-th ends."""
+        """Amount that may be spent in the present scene: after the k-th of K scenes, k/K of the budget in all."""
         scenes = math.ceil(self.turns / self.change_interval)
         number = (self.turn - 1) // self.change_interval + 1
         return self.budget * number / scenes - self.spent
 
     @cached_property
     def absent_symbols(self) -> frozenset[str]:
-        """The symbols of which, the teacher said, nothing is in the present scene."""
+        """Symbols that the present scene does not contain, according to the teacher."""
         records = takewhile(lambda record: record.turn >= self.scene_turn, reversed(self.history))
         return frozenset(
             record.symbol
@@ -84,16 +96,16 @@ class TurnContext:
 
     @cached_property
     def excluded_symbols(self) -> frozenset[str]:
-        """The symbols that nothing in the scene can be of: every view in it has been labelled, and otherwise."""
+        """Symbols that no object of the scene can have, since every view in it has another label."""
         if not self.labelled.all():
             return frozenset()
         return frozenset(self.symbols).difference(self.concepts.labels_of(self.scene))
 
     @cached_property
     def known_answers(self) -> frozenset[Action]:
-        """The questions whose one possible answer is known already: all that is in view has been labelled.
+        """Questions whose only possible answer is known already, since every view in the scene has a label.
 
-        That is the demonstration of a symbol of which one thing is here, and the label of a thing that is alone.
+        These are the demonstration of a symbol with a single object here, and the label of a single object.
         """
         if not self.labelled.all():
             return frozenset()
@@ -104,15 +116,15 @@ class TurnContext:
 
     @cached_property
     def candidates(self) -> tuple[Action, ...]:
-        """The actions that can be paid for and tell something: DQ by symbol, LQ by object, FSQ, NQ."""
+        """Actions that can be paid for and have several answers: DQ by symbol, LQ by object, FSQ, NQ."""
         return candidates(self.scene, self.symbols, self.costs, self.budget_left)
 
     @cached_property
     def probabilities(self) -> NDArray[np.float64]:
-        """(|X|, |Y|) q_y(x) of the scene."""
+        """Degrees q_y(x) of the scene, (|X|, |Y|)."""
         return self.concepts.predict_proba(self.scene.features)
 
     @cached_property
     def labelled(self) -> NDArray[np.bool_]:
-        """(|X|,) whether this view of each object has been labelled already."""
+        """Views that have been labelled already, (|X|,) booleans."""
         return self.concepts.is_labelled(self.scene)

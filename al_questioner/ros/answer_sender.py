@@ -1,4 +1,4 @@
-"""How an answer reaches the learner: said again and again until it is acknowledged."""
+"""Sending of answers to the learner, each repeated until the learner acknowledges it."""
 
 from __future__ import annotations
 
@@ -13,38 +13,33 @@ from al_questioner.ros.retransmitter import PERSISTENT, Retransmitter
 
 
 class AnswerSender:
-    """Brings one answer at a time to the learner. All of it happens on the node's worker.
-
-    Args:
-        node: that speaks, of its present episode.
-        acknowledged: told the answer and the learner's `answer_ack`.
-    """
+    """Sender of one answer at a time to the learner. All methods run on the node's worker."""
 
     def __init__(self, node: QuestionerNode, acknowledged: Callable[[Answer, Document], None]) -> None:
         self._node = node
         self._tell = acknowledged
         publish = node.document_publisher('answer', qos.EVENTS)
-        self._mouth = Retransmitter[Answer](
+        self._retransmitter = Retransmitter[Answer](
             node.after, lambda answer: publish(documents.answer_members(answer)), PERSISTENT
         )
         node.on_document('answer_ack', self._acknowledged, qos.EVENTS)
 
     @property
     def unacknowledged(self) -> Answer | None:
-        """The answer that is on its way."""
-        return self._mouth.said
+        """Answer that is sent and not acknowledged yet; None if there is none."""
+        return self._retransmitter.message
 
     def send(self, answer: Answer, delay: float = 0.0) -> None:
-        """Send an answer after so many seconds, in the place of any other that is still on its way.
+        """Send an answer after so many seconds, in place of any other that is not acknowledged yet.
 
-        Of one that is on its way already nothing changes: a question that is heard twice is answered no later.
+        If this answer is being sent already, nothing changes, so that a repeated question does not delay it.
         """
         if answer != self.unacknowledged:
-            self._mouth.say(answer, delay)
+            self._retransmitter.send(answer, delay)
 
     def drop(self) -> None:
-        """Send the present answer no more."""
-        self._mouth.stop()
+        """Stop sending the present answer."""
+        self._retransmitter.stop()
 
     def _acknowledged(self, document: Document) -> None:
         answer = self.unacknowledged
@@ -57,4 +52,4 @@ class AnswerSender:
         self.drop()
         self._tell(answer, document)
         if not document['accepted']:
-            raise InputError(f'the learner did not take the answer to {answer.query_id}: {document["reason"]}')
+            raise InputError(f'the learner did not accept the answer to {answer.query_id}: {document["reason"]}')

@@ -23,8 +23,8 @@ from al_questioner.ros.nodes.learner import LearnerNode
 from al_questioner.ros.nodes.observer import ObserverNode, StateWatcher
 from al_questioner.ros.nodes.perception import PerceptionNode
 from al_questioner.ros.nodes.teacher import TeacherNode
+from al_questioner.ros.parameters import Value
 from al_questioner.ros.running import Spinner
-from al_questioner.ros.setting import Value
 from al_questioner.support.files import make_folder
 
 NODES: Mapping[str, Callable[..., QuestionerNode]] = {
@@ -33,12 +33,12 @@ NODES: Mapping[str, Callable[..., QuestionerNode]] = {
     'learner': LearnerNode,
 }
 SECONDS_TO_STOP = 10.0
-"""After which a process that was asked to stop is killed."""
+"""Seconds after which a process that was asked to stop is killed."""
 
 
 @dataclass(frozen=True)
 class EpisodeLauncher:
-    """What the nodes are started with.
+    """Launcher of the nodes of one episode.
 
     Attributes:
         namespace: of all their topics, without a slash at its ends.
@@ -113,7 +113,7 @@ class EpisodeLauncher:
 
     @contextlib.contextmanager
     def _processes(self, names: Iterable[str]) -> Iterator[dict[str, subprocess.Popen[bytes]]]:
-        """A process for each of these nodes, in a session of its own so that a signal reaches whatever it started."""
+        """Run a process for each of these nodes, in its own session so that a signal reaches all that it started."""
         processes = {}
         make_folder(self.log_dir)
         try:

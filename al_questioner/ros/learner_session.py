@@ -7,16 +7,17 @@ from pathlib import Path
 from typing import Any
 
 from al_questioner import __version__
-from al_questioner.domain import Costs, EpisodeSettings, InputError
+from al_questioner.domain import COSTS, Costs, EpisodeSettings, InputError
 from al_questioner.event_log.durable_episode import DurableEpisode
 from al_questioner.event_log.events import EpisodeStarted
 from al_questioner.event_log.log import SessionLog
+from al_questioner.event_log.storage import SqliteStorage, StorageFactory
 from al_questioner.ros.worlds import new_episode_id, world_members
 from al_questioner.simulation import Task, WorldSpec, episode_settings
 
 
 def settings_of(task: Task, given: Mapping[str, Any]) -> EpisodeSettings:
-    """The settings that the parameters state.
+    """Return the settings that the parameters state.
 
     Raises:
         InputError: they cannot be used.
@@ -28,28 +29,23 @@ def settings_of(task: Task, given: Mapping[str, Any]) -> EpisodeSettings:
         turns=given['turns'],
         change_interval=given['change_interval'],
         weights_file=given['weights_file'] or None,
-        costs=Costs(
-            label=given['cost_label'],
-            demonstration=given['cost_demonstration'],
-            feature_subset=given['cost_feature_subset'],
-            unknown=given['charge_unknown'],
-            skip=given['charge_skip'],
-            unanswered=given['charge_unanswered'],
-        ),
+        costs=Costs(**{name: given[price.name] for name, price in COSTS.items()}),
         amplitude=given['amplitude'],
         length_scale=given['length_scale'] or None,
         tune_every=given['tune_every'],
     )
 
 
-def session_of(settings: EpisodeSettings, world: WorldSpec, given: Mapping[str, Any]) -> DurableEpisode:
-    """The episode of these parameters, new or as far as its log goes, not yet started.
+def session_of(
+    settings: EpisodeSettings, world: WorldSpec, given: Mapping[str, Any], storage: StorageFactory = SqliteStorage
+) -> DurableEpisode:
+    """Return the episode of these parameters, new or as far as its log goes, not yet started.
 
     Raises:
         InputError: the log cannot be used, or is that of an episode with other settings.
     """
     folder = Path(str(given['session'])).expanduser() if given['session'] else None
-    log = None if folder is None else SessionLog(folder)
+    log = None if folder is None else SessionLog(folder, storage)
     is_new = log is None or not log.events
     wanted = EpisodeStarted(
         episode_id=str(given['episode_id']) or (new_episode_id(world) if is_new else ''),

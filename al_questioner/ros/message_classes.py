@@ -1,4 +1,4 @@
-"""Which message types are installed: a recording of a whole robot holds others."""
+"""Classes of the installed message types, and the part of a bag that can be played with them."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ from al_questioner.domain import InputError
 
 
 def message_class(type_: str) -> Any:
-    """The class of a type such as 'std_msgs/msg/String'.
+    """Return the class of a type such as 'std_msgs/msg/String'.
 
     Raises:
         InputError: it is not installed.
@@ -26,10 +26,10 @@ def message_class(type_: str) -> Any:
 
 
 def installed_part(bag: Bag) -> tuple[Bag, Mapping[str, Sequence[str]]]:
-    """What of a bag can be played, and by message types that are not installed the topics that are passed over.
+    """Return the part of a bag that can be played, and the topics that cannot, by message type that is not installed.
 
     Raises:
-        InputError: no message of it can be.
+        InputError: no message can be played.
     """
     missing: dict[str, list[str]] = defaultdict(list)
     for topic in bag.topics:

@@ -1,4 +1,4 @@
-"""What the nodes share: a worker thread, refusals that are counted, and diagnostics."""
+"""The base of all nodes: a worker thread, counted refusals, and diagnostics."""
 
 from __future__ import annotations
 
@@ -26,7 +26,7 @@ from al_questioner.domain import EpisodeError, InputError
 from al_questioner.messages import documents
 from al_questioner.messages.documents import Document
 from al_questioner.ros import qos
-from al_questioner.ros.hearing import Hearing, full_name, unserved
+from al_questioner.ros.flexible_subscription import FlexibleSubscription, full_name, unserved
 from al_questioner.ros.overrides import check_overrides, overriding_options
 from al_questioner.ros.types import text
 from al_questioner.ros.worker import Cancel, Worker
@@ -44,15 +44,15 @@ NO_WARNINGS = PublisherEventCallbacks(use_default_callbacks=False)
 """Whom a publisher does not suit is told once a second, with its name: see `unserved`."""
 
 SECONDS_FOR_PUBLISHER = 10.0
-"""After which it is worth a warning that nobody publishes what the node waits for."""
+"""Seconds without a publisher of what the node waits for, after which it warns."""
 
 RECORDER = 'recorder'
 """Name of the node that records."""
 SECONDS_FOR_RECORDER = 10.0
-"""After which the lack of a recorder is worth a warning."""
+"""Seconds without a recorder, after which a node that waits for one warns."""
 
 REFUSALS_PER_SECOND = 10
-"""That are logged if each has another reason; of one reason, one is. The rest is counted."""
+"""Refusals that are logged each second, one for each reason. The rest is counted."""
 DETAIL = re.compile(r"""'[^']*'|"[^"]*"|\S*[\d_]\S*|\b(nan|inf)\b""")
 """Names and numbers, by which refusals for one reason differ."""
 REFUSAL_SHOWN = 60.0
@@ -78,7 +78,7 @@ class QuestionerNode(Node):
         check_overrides(self, topics)
         self.episode_id = ''
         self._advertised: list[str] = []
-        self._hearings: list[Hearing] = []
+        self._hearings: list[FlexibleSubscription] = []
         self._refused: Counter[str] = Counter()
         self._last_refusal = ''
         self._refused_at = -math.inf
@@ -97,7 +97,7 @@ class QuestionerNode(Node):
         self.create_timer(LOOK_PERIOD, self._look_for_publishers, clock=steady)
 
     def set_parameters_atomically(self, parameter_list: list[Parameter]) -> SetParametersResult:
-        """What `ros2 param set` leads to: all of the parameters are set, or none; rclpy's refusals say less."""
+        """Set all of the parameters, or none, as `ros2 param set` asks for; rclpy's own refusals say less."""
         unknown = [one.name for one in parameter_list if not self.has_parameter(one.name)]
         if unknown:
             return _refused(f'no parameter {", ".join(unknown)}; known: {", ".join(self.get_parameters_by_prefix(""))}')
@@ -107,7 +107,7 @@ class QuestionerNode(Node):
         return super().set_parameters_atomically(parameter_list)
 
     def advertise(self, message_type: type, topic: str, profile: QoSProfile) -> Publisher:
-        """A publisher whose quality of service parameters may override."""
+        """Make a publisher whose quality of service parameters may override."""
         self._advertised.append(self.resolve_topic_name(topic))
         return self.create_publisher(
             message_type,
@@ -121,11 +121,11 @@ class QuestionerNode(Node):
     def listen(
         self, message_type: type, topic: str, hear: Callable[[Any], None], profile: QoSProfile, raw: bool = False
     ) -> None:
-        """Have the executor's thread call a function with every message of a topic: see `Hearing`."""
-        self._hearings.append(Hearing(self, message_type, topic, hear, profile, raw))
+        """Have the executor's thread call a function with every message of a topic: see `FlexibleSubscription`."""
+        self._hearings.append(FlexibleSubscription(self, message_type, topic, hear, profile, raw))
 
     def document_publisher(self, kind: str, profile: QoSProfile = qos.LATCHED) -> Callable[[Document], None]:
-        """A function that writes documents of this kind, of the current episode, to the topic of the same name."""
+        """Make a function that writes documents of this kind, of the current episode, to the topic of the same name."""
         publisher = self.advertise(String, kind, profile)
         return lambda members: publisher.publish(text(documents.write(kind, self.episode_id, members)))
 
@@ -222,11 +222,11 @@ class QuestionerNode(Node):
         return ''
 
     def counts(self) -> Mapping[str, int]:
-        """What the node counts, for /diagnostics."""
+        """Return the counters of the node, for /diagnostics."""
         return {f'refused on {topic}': count for topic, count in dict(self._refused).items()}
 
     def measurements(self) -> Mapping[str, str]:
-        """What the node has measured, in words, for /diagnostics."""
+        """Return the measurements of the node, in words, for /diagnostics."""
         return {}
 
     def destroy_node(self) -> None:
@@ -249,12 +249,12 @@ class QuestionerNode(Node):
             hearing.look()
 
     def _mismatches(self) -> list[str]:
-        """Who is not heard by this node, or does not hear it, since the two do not fit."""
+        """Return a line for each publisher or subscriber whose quality of service does not fit."""
         unheard = [line for hearing in self._hearings for line in hearing.unheard()]
         return unheard + [line for topic in self._advertised for line in unserved(self, topic)]
 
     def _late(self) -> str:
-        """What the node has been doing for too long, and who publishes what it waits for; else empty."""
+        """Return the activity that has taken too long, and who publishes what it waits for; else an empty text."""
         activity, awaited, now = self._activity, self._awaited, time.monotonic()
         publishers = self.other_publishers(awaited) if awaited else []
         if now <= self._overdue and (not awaited or publishers or now <= self._began + SECONDS_FOR_PUBLISHER):

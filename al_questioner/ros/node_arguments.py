@@ -2,18 +2,13 @@
 
 from __future__ import annotations
 
+import json
 from collections.abc import Iterator, Sequence
 
 from al_questioner.domain import InputError
-from al_questioner.ros.setting import Setting, help_text
-from al_questioner.ros.settings import (
-    DEFAULT_TASK,
-    PERCEPTION_SETTINGS,
-    TEACHER_SETTINGS,
-    WORLD_SETTINGS,
-    learner_settings,
-)
+from al_questioner.ros.settings import PERCEPTION_SETTINGS, TEACHER_SETTINGS, WORLD_SETTINGS, Settings, learner_settings
 from al_questioner.simulation import load_task
+from al_questioner.simulation.world_spec import TASK
 
 PERCEPTION = 'The perception node: looks at the simulated table whenever the learner begins a turn.'
 LEARNER = 'The learner node: an Episode between the topics of the robot and of the teacher.'
@@ -23,18 +18,25 @@ mode:=scripted answers with the truth of the simulated world; mode:=terminal sho
 
 
 def perception(arguments: Sequence[str]) -> list[str]:
-    """The ROS arguments of the perception node."""
+    """Read the ROS arguments of the perception node."""
     return read_node_arguments(arguments, PERCEPTION, (*WORLD_SETTINGS, *PERCEPTION_SETTINGS))
 
 
 def learner(arguments: Sequence[str]) -> list[str]:
-    """The ROS arguments of the learner node."""
-    return read_node_arguments(arguments, LEARNER, (*WORLD_SETTINGS, *learner_settings(load_task(DEFAULT_TASK))))
+    """Read the ROS arguments of the learner node."""
+    return read_node_arguments(arguments, LEARNER, (*WORLD_SETTINGS, *learner_settings(load_task(TASK.default))))
 
 
 def teacher(arguments: Sequence[str]) -> list[str]:
-    """The ROS arguments of the teacher node."""
+    """Read the ROS arguments of the teacher node."""
     return read_node_arguments(arguments, TEACHER, (*WORLD_SETTINGS, *TEACHER_SETTINGS))
+
+
+def help_text(description: str, settings: Settings) -> str:
+    """Return what `--help` of a node prints: what it does, and its parameters with their defaults."""
+    width = max(len(setting.name) for setting in settings)
+    lines = (f'  {each.name:<{width}}  {each.described} (default {json.dumps(each.default)})' for each in settings)
+    return '\n'.join([description, '', 'parameters (--ros-args -p NAME:=VALUE):', *lines])
 
 
 def check_ros_arguments(arguments: Sequence[str]) -> None:
@@ -47,8 +49,8 @@ def check_ros_arguments(arguments: Sequence[str]) -> None:
         raise InputError(f'unexpected argument {stray!r}; parameters are given as --ros-args -p NAME:=VALUE')
 
 
-def read_node_arguments(arguments: Sequence[str], description: str, settings: Sequence[Setting]) -> list[str]:
-    """The ROS arguments of a node; its help is printed if that is asked for.
+def read_node_arguments(arguments: Sequence[str], description: str, settings: Settings) -> list[str]:
+    """Read the ROS arguments of a node; print its help if that is asked for.
 
     Raises:
         InputError: an argument that nobody would read.

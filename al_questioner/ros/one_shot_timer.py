@@ -1,4 +1,4 @@
-"""One job at a later time, which can be put off or called off."""
+"""Timer for one job, which can be postponed or cancelled."""
 
 from __future__ import annotations
 
@@ -8,12 +8,7 @@ from al_questioner.ros.worker import Cancel, Job
 
 
 class OneShotTimer:
-    """Has a worker do a job once its time has come. All methods are for that worker.
-
-    Args:
-        after: has the worker do a job after so many seconds, see `QuestionerNode.after`.
-        job: what is to be done.
-    """
+    """Timer that gives a worker one job later, see `QuestionerNode.after`. All methods are for that worker."""
 
     def __init__(self, after: Callable[[float, Job], Cancel], job: Job) -> None:
         self._after = after
@@ -21,12 +16,12 @@ class OneShotTimer:
         self._cancel: Cancel | None = None
 
     def set(self, seconds: float) -> None:
-        """Go off so many seconds from now, in the place of any time that was set before."""
+        """Set the timer to so many seconds from now; any earlier setting is cancelled."""
         self.clear()
         self._cancel = self._after(seconds, self._job)
 
     def clear(self) -> None:
-        """Do not go off."""
+        """Cancel the timer."""
         if self._cancel is not None:
             self._cancel()
             self._cancel = None

@@ -17,39 +17,37 @@ WORDS: Mapping[str, tuple[str, ...]] = {
     'reliability': ('reliable', 'best_effort', 'system_default', 'best_available'),
     'durability': ('transient_local', 'volatile', 'system_default', 'best_available'),
 }
-"""Values of each policy but `depth`."""
+"""Allowed values of each policy except `depth`."""
 MAXIMAL_DEPTH = 100_000
-"""Messages."""
+"""Largest depth, in messages."""
 
 
 def overriding_options() -> QoSOverridingOptions:
-    """What declares the parameters of one publisher or subscription and has them prevail."""
+    """Return the options that declare the parameters of one publisher or subscription and apply them."""
     return QoSOverridingOptions([QoSPolicyKind[policy.upper()] for policy in (*WORDS, 'depth')])
 
 
 def is_override(name: str) -> bool:
-    """Whether a parameter is one of these."""
+    """Return whether a parameter is a quality of service override."""
     return name.startswith(PREFIX)
 
 
 def given_overrides(node: Node) -> dict[str, object]:
-    """The overrides that the user gave this node, by the parameter's name."""
-    # rclpy tells of overrides only through this attribute; it drops those that are not declared in silence.
+    """Return the overrides that the user gave this node, by the parameter's name."""
+    # rclpy shows overrides only in this attribute; it silently drops those that are not declared.
     overrides = node._parameter_overrides
     return {name: overrides[name].value for name in overrides if is_override(name)}
 
 
 def is_overridden(node: Node, topic: str, policies: Collection[str]) -> bool:
-    """Whether the user chose one of these policies for the subscription to a topic, which is named in full."""
+    """Return whether the user chose one of these policies for the subscription to a topic, given by its full name."""
     return any(f'{PREFIX}{topic}.subscription.{policy}' in given_overrides(node) for policy in policies)
 
 
 def check_overrides(node: Node, topics: Collection[str]) -> None:
-    """Refuse overrides that could have no effect, before rclpy makes something else of them.
+    """Reject overrides that would have no effect, before rclpy changes them.
 
-    Args:
-        node: with what was given to it.
-        topics: that there are, whether this node has them or another one that shares its parameter file.
+    The topics are all, of this node or of another one that shares its parameter file.
 
     Raises:
         InputError: an unknown topic, end or policy, or an unusable value.

@@ -14,18 +14,13 @@ from al_questioner.ros.overrides import given_overrides
 from al_questioner.support.configuration import NoMappingError, read_parameter_file, read_yaml
 
 VALUES = 'ros__parameters'
-"""What stands below the name of a node in a parameter file."""
+"""Key below the name of a node in a parameter file."""
 NEIGHBOURS = frozenset(('learner', 'perception', 'recorder', 'replay', 'teacher'))
 """Names of our nodes, which may share a parameter file."""
 
 
 def tell_what_has_no_effect(node: QuestionerNode, arguments: Sequence[str]) -> None:
-    """Log which of the parameters that a node was given have no effect on it; what its neighbours have is no warning.
-
-    Args:
-        node: with all of its topics and parameters.
-        arguments: of its process.
-    """
+    """Log which of a node's given parameters have no effect on it; what its neighbours have is no warning."""
     logger, own = node.get_logger(), node.get_fully_qualified_name()
     for source, names in _addressees(arguments, logger.warning):
         missed = _missed(names, own)
@@ -39,12 +34,7 @@ def tell_what_has_no_effect(node: QuestionerNode, arguments: Sequence[str]) -> N
 
 
 def with_doubts(reason: str, arguments: Sequence[str]) -> str:
-    """Why parameters are refused, and what ROS may have taken otherwise in their files than it was meant.
-
-    Args:
-        reason: as the one knows it who was handed the values, without the lines that they stand in.
-        arguments: of the process.
-    """
+    """Add to a refusal of parameters what ROS may have read in their files otherwise than it was meant."""
     files = dict.fromkeys(value for option, value in _sources(arguments) if option == '--params-file')
     return '; '.join([reason, *(doubt for file in files for doubt in _names_and_doubts(file)[1])])
 
@@ -64,7 +54,7 @@ def _last_part(name: str) -> str:
 
 
 def addresses(pattern: str, name: str) -> bool:
-    """Whether a name in a parameter file, which may hold wildcards, is that of a node.
+    """Return whether a name in a parameter file, which may hold wildcards, is that of a node.
 
     >>> addresses('/**/learner', '/robot/learner'), addresses('learner', '/robot/learner')
     (True, False)
@@ -76,9 +66,6 @@ def addresses(pattern: str, name: str) -> bool:
 
 def refuse_files_without_parameters(arguments: Sequence[str]) -> None:
     """Refuse what ROS takes for a file without parameters.
-
-    Args:
-        arguments: of the process.
 
     Raises:
         InputError: a parameter file is empty or holds no mapping; the text names it.
@@ -105,13 +92,13 @@ def _addressees(arguments: Sequence[str], warn: Callable[[str], None]) -> Iterat
 
 
 def _sources(arguments: Sequence[str]) -> Iterator[tuple[str, str]]:
-    """The options among ROS arguments that give parameters, each with its value."""
+    """Return the options among ROS arguments that give parameters, each with its value."""
     found = _ros_options(arguments)
     return (pair for pair in found if pair[0] in ('--params-file', '-p', '--param'))
 
 
 def _ros_options(arguments: Sequence[str]) -> Iterator[tuple[str, str]]:
-    """The ROS arguments, each with that which follows it."""
+    """Return the ROS arguments, each with the one that follows it."""
     is_ros = False
     for option, value in pairwise([*arguments, '']):
         is_ros = option == '--ros-args' or (is_ros and option != '--')
@@ -128,7 +115,7 @@ def _names_in(path: str, warn: Callable[[str], None]) -> Iterator[str]:
 
 
 def _names_and_doubts(path: str) -> tuple[list[str], list[str]]:
-    """The nodes that a parameter file speaks of, and what ROS may take otherwise in it than it was meant."""
+    """Return the nodes that a parameter file names, and what ROS may read in it otherwise than it was meant."""
     try:
         content, doubts = read_parameter_file(Path(path))
     except InputError as error:

@@ -3,15 +3,18 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Collection, Sequence
+from collections.abc import Collection
+from typing import Any
 
 from rcl_interfaces.msg import FloatingPointRange, IntegerRange, ParameterDescriptor, ParameterType
 from rclpy.node import Node
 from rclpy.parameter import Parameter
 
-from al_questioner.domain import InputError
+from al_questioner.domain import InputError, Setting
 from al_questioner.ros.overrides import is_override
-from al_questioner.ros.setting import Setting, Value
+from al_questioner.ros.settings import Settings
+
+Value = str | int | float | bool
 
 _TYPES = {
     bool: ParameterType.PARAMETER_BOOL,
@@ -19,11 +22,29 @@ _TYPES = {
     float: ParameterType.PARAMETER_DOUBLE,
     str: ParameterType.PARAMETER_STRING,
 }
-_LARGEST_INTEGER = 2**63 - 1
 
 
-def descriptor(setting: Setting) -> ParameterDescriptor:
-    """What `ros2 param describe` shows."""
+def checked(setting: Setting[Any], value: object) -> Value:
+    """Return a value in the type of its parameter.
+
+    Raises:
+        InputError: another type, not finite, or outside the range.
+    """
+    if setting.word and value == setting.word:
+        return setting.word
+    kind = float if setting.word else type(setting.default)
+    if kind is float and type(value) is int:
+        value = float(value)
+    if not isinstance(value, kind) or (isinstance(value, bool) and kind is not bool):
+        expected = f"be a number or '{setting.word}'" if setting.word else f'be of type {kind.__name__}'
+        raise InputError(f'parameter {setting.name} must {expected}, not {value!r}')
+    if kind in (int, float):
+        setting.check(value, f'parameter {setting.name}')
+    return value
+
+
+def descriptor(setting: Setting[Any]) -> ParameterDescriptor:
+    """Make the descriptor that `ros2 param describe` shows."""
     kind = type(setting.default)
     described = ParameterDescriptor(
         name=setting.name,
@@ -32,22 +53,20 @@ def descriptor(setting: Setting) -> ParameterDescriptor:
         read_only=True,
         dynamic_typing=bool(setting.word),
     )
-    bounded = math.isfinite(setting.lower) or math.isfinite(setting.upper)
-    if kind is float and bounded:
-        described.floating_point_range = [FloatingPointRange(from_value=setting.lower, to_value=setting.upper)]
-    if kind is int and bounded:
-        lower = int(setting.lower) if math.isfinite(setting.lower) else -_LARGEST_INTEGER
-        upper = int(setting.upper) if math.isfinite(setting.upper) else _LARGEST_INTEGER
-        described.integer_range = [IntegerRange(from_value=lower, to_value=upper, step=1)]
+    if math.isfinite(setting.lower):
+        if kind is float:
+            limits = FloatingPointRange(from_value=float(setting.lower), to_value=float(setting.upper))
+            described.floating_point_range = [limits]
+        if kind is int:
+            whole = IntegerRange(from_value=int(setting.lower), to_value=int(setting.largest), step=1)
+            described.integer_range = [whole]
     return described
 
 
 def refuse_unknown(node: Node, known_elsewhere: Collection[str]) -> None:
     """Refuse parameters that were set but that no node has: most likely misspelt.
 
-    Args:
-        node: that has declared all of its parameters.
-        known_elsewhere: parameters of the other nodes, which a common file may set.
+    What is known elsewhere are parameters of the other nodes, which a common file may set.
 
     Raises:
         InputError: there is one; the text lists the known ones.
@@ -59,7 +78,7 @@ def refuse_unknown(node: Node, known_elsewhere: Collection[str]) -> None:
             raise InputError(f'unknown parameter {name}; known: {", ".join(sorted(known))}')
 
 
-def declare(node: Node, settings: Sequence[Setting]) -> dict[str, Value]:
+def declare(node: Node, settings: Settings) -> dict[str, Value]:
     """Declare parameters on a node and return their values by name.
 
     Raises:
@@ -68,7 +87,7 @@ def declare(node: Node, settings: Sequence[Setting]) -> dict[str, Value]:
     values = {}
     for setting in settings:
         given = node.declare_parameter(setting.name, setting.default, ParameterDescriptor(dynamic_typing=True))
-        values[setting.name] = setting.checked(given.value)
+        values[setting.name] = checked(setting, given.value)
         node.set_parameters([Parameter(setting.name, value=values[setting.name])])
         node.set_descriptor(setting.name, descriptor(setting))
     return values

@@ -1,35 +1,26 @@
-"""Every quality of service of the graph (docs/reference/topics.md), so that both ends of a topic agree."""
+"""Quality of service of all topics (docs/reference/topics.md), so that both ends of a topic agree."""
 
 from rclpy.qos import DurabilityPolicy, QoSProfile, ReliabilityPolicy
 
 LATCHED = QoSProfile(depth=1, reliability=ReliabilityPolicy.RELIABLE, durability=DurabilityPolicy.TRANSIENT_LOCAL)
-"""The last message reaches every subscriber, also one that comes later."""
+"""Profile of topics whose last message reaches every subscriber, also a late one."""
 
 EVENTS = QoSProfile(depth=10, reliability=ReliabilityPolicy.RELIABLE, durability=DurabilityPolicy.VOLATILE)
-"""Messages that count one by one; what must not be lost is numbered and sent again."""
+"""Profile of topics of which every message counts; a message that must not be lost has a number and is repeated."""
 
 RECORDED_LATCHED = QoSProfile(
     depth=1000, reliability=ReliabilityPolicy.RELIABLE, durability=DurabilityPolicy.TRANSIENT_LOCAL
 )
 RECORDED_EVENTS = QoSProfile(depth=1000, reliability=ReliabilityPolicy.RELIABLE, durability=DurabilityPolicy.VOLATILE)
-"""The same for a listener that must not miss a message, even if it is busy for a while."""
+"""Profiles of a recorder, which must not miss a message even if it is busy for a while."""
 
 DIAGNOSTICS = QoSProfile(depth=10)
 
 SENSED = ('objects', 'scene_image')
-"""What drivers publish: an ear for it asks for the least at first, so that no driver warns that it is not heard."""
+"""Topics that drivers publish; a subscriber begins with the lowest request, so that no driver warns about it."""
 
 TOPICS = (
-    'episode',
-    'turn',
-    'objects',
-    'scene_image',
-    'scene_markers',
-    'query',
-    'answer',
-    'answer_ack',
-    'decision',
-    'learner_state',
-    '/diagnostics',
+    *('episode', 'turn', 'objects', 'scene_image', 'scene_markers', 'query', 'answer', 'answer_ack', 'decision'),
+    *('learner_state', '/diagnostics'),
 )
-"""All topics of the nodes."""
+"""Names of all topics of the nodes."""

@@ -1,4 +1,4 @@
-"""Saying a thing until it is heard: again and again, and ever more rarely, by the steady clock."""
+"""Repetition of a message until it is acknowledged, at growing intervals of the steady clock."""
 
 from __future__ import annotations
 
@@ -14,11 +14,11 @@ Message = TypeVar('Message')
 
 @dataclass(frozen=True)
 class BackOff:
-    """How long to wait before a thing is said once more: each time twice as long, up to a limit.
+    """Time between two transmissions of a message: doubled each time, up to a limit.
 
     Attributes:
-        first: seconds from the first time to the second.
-        longest: seconds that are never exceeded.
+        first: seconds from the first transmission to the second.
+        longest: largest number of seconds between two transmissions.
     """
 
     first: float
@@ -26,49 +26,44 @@ class BackOff:
 
 
 PATIENT = BackOff(first=2.0, longest=30.0)
-"""For what is latched as well, so that it takes more than a late listener to miss it."""
+"""Intervals for a latched message, which a late subscriber receives anyway."""
 PERSISTENT = BackOff(first=1.0, longest=1.0)
-"""For what nobody hears who comes too late."""
+"""Intervals for a message that is not latched, so that a late subscriber receives it soon."""
 
 
 class Retransmitter(Generic[Message]):
-    """Says one thing at a time, the same each time, until it is told to stop. All of it happens on the node's worker.
-
-    Args:
-        after: has the node's worker do a job after so many seconds, see `QuestionerNode.after`.
-        publish: says it.
-        back_off: how often.
+    """Sender that repeats one message until it is stopped. All methods run on the worker, see `QuestionerNode.after`.
 
     Attributes:
-        said: what is being said; None if nothing is.
+        message: the message that is repeated; None if there is none.
     """
 
     def __init__(
         self, after: Callable[[float, Job], Cancel], publish: Callable[[Message], None], back_off: BackOff
     ) -> None:
-        self.said: Message | None = None
+        self.message: Message | None = None
         self._publish = publish
         self._back_off = back_off
         self._pause = 0.0
-        self._timer = OneShotTimer(after, self._go_on)
+        self._timer = OneShotTimer(after, self._transmit)
 
-    def say(self, thing: Message, delay: float = 0.0) -> None:
-        """Say this, in the place of what was said before: for the first time after so many seconds, if not at once."""
-        self.said = thing
+    def send(self, message: Message, delay: float = 0.0) -> None:
+        """Repeat this message, in place of an earlier one: for the first time after so many seconds, or at once."""
+        self.message = message
         self._pause = self._back_off.first
         if delay > 0:
             self._timer.set(delay)
         else:
-            self._go_on()
+            self._transmit()
 
     def stop(self) -> None:
-        """Say nothing any more."""
-        self.said = None
+        """Stop repeating the message."""
+        self.message = None
         self._timer.clear()
 
-    def _go_on(self) -> None:
-        if self.said is None:
+    def _transmit(self) -> None:
+        if self.message is None:
             return
-        self._publish(self.said)
+        self._publish(self.message)
         self._timer.set(self._pause)
         self._pause = min(2 * self._pause, self._back_off.longest)

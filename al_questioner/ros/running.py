@@ -1,4 +1,4 @@
-"""From the arguments of a process to nodes that spin until they are asked to stop."""
+"""Running of nodes in a process, from its arguments until it is asked to stop."""
 
 from __future__ import annotations
 
@@ -6,7 +6,6 @@ import os
 import signal
 import threading
 from collections.abc import Callable, Sequence
-from types import TracebackType
 from typing import Any, TypeVar
 
 import rclpy
@@ -20,17 +19,20 @@ from al_questioner.ros.node_arguments import check_ros_arguments
 from al_questioner.ros.parameter_files import refuse_files_without_parameters, tell_what_has_no_effect, with_doubts
 
 TRANSPORTS = ('FASTDDS_BUILTIN_TRANSPORTS', 'UDPv4')
-"""Environment variable and our value: a process that is killed may leave a lock of Fast DDS's shared memory behind, on
-which all others hang for ever. Whoever sets the variable decides."""
+"""Environment variable for the transports of Fast DDS, and our value.
+
+With shared memory, a killed process may leave a lock behind on which all others wait without end. A value that the
+user has set is kept.
+"""
 SomeNode = TypeVar('SomeNode', bound=QuestionerNode)
 ONCE_A_SECOND = {'throttle_duration_sec': 1.0}
 
 
 class Spinner:
-    """Spins nodes in this process; SIGINT, SIGTERM and a shutdown of the context end what is within, without an error.
+    """Context manager that spins nodes; SIGINT, SIGTERM and a shutdown of the context end its block without an error.
 
     Args:
-        arguments: of the process, ROS arguments included.
+        arguments: arguments of the process, including ROS arguments.
         interrupted: set by SIGINT.
         ends_process: whether the process ends afterwards.
 
@@ -48,12 +50,12 @@ class Spinner:
 
     def __enter__(self) -> Spinner:
         check_ros_arguments(self._arguments)
-        # Only rclpy's own handler, which shuts the context down, is to act on a signal: a KeyboardInterrupt could hit
-        # anywhere, and the second SIGINT of `ros2 launch` would hit the clean-up.
+        # Only rclpy's own handler, which shuts the context down, may act on a signal: a KeyboardInterrupt could come
+        # anywhere, and the second SIGINT of `ros2 launch` would interrupt the clean-up.
         self._previous = signal.signal(signal.SIGINT, lambda *_: self._interrupted.set())
         try:
             os.environ.setdefault(*TRANSPORTS)
-            # For its error: rclpy.init would print lines of its own beside it.
+            # Called for its error: rclpy.init would print lines of its own as well.
             remove_ros_args(['', *self._arguments])
             rclpy.init(args=list(self._arguments))
         except (RuntimeError, ValueError) as error:
@@ -63,10 +65,8 @@ class Spinner:
         self._executor = SingleThreadedExecutor()
         return self
 
-    def __exit__(
-        self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
-    ) -> bool:
-        # A signal may come between the look at the context and its use.
+    def __exit__(self, kind: object, error: BaseException | None, trace: object) -> bool:
+        # A signal may come between the check of the context and its use.
         is_asked_to_stop = isinstance(error, ExternalShutdownException) or (
             isinstance(error, RuntimeError) and not self._executor.context.ok()
         )
@@ -74,18 +74,18 @@ class Spinner:
             node.destroy_node()
         self._executor.shutdown()
         try_shutdown()
-        # Python gives a handler of ours back to the system as it exits, where a late SIGINT would kill; not so SIG_IGN.
+        # At exit Python removes a handler of ours, and a late SIGINT would kill the process; SIG_IGN stays.
         signal.signal(signal.SIGINT, signal.SIG_IGN if self._ends_process else self._previous)
         return is_asked_to_stop
 
     def add(self, make: Callable[[], SomeNode]) -> SomeNode:
-        """Make a node, to be spun with the others.
+        """Make a node that is spun with the others.
 
         Raises:
             InputError: a parameter that cannot be used.
         """
         if self._interrupted.is_set():
-            # Before rclpy had a handler of its own.
+            # The signal came before rclpy had a handler of its own.
             raise ExternalShutdownException
         refuse_files_without_parameters(self._arguments)
         try:
@@ -100,18 +100,18 @@ class Spinner:
         return node
 
     def spin(self, is_over: Callable[[], Any] | None = None) -> None:
-        """Spin until the context is shut down or something holds, which is looked at after every wait."""
+        """Spin until the context is shut down or `is_over` returns true, which is checked after every wait."""
         while self._executor.context.ok() and not (is_over and is_over()):
             try:
                 self._executor.spin_once(timeout_sec=0.1 if is_over else None)
             except ValueError as error:
-                # rclpy's own callbacks, such as that of /clock, do not catch what a message makes them raise.
-                text = f'passed over an unusable message: {_one_line(error)}'
+                # rclpy's own callbacks, such as that of /clock, do not catch the errors that a message causes.
+                text = f'ignored an unusable message: {_one_line(error)}'
                 self._nodes[0].get_logger().warning(text, **ONCE_A_SECOND)
 
 
 def spin_node(make: Callable[[], SomeNode], arguments: Sequence[str]) -> SomeNode | None:
-    """Run a process that is one node, until it is asked to stop.
+    """Run a process with one node, until it is asked to stop.
 
     Returns:
         The node, destroyed by then; None if the signal came before it was made.

@@ -1,4 +1,4 @@
-"""The message classes of ROS, as the encoders of `messages/` want them, and time stamps as numbers."""
+"""Message classes of ROS, as the encoders of `messages/` need them, and time stamps as numbers."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ from al_questioner.messages.stamps import SECOND
 
 
 def octets(content: bytes) -> array[int]:
-    """Bytes in the one form that a generated message takes without looking at each."""
+    """Return bytes in the one type that a generated message accepts without checking each."""
     return array('B', content)
 
 
@@ -27,10 +27,10 @@ MARKER_TYPES = MarkerTypes(
 
 
 def header(stamp: int, frame_id: str) -> Header:
-    """A header with a stamp in nanoseconds."""
+    """Return a header with a stamp in nanoseconds."""
     return Header(stamp=Time(sec=stamp // SECOND, nanosec=stamp % SECOND), frame_id=frame_id)
 
 
 def text(content: str) -> String:
-    """A String message."""
+    """Return a String message."""
     return String(data=content)

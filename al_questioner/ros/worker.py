@@ -1,4 +1,4 @@
-"""A thread that does a node's work in order, so that no callback ever waits for a fit or a drawing."""
+"""Thread that does a node's work in order, so that no callback waits for a fit or a drawing."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ Cancel = Callable[[], None]
 
 @dataclass(order=True)
 class _Entry:
-    """A job; the end of all work if there is none."""
+    """A job with its time; without a job, it is the end of all work."""
 
     due: float
     number: int
@@ -26,9 +26,9 @@ class _Entry:
 
 
 class Worker:
-    """Runs jobs one at a time, by the steady clock, in the order in which they are due.
+    """Thread that runs jobs one at a time, by the steady clock, in the order in which they are due.
 
-    A job that fails does not end the worker: the error is handed to `on_error`.
+    A job that fails does not end the worker: the error is passed to `on_error`.
     """
 
     def __init__(self, name: str, on_error: Callable[[Exception], None]) -> None:
@@ -41,18 +41,18 @@ class Worker:
         self._thread.start()
 
     def submit(self, job: Job, delay: float = 0.0) -> Cancel:
-        """Have a job done, after so many seconds if not at once; ignored once the worker is stopped.
+        """Run a job after so many seconds, or at once; ignored after the worker is stopped.
 
         Returns:
-            A function that calls the job off, without effect once it has begun.
+            A function that cancels the job; it has no effect once the job has begun.
         """
         return self._enter(job, delay)
 
     def inbox(self, handle: Callable[[Any], None], most: int) -> Callable[[Any], None]:
-        """Make a function that has a message handled; beyond so many that wait, the oldest of them is dropped.
+        """Return a function that queues a message for `handle`; if so many wait already, the oldest is dropped.
 
-        A worker that is busy for a while, beside somebody who publishes fast, would fill the memory with messages that
-        are old by the time that it comes to them.
+        Otherwise the memory of a busy worker would fill with messages of a fast publisher, which are old when the
+        worker handles them.
         """
         waiting: deque[Any] = deque(maxlen=most)
         lock = threading.Lock()
@@ -64,7 +64,7 @@ class Worker:
 
         def put(message: Any) -> None:
             with lock:
-                # A job that waits for what is dropped takes the next.
+                # The job of the dropped message takes the next one.
                 is_full = len(waiting) == most
                 waiting.append(message)
             if not is_full:
@@ -74,18 +74,18 @@ class Worker:
 
     @property
     def stopped(self) -> bool:
-        """Whether no job will be done any more."""
+        """True once no more jobs are done."""
         return self._stopped
 
     def stop(self, timeout: float = 2.0) -> None:
-        """Drop the jobs that wait and let the running one finish, for at most `timeout` seconds."""
+        """Drop the waiting jobs and let the running one finish, for at most `timeout` seconds."""
         with self._changed:
             self._stopped = True
             self._changed.notify()
         self._thread.join(timeout)
 
     def finish(self, timeout: float = 30.0) -> None:
-        """Do the jobs that are due, for at most `timeout` seconds, and then no more."""
+        """Do the jobs that are due, for at most `timeout` seconds, and stop."""
         self._enter(None, 0.0)
         self._thread.join(timeout)
         self._stopped = True
@@ -105,7 +105,7 @@ class Worker:
                 heapq.heapify(self._entries)
 
     def _take(self) -> Job | None:
-        """Wait for the next job and take it; None if there is none any more."""
+        """Wait for the next job and take it; return None once there are no more jobs."""
         with self._changed:
             while not self._stopped:
                 wait = self._entries[0].due - time.monotonic() if self._entries else None
@@ -118,5 +118,5 @@ class Worker:
         while (job := self._take()) is not None:
             try:
                 job()
-            except Exception as error:  # noqa: BLE001 - a node never dies of a message
+            except Exception as error:  # noqa: BLE001 - no message may end a node
                 self._on_error(error)

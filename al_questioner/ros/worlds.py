@@ -1,4 +1,4 @@
-"""Which simulated world a node speaks of: the parameters that perception, learner and teacher must share."""
+"""Parameters of the simulated world, which perception, learner and teacher must share."""
 
 from __future__ import annotations
 
@@ -11,8 +11,8 @@ from rclpy.node import Node
 from al_questioner.domain import InputError
 from al_questioner.messages.documents import Document
 from al_questioner.ros.parameters import declare
-from al_questioner.ros.settings import WORLD_SETTINGS
 from al_questioner.simulation import WorldSpec, load_task
+from al_questioner.simulation.world_spec import DATASET, SAMPLE, SEED, TASK
 
 
 def declare_world(node: Node) -> WorldSpec:
@@ -21,21 +21,20 @@ def declare_world(node: Node) -> WorldSpec:
     Raises:
         InputError: an unknown task, or a value out of range.
     """
-    *most, sample_setting = WORLD_SETTINGS
-    given = declare(node, most)
+    given = declare(node, (TASK, DATASET, SEED))
     seed = int(given['seed'])
-    sample = declare(node, [dataclasses.replace(sample_setting, default=seed)])
+    sample = declare(node, [dataclasses.replace(SAMPLE, default=seed)])
     dataset = Path(str(given['dataset'])).expanduser() if given['dataset'] else None
     return WorldSpec(load_task(str(given['task'])), seed, int(sample['sample']), dataset)
 
 
 def new_episode_id(world: WorldSpec) -> str:
-    """An id that no other episode has."""
+    """Make an id that no other episode has."""
     return f'{world.task.name}-{world.seed}-{uuid.uuid4().hex[:8]}'
 
 
 def world_members(world: WorldSpec) -> Document:
-    """The `world` member of the documents `episode` and `turn`."""
+    """Return the `world` member of the documents `episode` and `turn`."""
     return {
         'task': world.task.name,
         'seed': world.seed,

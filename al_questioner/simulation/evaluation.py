@@ -1,7 +1,7 @@
-"""How well the learner does while an episode lasts.
+"""Accuracy of the learner during an episode.
 
-Accuracy is measured from outside: models of what the learner was told are held against observations that it never
-sees. A learner in another process is followed with models of the evaluation's own, which are the same to the last bit.
+Accuracy is measured outside of the learner: models of the same answers are tested on observations that the learner
+never sees. For a learner in another process, the evaluation fits models of its own, which are the same to the last bit.
 """
 
 from __future__ import annotations
@@ -21,7 +21,7 @@ from al_questioner.simulation.world_spec import WorldSpec
 
 
 def accuracy(probabilities: NDArray[np.float64], labels: Sequence[str], symbols: Sequence[str]) -> float:
-    """Share of observations whose most probable symbol is the true one.
+    """Return the share of observations whose most probable symbol is the true one.
 
     Args:
         probabilities: (k, |Y|) q_y(x).
@@ -29,28 +29,28 @@ def accuracy(probabilities: NDArray[np.float64], labels: Sequence[str], symbols:
         symbols: the |Y| symbols in the order of the columns.
 
     Returns:
-        A number in [0, 1]; where several symbols are the most probable, the true one among them counts as the share
+        A number in [0, 1]. If several symbols are the most probable, the true one among them counts as the share
         that guessing among them would get, so that a learner that knows nothing is at chance.
     """
     truth = np.array([symbols.index(label) for label in labels])
     probabilities = np.asarray(probabilities)
     largest = probabilities == probabilities.max(axis=1, keepdims=True)
     tied = largest.sum(axis=1)[largest[np.arange(len(truth)), truth]]
-    # In fractions: thirds would add up to one number or another, by the order of the observations.
+    # In fractions: the sum of floating-point thirds would depend on the order of the observations.
     hits = sum(Fraction(int(count), ties) for ties, count in enumerate(np.bincount(tied)) if count)
     return float(Fraction(hits) / len(truth))
 
 
 @dataclass(frozen=True)
 class EpisodeResult:
-    """How an episode went.
+    """Result of an episode.
 
     Attributes:
-        choice, settings: what was played.
+        choice, settings: world and settings of the episode.
         queries: every query, in order.
         accuracy: on the held-out observations, after each turn.
         test_size: number of held-out observations.
-        kernel: of the learner's models after the last turn.
+        kernel: kernel of the learner's models after the last turn.
     """
 
     choice: WorldSpec
@@ -62,7 +62,7 @@ class EpisodeResult:
 
     @property
     def spent(self) -> float:
-        """What the queries took from the budget."""
+        """Amount of the budget that the queries cost."""
         return float(sum(record.cost for record in self.queries))
 
     @property
@@ -72,11 +72,11 @@ class EpisodeResult:
 
 
 class Evaluation:
-    """Follows an episode turn by turn and measures, on held-out observations, a learner that was told the same.
+    """Evaluation that follows an episode turn by turn and measures accuracy on held-out observations.
 
     Args:
         choice: the world of the episode.
-        settings: of the episode.
+        settings: settings of the episode.
         world: that world, if it is open already: episodes that share it draw and measure every view once.
     """
 
@@ -92,16 +92,16 @@ class Evaluation:
 
     @property
     def turn(self) -> int:
-        """The last turn that was followed."""
+        """Last turn that was followed."""
         return len(self._accuracy)
 
     def next_turn(self, record: QueryRecord | None, concepts: ConceptLearner | None = None) -> float:
-        """Accuracy after one more turn.
+        """Return the accuracy after one more turn.
 
         Args:
-            record: what was asked and told in it, None if nothing was asked.
-            concepts: what the learner knows after it, where that is at hand, the same object at every turn; else the
-                evaluation learns the same.
+            record: the query of the turn and its result, None if nothing was asked.
+            concepts: the learner's concepts after the turn, if they are available, the same object at every turn;
+                otherwise the evaluation learns the same.
         """
         if record is not None:
             self._queries.append(record)
@@ -118,12 +118,10 @@ class Evaluation:
         return self._accuracy[-1]
 
     def correct(self, queries: Sequence[QueryRecord]) -> None:
-        """Take in what was said later about turns that were followed already.
+        """Include later answers to queries of turns that were followed already.
 
-        If anything else is known of them now, accuracy is measured anew in every turn, as if it had been said at once.
-
-        Args:
-            queries: what came of all queries so far; those of turns to come are passed over.
+        If they change a turn, accuracy is measured again in every turn, as if the answers had come at once. Results of
+        future turns are ignored.
         """
         followed = [record for record in queries if record.turn <= self.turn]
         if followed == self._queries:
@@ -135,7 +133,7 @@ class Evaluation:
             self.next_turn(by_turn.get(turn))
 
     def result(self) -> EpisodeResult:
-        """The episode so far."""
+        """Return the result of the episode so far."""
         return EpisodeResult(
             self.choice,
             self.settings,

@@ -1,4 +1,4 @@
-"""A world as the learner's perception shows it."""
+"""World as the learner's perception shows it."""
 
 from __future__ import annotations
 
@@ -14,15 +14,15 @@ from al_questioner.perception import perceive, view_features
 from al_questioner.simulation.world import World
 
 See = Callable[[Sequence[Observation]], Scene]
-"""Makes feature vectors of observations."""
+"""Function that converts observations to feature vectors."""
 
 
 class PerceivedWorld:
-    """A world as feature vectors; a scene that stays is perceived once, a view that comes back is measured once.
+    """A world as feature vectors; an unchanged scene is perceived once, a view that returns is measured once.
 
     Args:
-        world: that is perceived.
-        see: how; as our perception does if not given.
+        world: the world to perceive.
+        see: converts observations to a scene; without it, our perception does.
     """
 
     def __init__(self, world: World, see: See | None = None) -> None:
@@ -33,23 +33,23 @@ class PerceivedWorld:
         self._scene: Scene | None = None
 
     def truth(self, turn: int) -> Mapping[int, str]:
-        """Symbol, or 'none', by object id: for the scripted teacher alone."""
+        """Return symbol, or 'none', by object id: for the scripted teacher only."""
         return self._world.truth(turn)
 
     def change_turns(self, turns: int) -> list[int]:
-        """The turns up to `turns` that begin with a scene change."""
+        """Return the turns up to `turns` that begin with a scene change."""
         return self._world.change_turns(turns)
 
     def report(self) -> str:
-        """What a user should know of where the observations come from."""
+        """Return a text for the user about the source of the observations."""
         return self._world.report()
 
     def observations(self, turn: int) -> tuple[Observation, ...]:
-        """What is on the table in a turn."""
+        """Return the observations of the table in a turn."""
         return self._world.scene(turn)
 
     def scene(self, turn: int) -> Scene:
-        """The scene of a turn; the very same one as long as nothing changes."""
+        """Return the scene of a turn; the same object as long as nothing changes."""
         observations = self._world.scene(turn)
         same = len(observations) == len(self._seen) and all(map(operator.is_, observations, self._seen))
         if self._scene is None or not same:
@@ -58,12 +58,12 @@ class PerceivedWorld:
 
     @cached_property
     def test_set(self) -> tuple[NDArray[np.float32], tuple[str, ...]]:
-        """(k, m) features of the held-out observations, and their k symbols."""
+        """Features of the held-out observations, (k, m), and their k symbols."""
         return self._see(self._world.test_observations()).features, self._world.test_labels()
 
     @cached_property
     def validation_set(self) -> tuple[NDArray[np.float32], tuple[str, ...]]:
-        """(k, m) features of a second draw of held-out observations, and their k symbols: for the greedy oracle.
+        """Features of a second draw of held-out observations, (k, m), and their k symbols: for the greedy oracle.
 
         Raises:
             InputError: the world has no second draw.

@@ -1,4 +1,4 @@
-"""One whole learning episode without ROS."""
+"""One complete learning episode without ROS."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ from al_questioner.simulation.perceived_world import PerceivedWorld
 from al_questioner.simulation.world_spec import WorldSpec
 
 TurnWatcher = Callable[[int, QueryRecord | None, float], None]
-"""Called after each turn with its number, what was asked and told in it, and the accuracy then."""
+"""Function that is called after each turn with its number, its query with the result, and the accuracy."""
 
 
 def run_episode(
@@ -22,15 +22,15 @@ def run_episode(
     world: PerceivedWorld | None = None,
     strategy: Strategy | None = None,
 ) -> EpisodeResult:
-    """Play an episode in one process: what the three nodes do, without ROS.
+    """Play an episode in one process, as the three nodes do, without ROS.
 
     Args:
         choice: the world; its seed is the learner's too.
-        settings: of the episode.
-        teacher: who answers.
+        settings: settings of the episode.
+        teacher: answers the queries.
         watch: called after each turn.
         world: the world of the choice, if it is open already.
-        strategy: who decides in the place of the strategy that the settings name.
+        strategy: decides instead of the strategy that the settings name.
     """
     evaluation = Evaluation(choice, settings, world)
     play(evaluation, teacher, watch, strategy)
@@ -52,7 +52,7 @@ def turns(episode: Episode, world: PerceivedWorld, teacher: Teacher) -> Iterator
     """Play an episode turn by turn.
 
     Yields:
-        What was decided in each turn, and what came of it, None if nothing was asked.
+        The decision of each turn, and the result of its query, None if nothing was asked.
     """
     for turn in range(1, episode.settings.turns + 1):
         decision = episode.ask(world.scene(turn))

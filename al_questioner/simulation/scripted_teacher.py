@@ -1,4 +1,4 @@
-"""A teacher who knows the truth, and who may be told to err."""
+"""Simulated teacher who knows the truth, and who makes errors at given rates."""
 
 from __future__ import annotations
 
@@ -8,16 +8,34 @@ from itertools import takewhile
 
 import numpy as np
 
-from al_questioner.domain import NO_SYMBOL, Answer, Content, Outcome, Query, QueryKind, SettingsError, random_stream
+from al_questioner.domain import (
+    NO_SYMBOL,
+    Answer,
+    Content,
+    Outcome,
+    Query,
+    QueryKind,
+    Setting,
+    SettingsError,
+    random_stream,
+)
+
+WRONG_RATE = Setting('wrong_rate', 0.0, 'share of wrong answers', '', 0, 1)
+UNKNOWN_RATE = Setting(
+    'unknown_rate', 0.0, 'share of queries answered by "I do not know"; with wrong_rate at most 1', '', 0, 1
+)
+REPEAT_SHOWN = Setting(
+    'repeat_shown', False, 'the scripted teacher shows also what is known when other things of the symbol are there'
+)
 
 
 @dataclass(frozen=True)
 class ScriptedTeacher:
-    """Answers from the ground truth.
+    """Teacher who answers from the ground truth.
 
-    An answer depends on the seed and the query alone: a teacher that is started anew in the middle of an episode
-    answers as the first one would have. Of a thing that the learner knows it shows another one, if there is one. If the
-    query does not tell what the learner knows, that is taken to be what this teacher has named before.
+    An answer depends on the seed and the query only: a teacher that is restarted in the middle of an episode
+    answers as before. If the learner knows an object of the symbol, another one is shown, if there is one. If the
+    query does not say what the learner knows, that is taken to be all that this teacher has named before.
 
     Attributes:
         symbols: the concepts.
@@ -25,8 +43,8 @@ class ScriptedTeacher:
         seed: seed of the errors, and of which object is shown.
         wrong_rate: share of answers that are wrong, in [0, 1].
         unknown_rate: share of queries answered by "I do not know", in [0, 1].
-        teacher_id: who answers.
-        repeat_shown: whether any thing of the symbol is shown, known or not.
+        teacher_id: id in the answers.
+        repeat_shown: whether any object of the symbol is shown, known or not.
 
     Raises:
         SettingsError: a rate outside [0, 1], rates that add up to more than 1, or an empty id.
@@ -35,27 +53,25 @@ class ScriptedTeacher:
     symbols: Sequence[str]
     relevant_groups: Sequence[str]
     seed: int
-    wrong_rate: float = 0.0
-    unknown_rate: float = 0.0
+    wrong_rate: float = WRONG_RATE.default
+    unknown_rate: float = UNKNOWN_RATE.default
     teacher_id: str = 'scripted'
-    repeat_shown: bool = False
+    repeat_shown: bool = REPEAT_SHOWN.default
     _named: dict[str, int] = field(default_factory=dict, init=False, repr=False, compare=False)
-    """By query, in their order, the thing that was named."""
+    """Object that was named, by query, in the order of the queries."""
 
     def __post_init__(self) -> None:
         if not self.teacher_id:
             raise SettingsError('teacher_id must not be empty')
-        for name in ('wrong_rate', 'unknown_rate'):
-            rate = getattr(self, name)
-            if not 0.0 <= rate <= 1.0:
-                raise SettingsError(f'{name} must lie in [0, 1], not {rate}')
+        WRONG_RATE.check(self.wrong_rate)
+        UNKNOWN_RATE.check(self.unknown_rate)
         if self.wrong_rate + self.unknown_rate > 1.0:
             raise SettingsError(
                 f'wrong_rate and unknown_rate add up to {self.wrong_rate + self.unknown_rate}, more than 1'
             )
 
     def answer(self, query: Query, truth: Mapping[int, str]) -> Answer:
-        """Answer a query about a scene; an object that the scene does not hold is unknown."""
+        """Answer a query about a scene; about an object that is not in the scene, the answer is unknown."""
         rng = random_stream(self.seed, f'teacher/{query.query_id}')
         draw = rng.random()
         if draw < self.unknown_rate:
@@ -85,7 +101,7 @@ class ScriptedTeacher:
         return int(rng.choice(shown)) if shown else NO_SYMBOL
 
     def _known(self, query: Query) -> Collection[int]:
-        """The things that are not to be shown if there are others."""
+        """Return the objects that are only shown if there are no others."""
         if self.repeat_shown:
             return ()
         if query.known is not None:
@@ -93,7 +109,7 @@ class ScriptedTeacher:
         return [self._named[earlier] for earlier in takewhile(lambda one: one != query.query_id, self._named)]
 
     def _groups(self, query: Query, wrong: bool, rng: np.random.Generator) -> Content:
-        """The relevant groups that the learner has; a wrong answer misjudges one group, if that leaves any."""
+        """Return the relevant groups that the learner has; a wrong answer misjudges one group, if that leaves any."""
         named = [group for group in query.choices if group in self.relevant_groups]
         if wrong and query.choices:
             mistaken = str(rng.choice(list(query.choices)))

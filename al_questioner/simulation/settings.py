@@ -2,10 +2,11 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from pathlib import Path
 
-from al_questioner.domain import AMPLITUDE, Costs, EpisodeSettings, SettingsError
-from al_questioner.questioning import STRATEGIES, read_weights, shipped_file
+from al_questioner.domain import AMPLITUDE, LENGTH_SCALE, TUNE_EVERY, Costs, EpisodeSettings, SettingsError
+from al_questioner.questioning import STRATEGIES, make_strategy, read_weights, shipped_file
 from al_questioner.simulation.task import Task
 
 
@@ -17,24 +18,29 @@ def episode_settings(
     change_interval: int | None = None,
     weights_file: str | None = None,
     costs: Costs | None = None,
-    amplitude: float = AMPLITUDE,
-    length_scale: float | None = None,
-    tune_every: int = 0,
+    amplitude: float = AMPLITUDE.default,
+    length_scale: float | None = LENGTH_SCALE.default,
+    tune_every: int = TUNE_EVERY.default,
 ) -> EpisodeSettings:
     """Settings of an episode; what is not given comes from the task, and the weights from `config/weights`.
 
-    A strategy that another package contributes gets the weights of the file, or none: whether it can use them is for it
-    to say.
+    A strategy that another package contributes gets the weights of the file, or none.
 
     Raises:
-        InputError: a value out of range, an unknown strategy, or a weights file that cannot be used.
+        InputError: a value out of range, an unknown strategy, or a weights file that it cannot use.
     """
     name = task.episode.strategy if strategy is None else strategy
     shipped = shipped_file(name)
     if weights_file and name in STRATEGIES and shipped is None:
         raise SettingsError(f'strategy {name} uses no weights, but the weights file {weights_file} is given')
     path = Path(weights_file).expanduser() if weights_file else shipped
-    weights = {} if path is None else read_weights(path).values
+    weights: Mapping[str, float] = {}
+    if path is not None:
+        weights = read_weights(path).values
+        try:
+            make_strategy(name, weights)
+        except SettingsError as error:
+            raise SettingsError(f'{path}: {error}') from error
     return EpisodeSettings(
         symbols=task.symbols,
         budget=task.episode.budget if budget is None else budget,

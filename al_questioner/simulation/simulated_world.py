@@ -1,4 +1,4 @@
-"""The kitchen table as a world: scenes that change over time, and held-out test observations."""
+"""Kitchen table as a world: scenes that change over time, and held-out test observations."""
 
 from __future__ import annotations
 
@@ -14,20 +14,20 @@ from al_questioner.simulation.task import Task
 
 
 class _PlacedView(NamedTuple):
-    """An object of a scene: its id, and which sight of the training pool shows it."""
+    """An object of a scene: its id, and the view of the training pool that shows it."""
 
     object_id: int
     sight: int
 
 
 class SimulatedWorld:
-    """A table of rendered things.
+    """A table of rendered objects.
 
     Args:
-        task: what lies on the table and how it changes.
-        seed: draws the scenes.
-        sample: draws training pool and test set; None for the seed.
-        kinds: of the things, by symbol; those of the task's catalogue if not given.
+        task: objects on the table and their changes.
+        seed: seed of the scenes.
+        sample: seed of training pool and test set; None for the seed.
+        kinds: kinds of the objects, by symbol; those of the task's catalogue if not given.
 
     Raises:
         InputError: a negative seed, or a task whose catalogue lacks one of its symbols.
@@ -44,54 +44,54 @@ class SimulatedWorld:
 
     @property
     def symbols(self) -> tuple[str, ...]:
-        """The concepts to ground."""
+        """Concepts to ground."""
         return self._task.symbols
 
     def scene(self, turn: int) -> tuple[Observation, ...]:
-        """See `World.scene`."""
+        """Return the observations of a turn, see `World.scene`."""
         return tuple(self._observation(seen) for seen in self._seen(turn))
 
     def truth(self, turn: int) -> Mapping[int, str]:
-        """See `World.truth`."""
+        """Return the symbols of a turn by object id, see `World.truth`."""
         return {seen.object_id: self._sample.training[seen.sight].symbol for seen in self._seen(turn)}
 
     def names(self, turn: int) -> Mapping[int, str]:
-        """What each object is, with its state, in words: for pictures and logs that a person reads."""
+        """Return the name of each object with its state, in words: for pictures and logs that people read."""
         sights = {seen.object_id: self._sample.training[seen.sight] for seen in self._seen(turn)}
         return {object_id: describe(sight) for object_id, sight in sights.items()}
 
     def change_turns(self, turns: int) -> list[int]:
-        """See `World.change_turns`."""
+        """Return the turns that begin with a scene change, see `World.change_turns`."""
         interval = self._task.scenes.change_interval
         return list(range(1 + interval, turns + 1, interval))
 
     def training_pool(self, rows: Sequence[int] | None = None) -> tuple[Observation, ...]:
-        """See `World.training_pool`; the ids number the observations."""
+        """Return the training observations, see `World.training_pool`; the ids number the observations."""
         chosen = range(len(self._sample.training)) if rows is None else rows
         return tuple(self._observe(self._sample.training[row], row) for row in chosen)
 
     def training_labels(self) -> tuple[str, ...]:
-        """See `World.training_labels`."""
+        """Return the symbols of the training pool, see `World.training_labels`."""
         return tuple(sight.symbol for sight in self._sample.training)
 
     def test_observations(self) -> tuple[Observation, ...]:
-        """See `World.test_observations`; the ids number the observations."""
+        """Return the test observations, see `World.test_observations`; the ids number the observations."""
         return self._test_observations
 
     def test_labels(self) -> tuple[str, ...]:
-        """See `World.test_labels`."""
+        """Return the symbols of the test observations, see `World.test_labels`."""
         return tuple(sight.symbol for sight in self._sample.test)
 
     def validation_observations(self) -> tuple[Observation, ...]:
-        """See `World.validation_observations`; the ids number the observations."""
+        """Return the second draw, see `World.validation_observations`; the ids number the observations."""
         return tuple(self._observe(sight, i) for i, sight in enumerate(self._validation))
 
     def validation_labels(self) -> tuple[str, ...]:
-        """See `World.validation_labels`."""
+        """Return the symbols of the second draw, see `World.validation_labels`."""
         return tuple(sight.symbol for sight in self._validation)
 
     def report(self) -> str:
-        """See `World.report`: a simulated world hides nothing."""
+        """Return an empty text, see `World.report`: there is nothing to say about a simulated world."""
         return ''
 
     @cached_property
@@ -104,7 +104,7 @@ class SimulatedWorld:
 
     @cached_property
     def _sights_of(self) -> list[list[int]]:
-        """Sights of the training pool by the slot of a scene that they may fill."""
+        """Views of the training pool by the slot of a scene that they may fill."""
         of: list[list[int]] = [[] for _ in range(self._task.scenes.objects)]
         for index, sight in enumerate(self._sample.training):
             of[sight.thing.slot].append(index)
@@ -135,7 +135,7 @@ class SimulatedWorld:
         return tuple(_PlacedView(slot + 1, int(rng.choice(sights))) for slot, sights in enumerate(self._sights_of))
 
     def _next_scene(self, before: tuple[_PlacedView, ...], number: int) -> tuple[_PlacedView, ...]:
-        """The scene after a change: exactly the persistent share of the objects stays as it is."""
+        """Return the scene after a change: exactly the persistent share of the objects stays the same."""
         rng = random_stream(self._seed, f'world/scene/{number}')
         count = len(before)
         leaving = sorted(rng.permutation(count)[round(self._task.scenes.persistence * count) :].tolist())
@@ -152,7 +152,7 @@ class SimulatedWorld:
         return tuple(after)
 
     def _draw_state(self, slot: int, clock: int, last: int | None, rng: np.random.Generator) -> int:
-        """A sight of the object of a slot: in the state of the common clock, or in a random one."""
+        """Return a view of the object of a slot: in the state of the common clock, or in a random one."""
         sights = self._sights_of[slot]
         states = self._sample.training[sights[0]].thing.kind.states
         synchronous = rng.random() < self._task.scenes.synchrony
@@ -163,6 +163,6 @@ class SimulatedWorld:
 
 
 def describe(sight: ViewSpec) -> str:
-    """A sight in words: 'pasta, in pot'."""
+    """Return a view in words: 'pasta, in pot'."""
     kind = sight.thing.kind
     return kind.name if len(kind.states) == 1 else f'{kind.name}, {kind.states[sight.state].name}'

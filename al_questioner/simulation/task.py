@@ -7,16 +7,19 @@ from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from types import MappingProxyType
 
-from al_questioner.domain import LARGEST_AMOUNT, NO_SYMBOL, Costs, InputError
+from al_questioner.domain import BUDGET, NO_SYMBOL, TURNS, Costs, InputError
 from al_questioner.domain.names import suggestion
+from al_questioner.questioning.strategies.names import STRATEGY
 from al_questioner.simulation.task_reading import (
     Interval,
     choice,
     costs,
+    declared,
     defaults_of,
     interval,
     names_of,
     number,
+    pair,
     read_section,
     section_of,
     setting,
@@ -34,7 +37,7 @@ _EMPTY: Mapping[str, float] = MappingProxyType({})
 
 @dataclass(frozen=True)
 class EpisodeDefaults:
-    """What an episode of the task gets unless the user says otherwise.
+    """Settings of an episode of the task, unless the user chooses others.
 
     Attributes:
         budget: query budget, in units of a label query.
@@ -43,15 +46,15 @@ class EpisodeDefaults:
         costs: of each kind of query, and the shares of them that are charged for what is not answered.
     """
 
-    budget: float = setting(number(0, LARGEST_AMOUNT), 25.0)
-    turns: int = setting(whole(1, 10_000), 40)
-    strategy: str = setting(strategy, 'value_per_cost')
+    budget: float = declared(BUDGET)
+    turns: int = declared(TURNS)
+    strategy: str = setting(strategy, STRATEGY.default)
     costs: Costs = setting(unless_empty(costs, Costs()), Costs())
 
 
 @dataclass(frozen=True)
 class SceneParameters:
-    """What lies on the table, and how it changes.
+    """Number of things on the table, and their changes over time.
 
     Attributes:
         objects: things on the table at once.
@@ -79,19 +82,16 @@ class SceneParameters:
     training_size: int = setting(whole(1, 100_000), 80)
     test_size: int = setting(whole(1, 100_000), 40)
     test_balance: str = setting(choice('training', 'classes'), 'training')
-    table_m: Interval = setting(
-        lambda value, where: Interval(*(number(0.2, 5)(side, where) for side in _pair(value, where))),
-        Interval(1.4, 0.8),
-    )
+    table_m: Interval = setting(pair('width', 'depth', number(0.2, 5)), Interval(1.4, 0.8))
 
 
 @dataclass(frozen=True)
 class AppearanceParameters:
-    """How much two views of things of one kind differ.
+    """Differences between views of things of one kind.
 
     Attributes:
         catalogue: which kinds of things there are; empty for one that holds those of the symbols.
-        kinds_per_symbol: kinds of things of each symbol, drawn anew for each sample; 0 for all of the catalogue.
+        kinds_per_symbol: kinds of things of each symbol, drawn for each sample; 0 for all of the catalogue.
         kinds_of_clutter: kinds of things of no symbol, likewise.
         size_spread: relative standard deviation of a thing's size.
         hue_spread: standard deviation of the shift of its colours around the colour wheel, in degrees.
@@ -174,7 +174,7 @@ class SensorParameters:
 
 @dataclass(frozen=True)
 class DatasetParameters:
-    """How a directory of real RGB-D crops becomes a world.
+    """Parameters of a world of real RGB-D crops.
 
     Attributes:
         categories: symbol, or 'none' for clutter, by category; other categories are left out.
@@ -219,7 +219,7 @@ class Task:
     variety: Variety | None = None
 
     def of_sample(self, sample: int) -> Task:
-        """The task as the sample of this number has it: the same for every seed of the scenes."""
+        """Return the task as the sample of this number has it: the same for every seed of the scenes."""
         if self.variety is None:
             return self
         scenes = replace(self.scenes, **self.variety.draw(self.symbols, sample))
@@ -233,7 +233,7 @@ class Task:
 
 
 def load_task(name_or_path: str) -> Task:
-    """The task of a name that ships in `config/tasks`, or of a YAML file.
+    """Load the task of a name that ships in `config/tasks`, or of a YAML file.
 
     Raises:
         InputError: no such task, or a file that is not a valid task; the text names the file and the key.
@@ -310,9 +310,3 @@ def _check_categories(dataset: DatasetParameters, symbols: tuple[str, ...], wher
     for category in dataset.weights_kg:
         if category not in dataset.categories:
             raise InputError(f'{where}: weights_kg: {category!r} is not among the categories')
-
-
-def _pair(value: object, where: str) -> tuple[float, float]:
-    if not isinstance(value, (list, tuple)) or len(value) != 2:
-        raise InputError(f'{where}: expected [width, depth], found {value!r}')
-    return value[0], value[1]

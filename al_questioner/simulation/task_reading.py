@@ -8,7 +8,7 @@ from dataclasses import MISSING, field, fields
 from types import MappingProxyType
 from typing import Any, NamedTuple, TypeVar
 
-from al_questioner.domain import LARGEST_AMOUNT, Costs, InputError, QueryKind, SettingsError
+from al_questioner.domain import COSTS, Costs, InputError, Setting, SettingsError
 from al_questioner.domain.names import check_names, suggestion
 from al_questioner.domain.spelling import composed
 from al_questioner.questioning.strategies.names import check_strategy
@@ -25,14 +25,21 @@ class Interval(NamedTuple):
 
 
 def setting(reader: Reader, default: Any = MISSING) -> Any:
-    """A dataclass field that `read_section` fills: `reader(value, where)` returns the value or raises InputError."""
+    """Make a field for `read_section`: `reader(value, where)` returns the value or raises InputError."""
     if isinstance(default, Mapping):
         return field(default_factory=lambda: default, metadata={'reader': reader})
     return field(default=default, metadata={'reader': reader})
 
 
+def declared(each: Setting[Any]) -> Any:
+    """Make the dataclass field of a number that is declared as a setting."""
+    if type(each.default) is int:
+        return setting(whole(int(each.lower), int(each.largest)), each.default)
+    return setting(number(each.lower, each.largest), each.default)
+
+
 def read_section(section: type[Section], content: Any, where: str) -> Section:
-    """An instance of the dataclass `section` from the mapping that a YAML file holds.
+    """Make an instance of the dataclass `section` from the mapping that a YAML file holds.
 
     Args:
         section: a frozen dataclass all of whose fields were made by `setting`.
@@ -54,7 +61,7 @@ def read_section(section: type[Section], content: Any, where: str) -> Section:
 
 
 def mapping(content: Any, where: str) -> Mapping[str, Any]:
-    """The content, if it is a mapping with names as keys.
+    """Return the content, if it is a mapping with names as keys.
 
     Raises:
         InputError: it is none.
@@ -93,13 +100,22 @@ def whole(low: int, high: int) -> Reader:
     return read
 
 
+def pair(first: str, second: str, reader: Reader) -> Reader:
+    """Accepts [first, second], both of which `reader` accepts."""
+
+    def read(value: Any, where: str) -> Interval:
+        if not isinstance(value, (list, tuple)) or len(value) != 2:
+            raise InputError(f'{where}: expected [{first}, {second}], found {value!r}')
+        return Interval(*(reader(each, where) for each in value))
+
+    return read
+
+
 def interval(low: float = -math.inf, high: float = math.inf) -> Reader:
     """Accepts [a, b] with low <= a <= b <= high."""
 
     def read(value: Any, where: str) -> Interval:
-        if not isinstance(value, (list, tuple)) or len(value) != 2:
-            raise InputError(f'{where}: expected [lowest, highest], found {value!r}')
-        ends = Interval(*(number(low, high)(end, where) for end in value))
+        ends: Interval = pair('lowest', 'highest', number(low, high))(value, where)
         if ends.low > ends.high:
             raise InputError(f'{where}: the lowest value {ends.low:g} is above the highest {ends.high:g}')
         return ends
@@ -168,18 +184,12 @@ def table_of(reader: Reader) -> Reader:
 
 def costs(value: Any, where: str) -> Costs:
     """Accepts some of the members of `Costs`: prices of kinds of queries, and shares that are charged of them."""
-    kinds = {kind.value for kind in QueryKind}
     members = mapping(value, where)
-    known = [member.name for member in fields(Costs)]
     for name in members:
-        if name not in known:
-            raise InputError(f'{where}: unknown key {name!r}; known: {", ".join(known)}{suggestion(name, known)}')
-    return Costs(
-        **{
-            name: number(0, LARGEST_AMOUNT if name in kinds else 1)(given, f'{where}: {name}')
-            for name, given in members.items()
-        }
-    )
+        if name not in COSTS:
+            raise InputError(f'{where}: unknown key {name!r}; known: {", ".join(COSTS)}{suggestion(name, COSTS)}')
+    readers = {name: number(price.lower, price.largest) for name, price in COSTS.items()}
+    return Costs(**{name: readers[name](given, f'{where}: {name}') for name, given in members.items()})
 
 
 def strategy(value: Any, where: str) -> str:
@@ -196,5 +206,5 @@ def section_of(section: type[Any]) -> Reader:
 
 
 def defaults_of(section: type[Any]) -> Any:
-    """A dataclass field for a section of a file that may be left out, or left empty; each key of it has a default."""
+    """Make a dataclass field for a section of a file that may be left out or empty; each of its keys has a default."""
     return setting(unless_empty(section_of(section), section()), section())

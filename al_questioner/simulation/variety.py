@@ -1,4 +1,4 @@
-"""Tables that differ from sample to sample: what a task file may leave to chance."""
+"""Tables that differ from sample to sample: settings of a task file that are drawn at random."""
 
 from __future__ import annotations
 
@@ -12,12 +12,12 @@ from al_questioner.simulation.task_reading import Interval, interval, number, se
 
 @dataclass(frozen=True)
 class Variety:
-    """From where each sample draws its own table: intervals of uniform distributions, ends included.
+    """Intervals of uniform distributions, ends included, from which each sample draws its own table.
 
     Attributes:
-        objects, change_interval, persistence, clutter_share: of the scenes, as of a task's own.
-        frequency_concentration: of the Dirichlet distribution of the class frequencies, the same for every symbol: the
-            larger, the more alike they are.
+        objects, change_interval, persistence, clutter_share: intervals of these settings of the scenes.
+        frequency_concentration: parameter of the Dirichlet distribution of the class frequencies, the same for every
+            symbol: the larger, the more alike they are.
     """
 
     objects: Interval = setting(interval(1, 200))
@@ -27,7 +27,7 @@ class Variety:
     frequency_concentration: float = setting(number(0.1, 1000), 3.0)
 
     def draw(self, symbols: Sequence[str], sample: int) -> dict[str, Any]:
-        """The scene parameters of the sample of this number, by name."""
+        """Return the scene parameters of the sample of this number, by name."""
         rng = random_stream(sample, 'world/variety')
         objects, change_interval = (
             int(rng.integers(round(ends.low), round(ends.high), endpoint=True))

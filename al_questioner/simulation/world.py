@@ -1,4 +1,4 @@
-"""What a world is: scenes that change over time, and held-out test observations."""
+"""Protocol of a world: scenes that change over time, and held-out test observations."""
 
 from __future__ import annotations
 
@@ -9,17 +9,17 @@ from al_questioner.domain import Observation
 
 
 class World(Protocol):
-    """What the perception node, the scripted teacher and the evaluation need of a world, simulated or recorded."""
+    """Interface of a world, simulated or recorded, for the perception node, the scripted teacher and the evaluation."""
 
     @property
     def symbols(self) -> tuple[str, ...]:
-        """The concepts to ground."""
+        """Concepts to ground."""
         ...
 
     def scene(self, turn: int) -> tuple[Observation, ...]:
-        """What is on the table in a turn (1-based): one observation per object.
+        """Return the observations of the table in a turn (1-based), one per object.
 
-        Turns can be asked for in any order. While the scene stays, they return identical objects.
+        Turns can be asked for in any order. While the scene is unchanged, they return identical objects.
 
         Raises:
             InputError: a turn below 1.
@@ -27,7 +27,7 @@ class World(Protocol):
         ...
 
     def truth(self, turn: int) -> Mapping[int, str]:
-        """Symbol, or 'none', by object id: for the scripted teacher alone. Renders nothing.
+        """Return symbol, or 'none', by object id: for the scripted teacher only. Nothing is rendered.
 
         Raises:
             InputError: a turn below 1.
@@ -35,27 +35,27 @@ class World(Protocol):
         ...
 
     def change_turns(self, turns: int) -> list[int]:
-        """The turns up to `turns` that begin with a scene change; the first turn is none."""
+        """Return the turns up to `turns` that begin with a scene change; the first turn is not one."""
         ...
 
     def training_pool(self, rows: Sequence[int] | None = None) -> tuple[Observation, ...]:
-        """The observations that scenes are drawn from, all or those of these rows: for calibration alone."""
+        """Return the observations that scenes are drawn from, all or those of these rows: for calibration only."""
         ...
 
     def training_labels(self) -> tuple[str, ...]:
-        """Symbol, or 'none', of each observation of the training pool."""
+        """Return symbol, or 'none', of each observation of the training pool."""
         ...
 
     def test_observations(self) -> tuple[Observation, ...]:
-        """Held-out observations, disjoint from the training pool."""
+        """Return held-out observations, disjoint from the training pool."""
         ...
 
     def test_labels(self) -> tuple[str, ...]:
-        """Symbol of each test observation, never 'none'."""
+        """Return the symbol of each test observation, never 'none'."""
         ...
 
     def validation_observations(self) -> tuple[Observation, ...]:
-        """A second draw of held-out observations: for whoever may know the truth, never for results.
+        """Return a second draw of held-out observations: for code that may know the truth, never for results.
 
         Raises:
             InputError: this world has no second draw.
@@ -63,7 +63,7 @@ class World(Protocol):
         ...
 
     def validation_labels(self) -> tuple[str, ...]:
-        """Symbol of each validation observation.
+        """Return the symbol of each validation observation.
 
         Raises:
             InputError: this world has no second draw.
@@ -71,5 +71,5 @@ class World(Protocol):
         ...
 
     def report(self) -> str:
-        """What a user should know of where the observations come from; empty if there is nothing to say."""
+        """Return a text for the user about the source of the observations; empty if there is nothing to say."""
         ...

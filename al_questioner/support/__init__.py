@@ -1,1 +1,1 @@
-"""What every part may use and that knows nothing of robots: files, configuration, arguments, text, pictures."""
+"""Tools for every part of the package that know nothing of robots: files, configuration, arguments, text, pictures."""

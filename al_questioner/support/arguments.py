@@ -4,16 +4,15 @@ from __future__ import annotations
 
 import argparse
 import re
-from collections.abc import Callable
+from dataclasses import dataclass
 from typing import Any, NoReturn
 
-from al_questioner.domain import InputError
+from al_questioner.domain import InputError, Setting
 
-LARGEST_SEED = 2**63 - 1
-"""ROS parameters have 64 bits."""
+DEFAULT = '%(default)s'
+"""Placeholder that argparse replaces by the default of an option."""
 
-REPEAT_SHOWN_HELP = 'the scripted teacher shows also what is known when other things of the symbol are there'
-"""Of several executables."""
+JOBS = Setting('jobs', 1, 'local processes', lower=1, upper=1024)
 
 
 class Parser(argparse.ArgumentParser):
@@ -34,14 +33,39 @@ class Parser(argparse.ArgumentParser):
         raise InputError(f'{message} (--help tells the arguments)')
 
 
-def number_within(kind: type[int] | type[float], lower: float, upper: float) -> Callable[[str], float]:
+@dataclass(frozen=True)
+class NumberWithin:
     """An argument type: a finite number in a range."""
 
-    def read(text: str) -> float:
-        value = kind(text)
-        if not lower <= value <= upper:
-            raise argparse.ArgumentTypeError(f'must be at least {lower:g} and at most {upper:g}, not {text}')
+    kind: type[int] | type[float]
+    lower: float
+    upper: float
+
+    def __call__(self, text: str) -> float:
+        """Return the number that the text stands for."""
+        value = self.kind(text)
+        if not self.lower <= value <= self.upper:
+            raise argparse.ArgumentTypeError(f'must be at least {self.lower:g} and at most {self.upper:g}, not {text}')
         return value
 
-    read.__name__ = kind.__name__
-    return read
+    @property
+    def __name__(self) -> str:
+        """Name that argparse gives it where a text is no number."""
+        return self.kind.__name__
+
+
+def add_option(parser: argparse.ArgumentParser, setting: Setting[Any], otherwise: str = DEFAULT, **own: Any) -> None:
+    """Add the option of a setting; arguments of `add_argument` prevail.
+
+    The help says what holds otherwise, if the option is not given; without the default in it, the option is None then.
+    """
+    kind = type(setting.default)
+    if kind is bool:
+        details: dict[str, Any] = {'action': 'store_true', 'help': setting.described}
+    else:
+        details = {
+            'type': NumberWithin(kind, setting.lower, setting.largest) if kind in (int, float) else kind,
+            'default': setting.default if DEFAULT in otherwise else None,
+            'help': f'{setting.described} ({otherwise})',
+        }
+    parser.add_argument(f'--{setting.name.replace("_", "-")}', **{**details, **own})

@@ -1,4 +1,4 @@
-"""Names of the array types that signatures share."""
+"""Short names of the array types that many signatures use."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Where the YAML files that ship with the package lie, and how one is read."""
+"""Location and reading of the YAML files that ship with the package."""
 
 from __future__ import annotations
 
@@ -17,9 +17,9 @@ from al_questioner.support import strict_yaml
 
 @lru_cache(maxsize=1)
 def config_dir() -> Path:
-    """The folder that holds `tasks/`, `weights/` and `params/`.
+    """Return the folder that holds `tasks/`, `weights/` and `params/`.
 
-    A source checkout keeps it beside the package; pip, colcon and Debian install it as `share/al_questioner/config`
+    In a source checkout it lies beside the package. pip, colcon and Debian install it as `share/al_questioner/config`
     somewhere above the package.
 
     Raises:
@@ -34,7 +34,7 @@ def config_dir() -> Path:
 
 
 def named_file(folder: str, name_or_path: str, what: str) -> Path:
-    """The YAML file of a name that ships in `config/FOLDER`, or of a path that the user gives.
+    """Return the YAML file of a name that ships in `config/FOLDER`, or of a path that the user gives.
 
     Raises:
         InputError: neither exists; the text lists the known names.
@@ -55,7 +55,7 @@ def named_file(folder: str, name_or_path: str, what: str) -> Path:
 
 
 def named_bag(name_or_path: str) -> Path:
-    """The bag at a path, or else the one of that name that ships, in the folder `bags` beside `config`.
+    """Return the bag at a path, or else the shipped bag of that name, in the folder `bags` beside `config`.
 
     Raises:
         InputError: there is none.
@@ -69,38 +69,37 @@ def named_bag(name_or_path: str) -> Path:
 
 
 def shipped_names(folder: str) -> list[str]:
-    """The names in `config/FOLDER`."""
+    """Return the names in `config/FOLDER`."""
     return sorted(path.stem for path in (config_dir() / folder).glob('*.yaml'))
 
 
 class NoMappingError(InputError):
-    """A YAML file that is empty, or holds something else than a mapping."""
+    """A YAML file that is empty, or holds something other than a mapping."""
 
 
 def read_yaml(path: Path) -> Mapping[str, Any]:
-    """The mapping that a YAML file holds.
+    """Return the mapping that a YAML file holds.
 
     Raises:
-        InputError: the file cannot be read, is no YAML, holds something else than a mapping, or a value or key that
-            cannot be relied on, see `strict_yaml`; the text names the file and, where there is one, the line.
+        InputError: the file cannot be read, is not YAML, holds something other than a mapping, or has an ambiguous
+            value or key, see `strict_yaml`; the text names the file and, if there is one, the line.
     """
     return _mapping_in(path, strict_yaml.parse)
 
 
 def read_parameter_file(path: Path) -> tuple[Mapping[str, Any], list[str]]:
-    """The mapping in a parameter file of ROS, and what ROS may take otherwise in it than it was meant, with the lines.
+    """Return the mapping in a parameter file of ROS, and the faults of values that ROS may read in another way.
 
     Raises:
-        InputError: the file cannot be read, is no YAML, or holds something else than a mapping.
+        InputError: the file cannot be read, is not YAML, or holds something other than a mapping.
     """
-    doubts: list[str] = []
+    doubts: list[yaml.MarkedYAMLError] = []
 
     def parse(content: bytes) -> Any:
-        found, faults = strict_yaml.parse_for_ros(content)
-        doubts.extend(_described(path, fault) for fault in faults)
+        found, doubts[:] = strict_yaml.parse_for_ros(content)
         return found
 
-    return _mapping_in(path, parse), doubts
+    return _mapping_in(path, parse), [_described(path, doubt) for doubt in doubts]
 
 
 def _mapping_in(path: Path, parse: Callable[[bytes], Any]) -> Mapping[str, Any]:

@@ -1,4 +1,4 @@
-"""In which members two documents of settings differ, for the people who have to find out."""
+"""Comparison of two documents of settings, in words for people."""
 
 from __future__ import annotations
 
@@ -7,12 +7,9 @@ from typing import Any
 
 
 def differences(theirs: Mapping[str, Any], ours: Mapping[str, Any], ignored: Collection[str] = ()) -> list[str]:
-    """What differs, each as `name theirs, not ours`; of inner objects only the members that do, as `outer.name`.
+    """Return what differs between the document that was found, theirs, and the one that was expected, ours.
 
-    Args:
-        theirs: what is there.
-        ours: what was wanted.
-        ignored: names that may differ.
+    Each reads `name theirs, not ours`; a member of an inner object is `outer.name`. Ignored names may differ.
     """
     found, wanted = dict(_flat(theirs)), dict(_flat(ours))
     return [
@@ -23,7 +20,7 @@ def differences(theirs: Mapping[str, Any], ours: Mapping[str, Any], ignored: Col
 
 
 def _flat(members: Mapping[str, Any], prefix: str = '') -> Iterator[tuple[str, Any]]:
-    """Names and values, those of inner objects as `outer.name`."""
+    """Yield names and values; a member of an inner object is `outer.name`."""
     for name, value in members.items():
         if isinstance(value, Mapping):
             yield from _flat(value, f'{prefix}{name}.')

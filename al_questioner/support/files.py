@@ -1,4 +1,4 @@
-"""Writing files, with errors that a user understands."""
+"""Writing of files, with errors that a user understands."""
 
 from __future__ import annotations
 
@@ -12,10 +12,10 @@ from al_questioner.domain import InputError
 
 
 def make_folder(path: Path) -> None:
-    """Make a folder and those it lies in.
+    """Make a folder and its parents.
 
     Raises:
-        InputError: it cannot be made.
+        InputError: the folder cannot be made.
     """
     try:
         path.mkdir(parents=True, exist_ok=True)
@@ -24,10 +24,10 @@ def make_folder(path: Path) -> None:
 
 
 def check_writable(path: Path) -> None:
-    """See whether a file could be written, without leaving one or touching what is there.
+    """Check that a file could be written, without leaving one and without changing an existing one.
 
     Raises:
-        InputError: it could not.
+        InputError: it could not be written.
     """
     folders = [folder for folder in path.parents if not folder.exists()]
     make_folder(path.parent)
@@ -41,7 +41,9 @@ def check_writable(path: Path) -> None:
 
 
 def write_text(path: Path, text: str) -> None:
-    """Write a file as a whole, or leave what is there; half of a character, which only JSON can say, becomes `?`.
+    """Write a text file completely, or leave the old file as it is.
+
+    A lone surrogate, which only JSON can express, becomes `?`.
 
     Raises:
         InputError: it cannot be written.
@@ -50,7 +52,7 @@ def write_text(path: Path, text: str) -> None:
 
 
 def write_bytes(path: Path, content: bytes) -> None:
-    """Write a file as a whole, or leave what is there; the folders it lies in are made, or left out with it.
+    """Write a file completely, or leave the old file as it is; missing folders are made, and removed after a failure.
 
     Raises:
         InputError: it cannot be written.
@@ -72,7 +74,7 @@ def _write_whole(path: Path, content: bytes) -> None:
     try:
         draft.write_bytes(content)
         if draft != path:
-            # A link stays a link.
+            # Replace the target, so that a link stays a link.
             draft.replace(path.resolve())
     finally:
         if draft != path:
@@ -80,10 +82,12 @@ def _write_whole(path: Path, content: bytes) -> None:
 
 
 def _draft(path: Path) -> Path:
-    """A file beside another one, to be renamed to it once it is whole; a device or a pipe itself.
+    """Return a path beside a file, for a draft that is renamed to the file once it is complete.
+
+    For a device or a pipe, return the path itself.
 
     Raises:
-        OSError: the other one may not be written.
+        OSError: the file may not be written.
     """
     target = path.resolve()
     if target.exists():
@@ -102,7 +106,7 @@ def _naming(path: Path) -> Iterator[None]:
 
 
 def sync_to_disk(path: Path) -> None:
-    """Bring a file, or the names in a folder, to the disk.
+    """Flush a file, or the names in a folder, to the disk.
 
     Raises:
         OSError: it cannot be.

@@ -1,6 +1,6 @@
-"""What Ctrl-C does, from the first instruction of a process to its last.
+"""Handling of Ctrl-C, from the first instruction of a process to its last.
 
-This is what a process imports first, so that it needs next to nothing itself.
+A process imports this module first, so this module imports almost nothing.
 """
 
 from __future__ import annotations
@@ -13,16 +13,16 @@ from collections.abc import Iterator
 from types import FrameType
 
 STATUS = 130
-"""Exit status of a process that was interrupted: 128 and the number of the signal, as shells have it."""
+"""Exit status of an interrupted process: 128 plus the number of the signal, as in shells."""
 
 DEAF = ('importlib', 'numba', 'llvmlite')
-"""Packages through which a KeyboardInterrupt does not come: it is lost, or arrives as an error of another kind."""
+"""Packages that do not pass a KeyboardInterrupt on: it is lost, or arrives as another error."""
 
 SHOW_CURSOR = b'\x1b[?25h'
 
 
 def end_at_once(*_: object) -> None:
-    """End the process on an interrupt, without a word: while it starts there is nothing to be tidied up."""
+    """End the process on an interrupt, without a message; while it starts, there is nothing to clean up."""
     if os.isatty(1):
         os.write(1, SHOW_CURSOR)
     os._exit(STATUS)
@@ -38,34 +38,29 @@ def raise_or_end(_: int, frame: FrameType | None) -> None:
 
 
 def install() -> None:
-    """Have an interrupt end this process at once, unless it was started to ignore them, as in the background."""
+    """Make an interrupt end this process at once, unless it was started to ignore interrupts, as in the background."""
     if signal.getsignal(signal.SIGINT) is signal.default_int_handler:
         signal.signal(signal.SIGINT, end_at_once)
 
 
-class _Within:
-    """A context manager in which an interrupt is handled in another way, unless somebody else handles them."""
+@contextlib.contextmanager
+def raised() -> Iterator[None]:
+    """Make an interrupt raise KeyboardInterrupt in this context, where otherwise it would end the process.
 
-    def __init__(self, outside: object, within: object) -> None:
-        self._outside, self._within = outside, within
-
-    def __enter__(self) -> None:
-        _exchange(self._outside, self._within)
-
-    def __exit__(self, *_: object) -> None:
-        _exchange(self._within, self._outside)
-
-
-def raised() -> _Within:
-    """Have an interrupt raise KeyboardInterrupt within, where it would end the process without."""
-    return _Within(end_at_once, raise_or_end)
+    Where other code has set a handler, that one stays.
+    """
+    _exchange(end_at_once, raise_or_end)
+    try:
+        yield
+    finally:
+        _exchange(raise_or_end, end_at_once)
 
 
 @contextlib.contextmanager
 def blocked() -> Iterator[None]:
-    """Have an interrupt wait until this is over; processes that are started within never hear of one.
+    """Delay interrupts until this context ends; processes that are started in it never receive one.
 
-    It is for this process to end them. They would print how they were interrupted.
+    This process must end them. Otherwise they would print how they were interrupted.
     """
     before = signal.pthread_sigmask(signal.SIG_BLOCK, [signal.SIGINT])
     try:

@@ -1,26 +1,20 @@
 """Functions of large libraries that are imported at the first call.
 
-A process that shows its help, or refuses an option, calls none of them, and importing scipy takes longer than all the
-rest. What is late is so for this reason alone.
+A process that shows its help, or rejects an option, calls none of them, and importing scipy takes longer than all the
+rest. This is the only reason for a late import.
 """
 
 from __future__ import annotations
 
 from collections.abc import Callable
-from functools import cache
 from importlib import import_module
 from typing import Any
 
 
 def late(module: str, name: str) -> Callable[..., Any]:
-    """The function of this name in a module, which is imported when the function is called."""
-
-    @cache
-    def found() -> Callable[..., Any]:
-        function: Callable[..., Any] = getattr(import_module(module), name)
-        return function
+    """Return a function that imports a module at its first call and then calls the function of this name in it."""
 
     def call(*arguments: Any, **named: Any) -> Any:
-        return found()(*arguments, **named)
+        return getattr(import_module(module), name)(*arguments, **named)
 
     return call

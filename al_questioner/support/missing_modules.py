@@ -1,13 +1,13 @@
-"""What to install where a module is missing."""
+"""Advice on what to install if a module is missing."""
 
 from __future__ import annotations
 
 FOR_BAGS = {'rosbags': 'rosbags>=0.11,<0.12', 'mcap': 'mcap>=1'}
-"""What only those need who use bags, as setup.cfg requires it, by module; a ROS installation does not bring it."""
+"""Requirements of the bag tools by module, as in setup.cfg; a ROS installation does not contain them."""
 
 
 def remedy(module: str) -> str:
-    """How to get a module that cannot be imported."""
+    """Return how to install a module that cannot be imported."""
     if module.split('.')[0] in FOR_BAGS:
         wanted = ' '.join(map(repr, FOR_BAGS.values()))
         return f'bags need what Ubuntu does not have: pip install {wanted} (there with --break-system-packages)'

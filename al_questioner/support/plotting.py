@@ -1,4 +1,4 @@
-"""What all figures share: a style fit to print, and a colour for each kind of query."""
+"""Parts that all figures share: a style for print, and a colour for each kind of query."""
 
 from __future__ import annotations
 
@@ -19,11 +19,7 @@ from matplotlib.figure import Figure
 from al_questioner.domain import Outcome, QueryKind, QueryRecord
 from al_questioner.support.files import write_bytes
 
-KIND_COLOURS = {
-    QueryKind.LABEL: '#2c6fbb',
-    QueryKind.DEMONSTRATION: '#d1622b',
-    QueryKind.FEATURE_SUBSET: '#3a923a',
-}
+KIND_COLOURS = {QueryKind.LABEL: '#2c6fbb', QueryKind.DEMONSTRATION: '#d1622b', QueryKind.FEATURE_SUBSET: '#3a923a'}
 STYLE: dict[Any, Any] = {
     'axes.spines.top': False,
     'axes.spines.right': False,
@@ -34,22 +30,22 @@ STYLE: dict[Any, Any] = {
 }
 DPI = 150
 LEGEND_MARGIN_POINTS = 6
-"""Between the panels and a legend that stands below them."""
+"""Distance between the panels and the legend below them, in points."""
 
 
 def kind_name(kind: QueryKind) -> str:
-    """A kind of query in words."""
+    """Return a kind of query in words."""
     return kind.value.replace('_', ' ')
 
 
 def mark_changes(axes: Axes, change_turns: tuple[int, ...] | list[int]) -> None:
-    """A grey line before each turn that begins with a scene change."""
+    """Draw a grey line before each turn that begins with a scene change."""
     for change in change_turns:
         axes.axvline(change - 0.5, color='gray', linewidth=0.9, alpha=0.7, zorder=1)
 
 
 def mark_query(axes: Axes, record: QueryRecord, height: float) -> None:
-    """A dot in the colour of the query's kind at its turn, hollow if it got no answer."""
+    """Draw a dot at the turn of a query, in the colour of its kind; it is hollow if the query got no answer."""
     colour = KIND_COLOURS[record.kind]
     face = colour if record.outcome is Outcome.ANSWERED else 'white'
     axes.scatter(record.turn, height, s=52, facecolor=face, edgecolor=colour, linewidth=1.4, zorder=3)
@@ -58,22 +54,22 @@ def mark_query(axes: Axes, record: QueryRecord, height: float) -> None:
 def put_legend_below(
     figure: Figure, columns: int, handles: Sequence[Artist], labels: Sequence[str], **look: Any
 ) -> None:
-    """Put a legend below all panels, in fewer columns than these where they would not fit."""
+    """Put a legend below all panels, in fewer columns if they would not fit."""
     while True:
         legend = figure.legend(handles, labels, loc='lower center', ncols=columns, frameon=False, **look)
         extent = legend.get_window_extent()
-        # How wide it is depends on the names, which other packages choose, too.
+        # The width depends on the names, which other packages may choose.
         if columns == 1 or extent.width <= figure.bbox.width:
             break
         legend.remove()
         columns -= 1
-    # What `outside lower center` does, which matplotlib 3.6 does not know.
+    # The same as `outside lower center`, which matplotlib 3.6 does not have.
     bottom = (extent.height + LEGEND_MARGIN_POINTS * figure.dpi / 72) / figure.bbox.height
     figure.set_layout_engine('constrained', rect=(0, bottom, 1, 1 - bottom))
 
 
 def save(figure: Figure, path: Path) -> Path:
-    """Write a figure, in the format that the name ends in, and forget it.
+    """Write a figure in the format of the file's suffix, and close it.
 
     Raises:
         InputError: it cannot be written.

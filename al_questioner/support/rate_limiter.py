@@ -1,4 +1,4 @@
-"""A limit on how often something may happen."""
+"""Limits on how often something may happen."""
 
 from __future__ import annotations
 
@@ -6,27 +6,21 @@ import time
 
 
 class RateLimiter:
-    """Lets at most so many through in any period, by the steady clock.
-
-    Args:
-        most: that pass within a period.
-        period: seconds.
-    """
+    """A limiter that lets at most so many events pass in any period of so many seconds, by the steady clock."""
 
     def __init__(self, most: int, period: float) -> None:
-        self._most = most
-        self._period = period
+        self._most, self._period = most, period
         self._passed: list[float] = []
 
     @property
     def is_used_up(self) -> bool:
-        """Whether no more may pass for now."""
+        """True if no more events may pass now."""
         now = time.monotonic()
         self._passed = [at for at in self._passed if now - at < self._period]
         return len(self._passed) >= self._most
 
     def passes(self) -> bool:
-        """Whether one more may pass now; if so, it has."""
+        """Return whether one more event may pass now, and count it if so."""
         if self.is_used_up:
             return False
         self._passed.append(time.monotonic())
@@ -34,21 +28,18 @@ class RateLimiter:
 
 
 class RepeatLimiter:
-    """Lets each kind of thing through once in any period, and at most so many kinds; counts what it holds back.
+    """A limiter that lets each kind of event pass once in any period, and at most so many kinds; it counts the others.
 
-    Args:
-        most: kinds that pass within a period.
-        period: seconds.
+    The period is in seconds.
     """
 
     def __init__(self, most: int, period: float) -> None:
-        self._most = most
-        self._period = period
+        self._most, self._period = most, period
         self._passed: dict[str, float] = {}
         self._held_back = 0
 
     def passes(self, kind: str) -> bool:
-        """Whether one of this kind may pass now; if so, it has."""
+        """Return whether an event of this kind may pass now, and count it."""
         now = time.monotonic()
         self._passed = {each: at for each, at in self._passed.items() if now - at < self._period}
         if kind in self._passed or len(self._passed) >= self._most:
@@ -58,6 +49,6 @@ class RepeatLimiter:
         return True
 
     def held_back(self) -> int:
-        """How many, of whatever kind, did not pass since the last time that this was asked."""
+        """Return how many events of any kind did not pass since the last call."""
         count, self._held_back = self._held_back, 0
         return count

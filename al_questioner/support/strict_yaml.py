@@ -1,4 +1,4 @@
-"""YAML of which every version has the same opinion: what looks like one thing and is read as another is refused."""
+"""YAML that all versions read alike; a text that YAML 1.1 and 1.2 read differently is rejected."""
 
 from __future__ import annotations
 
@@ -11,43 +11,42 @@ from yaml.error import Mark, MarkedYAMLError
 from yaml.nodes import MappingNode, Node, ScalarNode, SequenceNode
 from yaml.reader import ReaderError
 
-MERGE = 'tag:yaml.org,2002:merge'
-"""Of the key <<, which stands for the members of another mapping."""
+_STRING, _MERGE = 'tag:yaml.org,2002:str', 'tag:yaml.org,2002:merge'
+"""Tags of a text, and of the key <<, which stands for the members of another mapping."""
 MOST_BYTES = 1_000_000
-"""Larger files are not read: those that people write are a thousandth of it."""
+"""Largest file that is read, in bytes; people write files a thousand times smaller."""
 DEEPEST = 20
-"""Levels of lists and mappings in each other."""
+"""Largest number of nested levels of lists and mappings."""
 MOST_VALUES = 100_000
-"""Where aliases are written out; each of a few lines could stand for ten of the next."""
+"""Largest number of values with aliases expanded; each of a few lines could stand for ten of the next."""
 LARGEST_WHOLE = 2**63 - 1
 
-_STRING, _MERGE = 'tag:yaml.org,2002:str', 'tag:yaml.org,2002:merge'
 _ROS_WORDS = {'y': True, 'Y': True, 'n': False, 'N': False}
 _WORDS = {'true': True, 'false': False, 'null': None, '~': None, '': None, '.nan': float('nan')}
 
 
 class RefusedYAMLError(MarkedYAMLError):
-    """Valid YAML that is not taken all the same."""
+    """Valid YAML that is rejected all the same."""
 
 
 def parse(content: bytes) -> Any:
-    """What a single YAML document holds; None if it is empty.
+    """Return the content of a single YAML document; None if it is empty.
 
     Raises:
-        yaml.MarkedYAMLError: no YAML.
-        RefusedYAMLError: what cannot be relied on: a key that occurs twice, or a plain word that YAML 1.1 and 1.2 read
-            differently, such as 010, 1:30, no, 1_000 or 1e3; a tag; too much.
+        yaml.MarkedYAMLError: the text is not YAML.
+        RefusedYAMLError: the text is ambiguous or too large: a key that occurs twice, or a plain word that YAML 1.1 and
+            1.2 read differently, such as 010, 1:30, no, 1_000 or 1e3; a tag; too much.
     """
     return _read(content, None)
 
 
 def parse_for_ros(content: bytes) -> tuple[Any, list[MarkedYAMLError]]:
-    """What a document holds that ROS reads, too, and everything in it that ROS may take otherwise than it was meant.
+    """Return the content of a document that ROS also reads, and everything in it that ROS may read in another way.
 
-    A plain y or n is a truth value to ROS, but for a key.
+    ROS reads a plain y or n as a truth value, except in a key.
 
     Raises:
-        yaml.MarkedYAMLError: no YAML, or too much, see `parse`.
+        yaml.MarkedYAMLError: the text is not YAML, or too large, see `parse`.
     """
     doubts: list[MarkedYAMLError] = []
     found = _read(content, doubts)
@@ -66,16 +65,14 @@ def _read(content: bytes, doubts: list[MarkedYAMLError] | None) -> Any:
 
 
 def text_of(document: Any) -> str:
-    """A document as YAML that `parse` takes for the same again."""
+    """Return a document as YAML that `parse` reads as the same document."""
     return yaml.dump(document, Dumper=_Dumper, sort_keys=False, width=100)
 
 
 class _Loader(yaml.SafeLoader):
-    """A safe loader that looks at each node as soon as it is complete, when its line is known.
+    """A safe loader that checks each node as soon as it is complete, when its line is known.
 
-    Args:
-        content: of a document.
-        doubts: takes what two readers would differ about; it is refused if that is None.
+    Ambiguous values are collected in the list of doubts; if there is none, such a value is an error.
     """
 
     def __init__(self, content: bytes, doubts: list[MarkedYAMLError] | None = None) -> None:
@@ -85,7 +82,7 @@ class _Loader(yaml.SafeLoader):
         self._extents: dict[Node, tuple[int, int]] = {}
 
     def compose_node(self, parent: Node | None, index: Any) -> Node | None:
-        """Compose a node, or take the one that an alias names."""
+        """Compose a node, or take the node that an alias names."""
         event = self.peek_event()  # type: ignore[no-untyped-call]
         is_alias, mark = self.check_event(yaml.AliasEvent), event.start_mark
         if not is_alias and event.tag not in (None, '!', _STRING):
@@ -111,7 +108,7 @@ class _Loader(yaml.SafeLoader):
         return node
 
     def compose_scalar_node(self, anchor: Any) -> ScalarNode:
-        """Compose a value, unless it is plain and ambiguous."""
+        """Compose a value; reject one that is plain and ambiguous."""
         event = self.peek_event()  # type: ignore[no-untyped-call]
         node = super().compose_scalar_node(anchor)
         if re.search('[\0\ud800-\udfff]', node.value):
@@ -121,14 +118,14 @@ class _Loader(yaml.SafeLoader):
         return node
 
     def compose_mapping_node(self, anchor: Any) -> MappingNode:
-        """Compose a mapping, unless a key is a list or occurs twice."""
+        """Compose a mapping; reject a key that is a list or occurs twice."""
         node = super().compose_mapping_node(anchor)
         lines: dict[object, int] = {}
         for key, _ in node.value:
             if not isinstance(key, ScalarNode):
                 raise _fault('expected a name as key, found a list or a mapping', key.start_mark)
-            # As what it means: 1 and 0x1 are the same key, and so are both Unicode forms of an accent.
-            meant = key.value if key.tag == MERGE else self.construct_object(key)
+            # Compare keys by meaning: 1 and 0x1 are the same key, and so are both Unicode forms of an accent.
+            meant = key.value if key.tag == _MERGE else self.construct_object(key)
             meant = unicodedata.normalize('NFC', meant) if isinstance(meant, str) else meant
             if meant in lines:
                 self._doubt(f'key {key.value!r} occurs twice, first in line {lines[meant]}', key.start_mark)
@@ -136,7 +133,7 @@ class _Loader(yaml.SafeLoader):
         return node
 
     def _extent(self, node: Node) -> tuple[int, int]:
-        """How many values a new node stands for, and in how many levels."""
+        """Return how many values a new node stands for, and in how many levels."""
         inner: list[Node] = []
         if isinstance(node, SequenceNode):
             inner = node.value
@@ -164,17 +161,17 @@ class _Loader(yaml.SafeLoader):
 
 
 class _Dumper(yaml.SafeDumper):
-    """Puts texts in quotes where the versions of YAML would differ about them."""
+    """A dumper that puts texts in quotes if the versions of YAML would read them differently."""
 
     def resolve(self, kind: Any, value: Any, implicit: Any) -> str:
-        """The tag that a value would get without one of its own."""
+        """Return the tag that a value would get without one of its own."""
         tag: str = super().resolve(kind, value, implicit)  # type: ignore[no-untyped-call]
         is_ambiguous = kind is ScalarNode and implicit[0] and tag == _STRING and meaning(value) != value
         return 'ambiguous' if is_ambiguous else tag
 
 
 def meaning(text: str) -> str | int | float | bool | None:
-    """What a plain word is in YAML 1.2 (its core schema).
+    """Return the value of a plain word in YAML 1.2 (its core schema).
 
     Raises:
         ValueError: a number with thousands of digits.

@@ -1,4 +1,4 @@
-"""What a terminal can show."""
+"""Capabilities of a terminal."""
 
 from __future__ import annotations
 
@@ -10,17 +10,17 @@ from rich.console import Console
 from rich.text import Text
 
 _PLAIN = str.maketrans({'…': '~', '·': '-', '▀': '#', '─': '-', '│': '|', '┌': '+', '┐': '+', '└': '+', '┘': '+'})
-"""What stands for the few characters that only Unicode has."""
+"""ASCII replacements for the few Unicode characters that are shown."""
 
 
 @dataclass(frozen=True)
 class Capabilities:
-    """The size and the abilities of a terminal.
+    """Size and abilities of a terminal.
 
     Attributes:
         width: columns.
         height: rows.
-        colors: how many, as rich calls it; None for none, and no reverse video either.
+        colors: number of colours, as rich calls it; None for neither colours nor reverse video.
         monochrome: reverse video and bold, but no colours.
         unicode: whether more than ASCII can be shown.
     """
@@ -33,11 +33,11 @@ class Capabilities:
 
     @property
     def in_color(self) -> bool:
-        """Whether colours are seen."""
+        """True if colours are shown."""
         return self.colors is not None and not self.monochrome
 
     def console(self, file: io.StringIO | None = None) -> Console:
-        """A console that writes for such a terminal."""
+        """Return a console that writes for such a terminal."""
         return Console(
             file=file or io.StringIO(),
             width=self.width,
@@ -52,7 +52,7 @@ class Capabilities:
         )
 
     def written(self, lines: list[Text]) -> str:
-        """The characters that show these lines."""
+        """Return the characters that show these lines."""
         file = io.StringIO()
         self.console(file).print(Text('\n').join(lines), end='', soft_wrap=True)
         text = file.getvalue()
@@ -60,7 +60,7 @@ class Capabilities:
 
 
 def detect_capabilities(console: Console) -> Capabilities:
-    """What the terminal that a console writes to can show."""
+    """Return the capabilities of the terminal that a console writes to."""
     return Capabilities(
         width=console.width,
         height=console.height,
@@ -71,7 +71,7 @@ def detect_capabilities(console: Console) -> Capabilities:
 
 
 def _has_colors() -> bool:
-    """What terminfo says of the terminal; rich takes all for coloured that it does not know."""
+    """Return whether the terminal has colours according to terminfo; rich assumes so for every unknown terminal."""
     try:
         curses.setupterm()
     except (curses.error, OSError, ValueError):

@@ -1,4 +1,4 @@
-"""What a line that a person typed asks for."""
+"""Meaning of a line that a person typed."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ from al_questioner.domain.names import meant
 
 
 class Wish(Enum):
-    """What is asked of this program, rather than said to the robot."""
+    """A request to this program, not an answer to the robot."""
 
     UNDO = 'undo'
     HELP = 'help'
@@ -19,34 +19,28 @@ class Wish(Enum):
 
 @dataclass(frozen=True)
 class Say:
-    """Something that is said to the robot, in the words of `read_plain_answer`."""
+    """An answer to the robot, in the words of `read_plain_answer`."""
 
     text: str
 
 
 @dataclass(frozen=True)
 class Explain:
-    """Why what was typed means nothing."""
+    """An explanation why the typed text means nothing."""
 
     text: str
 
 
 Command = Say | Wish | Explain
 
-WISHES = {
-    'undo': Wish.UNDO,
-    'help': Wish.HELP,
-    'quit': Wish.QUIT,
-}
-"""By the word; none of them can be told to the robot on a line of its own."""
+WISHES = {wish.value: wish for wish in Wish}
+"""Requests by their word; none of these words can be an answer on a line of its own."""
 
 
 def read_line(line: str, choices: Collection[str] = ()) -> Command:
-    """What a line means; a blank one is explained, as an answer has to be meant.
+    """Return the meaning of a line; a blank line is not an answer, and gets an explanation.
 
-    Args:
-        line: that was typed.
-        choices: of the question that is open: what is exactly one of them is an answer.
+    A line that is exactly one of the choices of the open question is an answer.
     """
     word = line.strip()
     if not word:

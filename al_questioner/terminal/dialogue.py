@@ -1,4 +1,4 @@
-"""What a person at a terminal is asked, has said, and may take back; without the terminal, and without ROS."""
+"""Dialogue of a person at a terminal with the robot: questions, answers, corrections; without terminal and ROS."""
 
 from __future__ import annotations
 
@@ -12,27 +12,27 @@ from collections.abc import Callable
 import numpy as np
 
 from al_questioner.domain import Answer, AnswerError, Query, QueryKind, Scene
-from al_questioner.questioning.plain_words import read_plain_answer
+from al_questioner.questioning.plain_answers import read_plain_answer
 from al_questioner.terminal.commands import WISHES
 from al_questioner.terminal.sentences import said_in_words
 from al_questioner.terminal.view_state import EpisodeProgress, PastAnswer, Phase, Picture, Prompt, ViewState
 
 SECONDS_TO_NOTICE = 0.5
-"""For so long after a question was replaced by another, an answer is not believed to be meant for that one."""
+"""Seconds after a new question in which an answer is rejected, because it may be meant for the previous one."""
 MOVED_M = 0.02
-"""By which an object may move and still be where its picture shows it, in metres."""
+"""Largest movement of an object, in metres, with which its picture is still valid."""
 
 PATIENCE_S = 5.0
-"""Within which a learner that runs replies to an answer."""
+"""Seconds in which a running learner replies to an answer."""
 
 
 def random_id() -> str:
-    """Part of an answer's id that no other answer has."""
+    """Return a part of an answer's id that no other answer has."""
     return uuid.uuid4().hex[:12]
 
 
 def _alike(one: Scene, other: Scene) -> bool:
-    """Whether a picture of one scene shows the other as well: the same objects where they were."""
+    """Return whether a picture of one scene also shows the other: the same objects in the same places."""
     return one.object_ids == other.object_ids and np.allclose(one.positions, other.positions, rtol=0.0, atol=MOVED_M)
 
 
@@ -40,13 +40,13 @@ class TeacherDialogue:
     """One person's part in an episode. Any thread may call any method.
 
     Args:
-        teacher_id: who answers.
-        send: given an episode's id and an answer, brings it to the learner until it is acknowledged.
-        new_id: makes the part of an answer's id that tells it from all others.
+        teacher_id: id of the person.
+        send: sends an answer in the episode of an id, until the learner acknowledges it.
+        new_id: makes the part of an answer's id that distinguishes it from all others.
         clock: seconds of a steady clock.
 
     Attributes:
-        on_change: called, with nothing else going on, whenever there may be something new on the board.
+        on_change: called, one call at a time, whenever the view state may have changed.
     """
 
     def __init__(
@@ -81,7 +81,7 @@ class TeacherDialogue:
         self._notice = ''
 
     def enter(self, episode_id: str) -> None:
-        """Hear of an episode; what belonged to another one is forgotten."""
+        """Receive the id of the episode; the state of another episode is dropped."""
         with self._changed:
             if episode_id != self._episode_id:
                 self._episode_id = episode_id
@@ -89,7 +89,7 @@ class TeacherDialogue:
             self._tell()
 
     def ask(self, query: Query) -> None:
-        """Hear a question; one of an earlier turn than the last comes too late to be one."""
+        """Receive a question; one of an earlier turn than the last question is ignored."""
         with self._changed:
             if self._query is not None and query.turn < self._query.turn:
                 return
@@ -99,28 +99,26 @@ class TeacherDialogue:
             self._tell()
 
     def follow(self, progress: EpisodeProgress) -> None:
-        """Hear how far the episode is; what tells of an earlier turn than the last comes too late."""
+        """Receive the progress of the episode; the progress of an earlier turn is ignored."""
         with self._changed:
-            if self._progress is not None and (progress.turn, progress.done) < (
-                self._progress.turn,
-                self._progress.done,
-            ):
+            before = self._progress
+            if before is not None and (progress.turn, progress.done) < (before.turn, before.done):
                 return
             self._progress = progress
             if self._last is None and progress.last is not None and progress.last[1].teacher_id == self._teacher_id:
-                # What was said before this program began.
+                # The answer was given before this program began.
                 query, answer = progress.last
                 self._last = PastAnswer(Prompt(query, None, None), answer)
             self._tell()
 
     def begin(self, turns: int, budget: float) -> None:
-        """Hear what an episode is given, which tells how far it is as long as nothing else does."""
+        """Receive the settings of an episode, which stand for its progress until that arrives."""
         with self._changed:
             if self._progress is None:
                 self.follow(EpisodeProgress(0, turns, budget, 0.0, done=False))
 
     def look(self, scene: Scene, stamp: int) -> None:
-        """See the objects, as they were at a time in nanoseconds."""
+        """Receive the objects, as they were at a time in nanoseconds."""
         with self._changed:
             if self._scene is not None and not _alike(self._scene, scene):
                 self._since = stamp
@@ -128,7 +126,7 @@ class TeacherDialogue:
             self._tell()
 
     def see(self, picture: Picture, stamp: int) -> None:
-        """See the picture of the whole scene, as it was at a time in nanoseconds."""
+        """Receive the picture of the whole scene, as it was at a time in nanoseconds."""
         with self._changed:
             self._picture, self._pictured = picture, stamp
             self._tell()
@@ -137,7 +135,7 @@ class TeacherDialogue:
         """Answer the question that is shown, in the words of `read_plain_answer`.
 
         Raises:
-            AnswerError: nothing is asked, or this is no answer to it.
+            AnswerError: no question is open, or this is not an answer to it.
         """
         with self._changed:
             prompt = self._shown()
@@ -155,24 +153,24 @@ class TeacherDialogue:
             self._send(self._episode_id, answer)
 
     def undo(self) -> None:
-        """Ask the question of the last answer again; once more, and that answer stands as it was.
+        """Ask the question of the last answer again; a second call cancels that, and the answer is kept.
 
         Raises:
             AnswerError: there is no answer to take back.
         """
         with self._changed:
             if self._corrected is not None:
-                self._corrected, self._notice = None, 'That answer stands as it was.'
+                self._corrected, self._notice = None, 'That answer is kept.'
             elif self._last is None:
                 raise AnswerError('there is nothing to take back: no answer of yours was the last that was taken')
             elif self._on_its_way is not None:
-                raise AnswerError('an answer is on its way to the robot: wait until it is taken')
+                raise AnswerError('an answer is on its way to the robot: wait until it is accepted')
             else:
                 self._corrected, self._notice = self._recalled(self._last), ''
             self._tell()
 
     def acknowledge(self, answer_id: str | None, accepted: bool, reason: str) -> None:
-        """Hear whether the answer that is on its way was taken."""
+        """Receive whether the learner accepted the answer that was sent."""
         with self._changed:
             said = self._on_its_way
             if said is None or said.answer.answer_id != answer_id:
@@ -191,7 +189,7 @@ class TeacherDialogue:
             self._tell()
 
     def board(self) -> ViewState:
-        """What there is to show now."""
+        """Return the present view state."""
         with self._changed:
             return ViewState(
                 self._phase(),
@@ -204,17 +202,17 @@ class TeacherDialogue:
             )
 
     def wait_for(self, is_true: Callable[[ViewState], bool], seconds: float | None = None) -> bool:
-        """Wait until something holds of the board; whether it came to hold in time."""
+        """Wait until a condition on the view state is true; return whether it became true in time."""
         with self._changed:
             return self._changed.wait_for(lambda: is_true(self.board()), seconds)
 
     def wake(self) -> None:
-        """Have whoever waits look again."""
+        """Wake the threads that wait, so that they check their condition again."""
         with self._changed:
             self._tell()
 
     def _recalled(self, said: PastAnswer) -> PastAnswer:
-        """An answer of before this program began, with what is on the table now if that is what it was about."""
+        """Return an answer from before this program began, with the present scene if that shows its objects."""
         prompt, scene = said.prompt, self._scene
         if prompt.scene is not None or scene is None:
             return said
@@ -242,11 +240,11 @@ class TeacherDialogue:
         return Phase.THINKING if self._episode_id else Phase.ALONE
 
     def _open(self) -> Query | None:
-        """The question that waits for its answer: one that the learner's records do not answer yet."""
+        """Return the question that waits for its answer: one that has no answer in the learner's records yet."""
         query = self._query
         if query is None or query.query_id in self._answered:
             return None
-        # At most one question a turn. Not the turn of the state: that may be told while its question is open.
+        # At most one question a turn. Not the turn of the state: that may arrive while its question is open.
         records = () if self._progress is None else self._progress.records
         return None if any(record.turn == query.turn for record in reversed(records)) else query
 
@@ -258,5 +256,5 @@ class TeacherDialogue:
         query = self._open()
         if query is None:
             return None
-        # The picture is drawn when the scene has changed, and comes later: one of what lay there before would mislead.
+        # The picture arrives later than the scene: an old one would show objects that have moved.
         return Prompt(query, self._scene, self._picture if self._pictured >= self._since else None)

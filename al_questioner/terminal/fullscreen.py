@@ -1,4 +1,4 @@
-"""The whole screen of a terminal, redrawn as things change, and single keys."""
+"""Full screen mode of the terminal, redrawn at every change and controlled by single keys."""
 
 from __future__ import annotations
 
@@ -49,23 +49,18 @@ DEPTHS = {
     None: ColorDepth.DEPTH_1_BIT,
 }
 LOOK_PERIOD = 0.1
-"""Seconds between two looks at whether to end, and at the size of the terminal."""
+"""Seconds between two checks whether to end, and of the size of the terminal."""
 SUSPENSION_PERIOD = 0.01
-"""Seconds between two looks at whether the signal to stop has been taken."""
+"""Seconds between two checks whether the stop signal has been delivered."""
 MOST_HELD_BACK = 20_000
-"""Bytes of the messages that are shown after the screen has gone."""
+"""Largest size, in bytes, of the messages that are shown after the screen has closed."""
 
 
 class FullScreen:
-    """A screen with keys; `run` it in a thread of its own.
-
-    Args:
-        session: what is asked and said.
-        stopped: ends it.
-    """
+    """A screen with keys; `run` it in a thread of its own."""
 
     def __init__(self, dialogue: TeacherDialogue, stopped: threading.Event) -> None:
-        self._session = dialogue
+        self._dialogue = dialogue
         self._stopped = stopped
         self._look = detect_capabilities(Console())
         self._pad = Pad()
@@ -73,7 +68,7 @@ class FullScreen:
         self._size = Size(rows=0, columns=0)
 
     def run(self) -> None:
-        """Take keys until nothing is left to say, the person quits, or it is stopped; then leave all as it was."""
+        """Take keys until the episode is over, the person quits, or it is stopped; then restore the terminal."""
         control = FormattedTextControl(lambda: ANSI(self._drawn()), focusable=True, show_cursor=False)
         application: Application[None] = Application(
             layout=Layout(Window(control, always_hide_cursor=True)),
@@ -81,15 +76,15 @@ class FullScreen:
             full_screen=True,
             color_depth=ColorDepth.DEPTH_1_BIT if self._look.monochrome else DEPTHS[self._look.colors],
             min_redraw_interval=0.05,
-            # Its own way misses a change right after the start.
+            # The polling of prompt_toolkit misses a change right after the start.
             terminal_size_polling_interval=None,
         )
 
         async def end_in_time() -> None:
             while not self._stopped.is_set() and not self._nothing_left():
                 await asyncio.sleep(LOOK_PERIOD)
-                # That no reply comes is nothing that anybody tells.
-                waits = self._session.board().phase is Phase.SENDING
+                # No event tells that no reply has come.
+                waits = self._dialogue.board().phase is Phase.SENDING
                 if waits or application.output.get_size() != self._size:
                     application.invalidate()
             if not application.is_done:
@@ -99,15 +94,15 @@ class FullScreen:
             application.create_background_task(end_in_time())
 
         self._application = application
-        self._session.on_change = application.invalidate
+        self._dialogue.on_change = application.invalidate
         try:
             with _held_back_errors():
                 application.run(pre_run=watch, set_exception_handler=False)
         finally:
-            self._session.on_change = lambda: None
+            self._dialogue.on_change = lambda: None
 
     def _nothing_left(self) -> bool:
-        view_state = self._session.board()
+        view_state = self._dialogue.board()
         return view_state.phase is Phase.OVER and not view_state.can_undo
 
     def _drawn(self) -> str:
@@ -115,11 +110,11 @@ class FullScreen:
         capabilities = Capabilities(
             size.columns, size.rows, self._look.colors, self._look.monochrome, self._look.unicode
         )
-        view_state = self._session.board()
+        view_state = self._dialogue.board()
         pad = self._pad if self._pad.about == about(view_state) else Pad()
         try:
             return capabilities.written(screen(view_state, pad, capabilities, self._in_help))
-        except Exception as error:  # noqa: BLE001 - whatever a message may hold, the person can go on
+        except Exception as error:  # noqa: BLE001 - the person can go on after any message
             return printable(f'This cannot be shown ({type(error).__name__}: {error}); q quits.')
 
     def _bindings(self) -> KeyBindings:
@@ -140,7 +135,7 @@ class FullScreen:
 
         @bindings.add(Keys.BracketedPaste)
         def _(event: KeyPressEvent) -> None:
-            # What is pasted elsewhere than into a word was hardly meant as keys.
+            # Text that is pasted outside of a word is hardly meant as keys.
             if self._pad.in_words:
                 for character in event.data.strip():
                     self._press(character)
@@ -158,7 +153,7 @@ class FullScreen:
         if self._in_help:
             self._in_help = False
             return
-        self._pad, command = press(key, self._pad, self._session.board())
+        self._pad, command = press(key, self._pad, self._dialogue.board())
         if command is not None:
             self._follow(command)
 
@@ -172,9 +167,9 @@ class FullScreen:
         else:
             try:
                 if isinstance(command, Say):
-                    self._session.say(command.text)
+                    self._dialogue.say(command.text)
                 else:
-                    self._session.undo()
+                    self._dialogue.undo()
             except AnswerError as error:
                 self._explain(str(error))
 
@@ -183,9 +178,9 @@ class FullScreen:
 
 
 def _suspend() -> None:
-    """Stop this process and those that it was started with, as Ctrl-Z does in a shell, until they are continued.
+    """Stop this process and its group, as Ctrl-Z does in a shell, until they are continued.
 
-    Another thread may be the one that takes the signal. Until then nothing may be drawn, nor the terminal changed.
+    Another thread may receive the signal. Until then nothing may be drawn, and the terminal may not be changed.
     """
     before = signal.pthread_sigmask(signal.SIG_BLOCK, {signal.SIGTSTP})
     try:
@@ -198,7 +193,7 @@ def _suspend() -> None:
 
 @contextlib.contextmanager
 def _held_back_errors() -> Iterator[None]:
-    """Keep what the process writes to stderr off the screen, and show it afterwards but for what only informs."""
+    """Keep stderr of the process off the screen, and print it afterwards, except for lines that only inform."""
     if not os.isatty(2):
         yield
         return

@@ -1,4 +1,4 @@
-"""One key a symbol, digits for objects, ticks for feature groups: what a key means at a question."""
+"""Meaning of keys at a question: a letter for each symbol, digits for objects, ticks for feature groups."""
 
 from __future__ import annotations
 
@@ -22,22 +22,22 @@ COMMANDS: dict[str, Command] = {
     'h': Wish.HELP,
     'q': Wish.QUIT,
 }
-"""Keys that mean the same at every question, and are never the key of a symbol."""
+"""Keys that mean the same at every question and are never the key of a symbol."""
 LONGEST = 80
-"""Characters that can be typed."""
+"""Largest number of characters that can be typed."""
 
 
 @dataclass(frozen=True)
 class Pad:
-    """What was pressed so far at a question.
+    """Keys that were pressed so far at a question.
 
     Attributes:
-        about: the question that it was pressed at.
+        about: the question at which they were pressed.
         typed: digits, or a word.
         in_words: whether a word is typed, after a colon.
         ticked: positions of feature groups.
         cursor: position of the group that space ticks.
-        doubted: the last key, if it is to be pressed again to count.
+        doubted: the last key, if it must be pressed again to count.
         notice: why the last key did nothing.
     """
 
@@ -50,27 +50,27 @@ class Pad:
     notice: str = ''
 
     def explained(self, notice: str) -> Pad:
-        """The same, with an explanation."""
+        """Return the same pad with an explanation."""
         return replace(self, notice=notice)
 
 
 def about(view_state: ViewState) -> str:
-    """Tells the questions that are shown apart; empty where none can be answered."""
+    """Return a text that identifies the question that is shown; empty if none can be answered."""
     if view_state.prompt is None or view_state.phase not in (Phase.ASKED, Phase.CORRECTING):
         return ''
     return f'{view_state.phase.name}/{view_state.prompt.query.query_id}'
 
 
 def choices_of(view_state: ViewState) -> tuple[str, ...]:
-    """The choices of the question that can be answered; none if there is none."""
+    """Return the choices of the question that can be answered; none if there is none."""
     return view_state.prompt.query.choices if view_state.prompt is not None and about(view_state) else ()
 
 
 def letters(symbols: Sequence[str]) -> dict[str, str]:
-    """The key of each symbol: the first letter of its name, else another free one of it, else the first free key.
+    """Return the key of each symbol: the first letter of its name, else another free letter of it or any free key.
 
-    First letters go first, so that no key says another name than the one that begins with it, as far as there are keys.
-    A symbol beyond the last key has none, and is typed after a colon.
+    First letters are assigned first, so that as far as possible each key is the first letter of its name. A symbol
+    after the last free key has none, and is typed after a colon.
     """
     free = [
         key for key in string.ascii_lowercase + string.digits + string.ascii_uppercase if key.lower() not in COMMANDS
@@ -89,15 +89,15 @@ def letters(symbols: Sequence[str]) -> dict[str, str]:
 
 
 def press(key: str, pad: Pad, view_state: ViewState) -> tuple[Pad, Command | None]:
-    """What a key does.
+    """Return the effect of a key.
 
     Args:
         key: a character, or 'enter', 'backspace', 'escape', 'up', 'down', 'left', 'right', 'tab'.
-        pad: what was pressed before.
-        view_state: what is shown.
+        pad: the keys before.
+        view_state: the present view state.
 
     Returns:
-        What has been pressed so far, and what is to be done, if anything.
+        The keys so far, and a command, if there is one.
     """
     here, doubted = about(view_state), pad.doubted
     pad = replace(pad, notice='', doubted='') if pad.about == here else Pad(here)
@@ -133,14 +133,14 @@ def _typed_word(key: str, pad: Pad, query: Query) -> tuple[Pad, Command | None]:
 
 
 def _command(key: str, pad: Pad, query: Query, doubted: str) -> tuple[Pad, Command | None]:
-    """What a key means that is a command; where a choice begins with it, only if it is pressed twice."""
+    """Return the effect of a command key; if a choice begins with the same letter, it must be pressed twice."""
     command = COMMANDS[key.lower()]
-    # Where numbers are asked for, no letter can be meant as the first one of a choice.
+    # If the answer is a number, no letter can be meant as the first one of a choice.
     choices = () if query.action.kind is QueryKind.DEMONSTRATION else query.choices
     alike = next((choice for choice in choices if loosely(choice).startswith(key.lower())), None)
     if alike is None or command is Wish.HELP or doubted == key.lower():
         return pad, command
-    # Who presses the first letter of a name means that name, and would otherwise have said something else unawares.
+    # A person who presses the first letter of a name means that name, and would give another answer by mistake.
     explained = f'{_named(key)} means {_meaning(command)} here: press it again for that; {_way_to_say(alike, query)}'
     return replace(pad, doubted=key.lower()), Explain(explained)
 
@@ -161,7 +161,7 @@ def _at_label(key: str, pad: Pad, query: Query) -> tuple[Pad, Command | None]:
 
 
 def _way_to_say(choice: str, query: Query) -> str:
-    """How to say a choice by key."""
+    """Return how to choose an answer by key."""
     if query.action.kind is QueryKind.FEATURE_SUBSET:
         position = query.choices.index(choice) + 1
         return f'for {choice} ' + (f'press {position}' if position <= 9 else 'use arrows and space')
@@ -192,7 +192,7 @@ def _at_feature_subset(key: str, pad: Pad, query: Query) -> tuple[Pad, Command |
     if key == 'enter':
         if not pad.ticked:
             return pad, Explain('tick what matters with space before Enter, or press u if you do not know')
-        # Beside a name with a comma those without one could be read as parts of it.
+        # If one name has a comma, names without quotes could be read as parts of it.
         quotes = any(',' in choice for choice in query.choices)
         return Pad(pad.about), Say(joined((query.choices[position] for position in sorted(pad.ticked)), quotes))
     steps = {'right': 1, 'down': 1, 'tab': 1, 'left': -1, 'up': -1}
@@ -205,7 +205,7 @@ def _at_feature_subset(key: str, pad: Pad, query: Query) -> tuple[Pad, Command |
 
 
 def _append(key: str, pad: Pad) -> Pad:
-    """With one more character, as long as it is one that can be shown and there is room."""
+    """Return the pad with one more character, if it can be shown and there is room."""
     fits = len(key) == 1 and key.isprintable() and len(pad.typed) < LONGEST
     return replace(pad, typed=pad.typed + key) if fits else pad
 

@@ -1,4 +1,4 @@
-"""Questions and answers line by line, for scripts and for terminals that can do no more."""
+"""Questions and answers line by line, for scripts and for simple terminals."""
 
 from __future__ import annotations
 
@@ -19,15 +19,15 @@ from al_questioner.terminal.sentences import HELP, question_line
 from al_questioner.terminal.view_state import Phase
 
 LOOK_PERIOD = 0.1
-"""Seconds between two looks at input and board."""
+"""Seconds between two checks of the input and the view state."""
 PATIENCE_AT_THE_END = 10.0
-"""Seconds from the end of the input within which the robot may still say that the episode is over, or what is open."""
+"""Seconds after the end of the input in which the robot may still end the episode or ask a question."""
 LONGEST_LINE = 10_000
-"""Characters; what is longer is taken for several lines."""
+"""Largest length of a line, in characters; a longer one is split into several lines."""
 
 
 class LineReader:
-    """Lines of a file descriptor, without ever blocking for longer than is asked for."""
+    """Reader of lines from a file descriptor that never blocks for longer than requested."""
 
     def __init__(self, descriptor: int | None) -> None:
         self._descriptor = descriptor
@@ -38,17 +38,17 @@ class LineReader:
 
     @property
     def ended(self) -> bool:
-        """Whether there is nothing more to come."""
+        """True if there are no more lines to come."""
         return self._closed and not self._lines
 
     def peek(self, seconds: float) -> str | None:
-        """The next line, which stays the next one; None if there is none so far."""
+        """Return the next line without taking it; None if there is none so far."""
         if not self._lines and not self._closed:
             self._read(seconds)
         return self._lines[0] if self._lines else None
 
     def take(self) -> None:
-        """Be done with the line that was peeked at."""
+        """Remove the line that `peek` returned."""
         self._lines.popleft()
 
     def _read(self, seconds: float) -> None:
@@ -57,7 +57,7 @@ class LineReader:
         try:
             content = os.read(self._descriptor, 4096)
         except OSError:
-            # A terminal that has gone away.
+            # The terminal was closed.
             content = b''
         *lines, self._rest = (self._rest + self._decode(content, not content)).split('\n')
         self._lines.extend(lines)
@@ -68,19 +68,12 @@ class LineReader:
 
 
 class LineMode:
-    """A conversation in lines: a question a line on `out`, everything else on `err`.
-
-    Args:
-        session: what is asked and said.
-        lines: what the person types.
-        out, err: where to write.
-        stopped: ends the conversation.
-    """
+    """A conversation in lines: one question a line on `out`, all other text on `err`."""
 
     def __init__(
         self, dialogue: TeacherDialogue, lines: LineReader, out: TextIO, err: TextIO, stopped: threading.Event
     ) -> None:
-        self._session = dialogue
+        self._dialogue = dialogue
         self._lines = lines
         self._out = out
         self._err = err
@@ -89,10 +82,10 @@ class LineMode:
         self._noticed = ''
 
     def run(self) -> None:
-        """Talk until the episode is over, the person quits, the input ends, or it is stopped."""
+        """Ask and answer until the episode is over, the person quits, the input ends, or it is stopped."""
         ended_at = None
         while not self._stopped.is_set():
-            view_state = self._session.board()
+            view_state = self._dialogue.board()
             if view_state.notice != self._noticed:
                 self._noticed = view_state.notice
                 self._tell(view_state.notice)
@@ -123,20 +116,20 @@ class LineMode:
 
     @staticmethod
     def _is_due(command: Command, here: str, phase: Phase) -> bool:
-        """Whether it is a line's turn: an answer waits for its question, `undo` for the answer that it takes back."""
-        # Were it refused instead, the answer meant to replace that one would be given to the next question.
+        """Return whether a line can be handled now: an answer waits for its question, `undo` for its answer."""
+        # If `undo` were rejected instead, the replacing answer would go to the next question.
         return bool(here) or command in (Wish.HELP, Wish.QUIT) or (command is Wish.UNDO and phase is not Phase.SENDING)
 
     def _takes_back(self) -> bool:
-        """Whether the next line, if there is one already, takes the last answer of the episode back."""
+        """Return whether the next line, if there is one already, takes back the last answer of the episode."""
         line = self._lines.peek(LOOK_PERIOD)
         return line is not None and read_line(line) is Wish.UNDO
 
     def _follow(self, command: Command) -> bool:
-        """Do what a line asks for; whether to go on."""
+        """Execute the command of a line; return whether to go on."""
         if command is Wish.QUIT:
             return False
-        # Whatever comes of it, the question that is shown then is asked on a line of its own.
+        # In any case, the question that is shown next is printed on a line of its own.
         self._asked = ''
         if command is Wish.HELP:
             for paragraph in HELP:
@@ -146,9 +139,9 @@ class LineMode:
         else:
             try:
                 if command is Wish.UNDO:
-                    self._session.undo()
+                    self._dialogue.undo()
                 else:
-                    self._session.say(command.text)
+                    self._dialogue.say(command.text)
                 self._noticed = ''
             except AnswerError as error:
                 self._tell(str(error))

@@ -1,4 +1,4 @@
-"""A person at the terminal of this process, from the first question to the last words."""
+"""Dialogue with the person at the terminal of this process, from the first question to the farewell."""
 
 from __future__ import annotations
 
@@ -12,11 +12,11 @@ from al_questioner.terminal.sentences import farewell
 from al_questioner.terminal.view_state import Phase
 
 SECONDS_TO_SETTLE = 3.0
-"""For which one who quits waits for an answer that is on its way."""
+"""Seconds that quitting waits for an unacknowledged answer."""
 
 
 def run_terminal(dialogue: TeacherDialogue, stopped: threading.Event) -> None:
-    """Have the person at stdin and stdout answer: by keys if both are a terminal, else line by line.
+    """Let the person at stdin and stdout answer: by keys if both are a terminal, else line by line.
 
     Returns when the episode is over, the person quits, the input ends, or `stopped` is set.
     """
@@ -38,7 +38,7 @@ def _is_terminal() -> bool:
     try:
         both = sys.stdin.isatty() and sys.stdout.isatty()
     except (AttributeError, ValueError):
-        # None at all, or a closed one.
+        # There is no stdin or stdout, or it is closed.
         return False
     return both and os.environ.get('TERM', 'dumb') != 'dumb'
 

@@ -1,4 +1,4 @@
-"""Text from elsewhere, made fit for a terminal: what it holds is shown, and never obeyed."""
+"""Conversion of foreign text for a terminal: control characters are shown, never executed."""
 
 from __future__ import annotations
 
@@ -9,12 +9,12 @@ LARGEST_COUNT = 1_000_000
 
 
 def counted(number: int) -> str:
-    """A number of turns; messages may tell of more than a line can hold, or than Python will write."""
+    """Return a number of turns as text; messages may hold numbers that are too long for a line, or for Python."""
     return str(number) if abs(number) <= LARGEST_COUNT else 'very many'
 
 
 def printable(text: str, longest: int = 400) -> str:
-    r"""The text with all that a terminal would not show as a character escaped, such as `\x1b`, and cut if long."""
+    r"""Return the text with all characters escaped that a terminal cannot show, such as `\x1b`, and cut if long."""
     cut = text if len(text) <= longest else text[: longest - 1] + ELLIPSIS
     return ''.join(character if character.isprintable() else _escaped(character) for character in cut)
 

@@ -1,4 +1,4 @@
-"""The whole screen as lines of text: a function of what there is to show, what was pressed, and the terminal."""
+"""The whole screen as lines of text: a function of the view state, the pressed keys, and the terminal."""
 
 from __future__ import annotations
 
@@ -18,22 +18,15 @@ from al_questioner.terminal.view_state import EpisodeProgress, Phase, Prompt, Vi
 KEYS = 'n none · u unknown · s skip · z undo · : word · h help · q quit'
 GAP = 2
 SMALLEST_SCENE = 4
-"""Rows below which neither map nor picture is worth showing."""
+"""Smallest number of rows for a map or a picture."""
 MOST_CHOICES = 200
-"""That are shown; no screen has room for more."""
+"""Largest number of choices that are shown; no screen has room for more."""
 HISTORY = 4
-"""Rows that map and picture leave to earlier answers, so that they stay where they are as there come more."""
+"""Number of rows that are kept for earlier answers, so that map and picture do not move when more come."""
 
 
 def screen(view_state: ViewState, pad: Pad, capabilities: Capabilities, in_help: bool = False) -> list[Text]:
-    """At most as many lines as the terminal has rows, none wider than it is.
-
-    Args:
-        view_state: what there is to show.
-        pad: what was pressed at the question that is shown.
-        capabilities: the terminal.
-        in_help: show the help in the place of the table.
-    """
+    """Return the lines of the screen, at most as many as the terminal has rows, none wider than it is."""
     head = [
         *_wrapped(_head(view_state, capabilities), capabilities),
         Text('─' * capabilities.width, style='dim'),
@@ -42,8 +35,8 @@ def screen(view_state: ViewState, pad: Pad, capabilities: Capabilities, in_help:
     if in_help:
         body = [line for paragraph in HELP for line in _wrapped(Text(paragraph), capabilities)]
         return _fitted([*head, Text(), *body, Text(), Text('any key: back', style='dim')], capabilities)
-    # A row for what there is to say is left free, and longer words take the room of the history: as long as a
-    # question is shown, nothing that may be looked at moves.
+    # A row is reserved for a notice, and a longer notice takes room from the history, so that nothing moves while a
+    # question is shown.
     notice = _notice(view_state, pad, capabilities) or [Text()]
     foot = _answers(view_state, pad, capabilities) + notice + _wrapped(Text(KEYS, style='dim'), capabilities)
     room = capabilities.height - len(head) - len(foot) - 1
@@ -90,7 +83,7 @@ def _meanwhile(view_state: ViewState) -> str:
     if view_state.phase is Phase.OVER:
         return 'The episode is over. z takes your last answer back, q ends.'
     if view_state.phase is Phase.ALONE:
-        return 'Waiting for a robot that asks; no learner has been heard yet.'
+        return 'Waiting for a robot that asks; no learner has been found yet.'
     if view_state.progress is None:
         return 'The robot looks at the table and thinks.'
     left = max(0, view_state.progress.turns - view_state.progress.turn)
@@ -98,7 +91,7 @@ def _meanwhile(view_state: ViewState) -> str:
 
 
 def _table(view_state: ViewState, pad: Pad, capabilities: Capabilities, rows: int) -> list[Text]:
-    """The picture beside the map; the map alone where there is no picture, or little room."""
+    """Return the picture beside the map; the map alone if there is no picture, or little room."""
     prompt = view_state.prompt
     if prompt is None or prompt.scene is None or rows < SMALLEST_SCENE or capabilities.width < 12:
         return []
@@ -109,7 +102,7 @@ def _table(view_state: ViewState, pad: Pad, capabilities: Capabilities, rows: in
             *_wrapped(Text(gone, style='yellow'), capabilities),
             *table_map(prompt.scene, capabilities.width, rows - 1, None),
         ]
-    # Where a number may be typed, the row is there before it is.
+    # Where a number may be typed, its row is reserved.
     lines = [Text()] if prompt.query.action.kind is QueryKind.DEMONSTRATION else []
     if focus is not None and focus in prompt.scene.object_ids:
         lines = [Text(f'Object {focus}: {position_in_words(prompt.scene, focus)}')]
@@ -128,14 +121,14 @@ def _table(view_state: ViewState, pad: Pad, capabilities: Capabilities, rows: in
 
 
 def _focus(query: Query, pad: Pad) -> int | None:
-    """The object that is asked about, or whose number is being typed."""
+    """Return the object that is asked about, or whose number is being typed."""
     if query.action.kind is QueryKind.DEMONSTRATION:
         return int(pad.typed) if pad.typed.isdecimal() and len(pad.typed) < 12 else None
     return query.action.object_id
 
 
 def _picture(prompt: Prompt, focus: int | None, capabilities: Capabilities, rows: int) -> list[Text]:
-    """Of the object in focus; of the whole scene where there is none."""
+    """Return the picture of the object in focus, or of the whole scene without one."""
     if prompt.picture is None or prompt.scene is None:
         return []
     if focus is None:
@@ -145,7 +138,7 @@ def _picture(prompt: Prompt, focus: int | None, capabilities: Capabilities, rows
 
 
 def _answers(view_state: ViewState, pad: Pad, capabilities: Capabilities) -> list[Text]:
-    """What can be answered, with its keys."""
+    """Return the possible answers with their keys."""
     if view_state.prompt is None:
         return []
     lines = _choices(view_state.prompt.query, pad, capabilities)
@@ -190,7 +183,7 @@ def _notice(view_state: ViewState, pad: Pad, capabilities: Capabilities) -> list
 
 
 def _history(view_state: ViewState) -> list[Text]:
-    """What was answered before, the last first."""
+    """Return the earlier answers, the last first."""
     if view_state.progress is None:
         return []
     return [
@@ -200,7 +193,7 @@ def _history(view_state: ViewState) -> list[Text]:
 
 
 def _flowed(pieces: list[Text], capabilities: Capabilities) -> list[Text]:
-    """Pieces side by side, as many to a line as fit."""
+    """Return lines with pieces side by side, as many to a line as fit."""
     lines = [Text()]
     for piece in pieces:
         if lines[-1].cell_len and lines[-1].cell_len + GAP + piece.cell_len > capabilities.width:

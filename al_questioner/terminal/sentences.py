@@ -1,4 +1,4 @@
-"""What is said to a person, in plain English."""
+"""Sentences for the person at the terminal, in plain English."""
 
 from __future__ import annotations
 
@@ -12,16 +12,16 @@ HELP = (
     'You teach a robot what things are. It asks; every question costs it something of its budget.',
     '"What is object 7?": the name of what it is, or none: it belongs to no name in the list.',
     '"Can you show me a snack?": the number of one on the table, or none: there is no such thing here.',
-    '"Which properties matter ...?": what tells the names apart, one or more.',
-    'unknown (?) says that you do not know, skip that you would rather be asked something else.',
-    'undo takes your last answer back: its question is asked again. Once more, and it stands as it was.',
+    '"Which properties matter ...?": the properties that distinguish the names, one or more.',
+    'unknown (?) says that you do not know, skip asks for another question.',
+    'undo takes your last answer back: its question is asked again. A second undo keeps the answer.',
     'quit leaves the robot waiting: start this program again, and it goes on where you left.',
 )
-"""One paragraph each."""
+"""Paragraphs of the help."""
 
 
 def said_in_words(action: Action, answer: Answer) -> str:
-    """What an answer says about what was asked."""
+    """Return an answer to a question as a sentence."""
     if answer.outcome is not Outcome.ANSWERED:
         return _unanswered(action, answer.outcome)
     content = answer.content
@@ -33,7 +33,7 @@ def said_in_words(action: Action, answer: Answer) -> str:
 
 
 def recorded_in_words(record: QueryRecord) -> str:
-    """What came of an earlier question, as the learner has it."""
+    """Return the result of an earlier question, from the learner's records, as a sentence."""
     if record.outcome is not Outcome.ANSWERED:
         return _unanswered(Action(record.kind, record.object_id, record.symbol), record.outcome)
     if record.kind is QueryKind.FEATURE_SUBSET:
@@ -44,19 +44,19 @@ def recorded_in_words(record: QueryRecord) -> str:
 
 
 def present_turn(query: Query, progress: EpisodeProgress | None) -> int:
-    """The turn in which a question waits: a later one than its own if turns have passed without an answer."""
+    """Return the turn in which a question waits: a later one than its own if turns have passed without an answer."""
     present = query.turn if progress is None else max(query.turn, progress.turn + 1)
     return min(present, query.turn + query.turns_left)
 
 
 def price(query: Query, progress: EpisodeProgress | None) -> str:
-    """What a question costs, and what is left of the budget once that is paid."""
+    """Return the cost of a question, and the rest of the budget after it, as text."""
     of_all = '' if progress is None else f' of {progress.budget:g}'
     return f'costs {query.cost:g}, which leaves {query.budget_left:g}{of_all} of the budget'
 
 
 def question_line(query: Query, corrects: bool, progress: EpisodeProgress | None = None) -> str:
-    """One line that asks, with what would be an answer."""
+    """Return a question with its possible answers on one line."""
     nothing = [] if query.action.kind is QueryKind.FEATURE_SUBSET else [NO_SYMBOL]
     parting = ', ' if any(' ' in choice for choice in query.choices) else ' '
     choices = [*query.choices] if nothing else [joined(query.choices)]
@@ -69,7 +69,7 @@ def question_line(query: Query, corrects: bool, progress: EpisodeProgress | None
 
 
 def farewell(view_state: ViewState) -> str:
-    """The last words: how the episode ended, or what is left to do."""
+    """Return the last words: how the episode ended, or what to do next."""
     progress = view_state.progress
     if view_state.phase is Phase.OVER and progress is not None:
         questions = number_of(len(progress.records), 'question')

@@ -1,4 +1,4 @@
-"""The table in characters: the number of every object where it lies."""
+"""Map of the table in characters: the number of every object at its place."""
 
 from __future__ import annotations
 
@@ -14,16 +14,11 @@ FOCUS_STYLE = 'not dim bold reverse'
 
 
 def table_map(scene: Scene, columns: int, rows: int, focus: int | None) -> list[Text]:
-    """So many rows of text that show the scene from above, its far side up.
+    """Return as many rows of text, which show the scene from above, its far side up; the frame counts.
 
-    Objects that lie closer together than their numbers are wide are shown beside each other. What finds no place is
-    counted in the last row.
-
-    Args:
-        scene: the objects.
-        columns: width of the map, its frame included; at least 12.
-        rows: height of the map, its frame included; at least 3.
-        focus: id of the object that is highlighted, in brackets and in reverse video.
+    Objects that are closer together than the width of their numbers are shown beside each other. Objects without a
+    place are counted in the last row. The object in focus is in brackets and in reverse video. There must be 12 columns
+    and 3 rows at least.
     """
     places, left_out = _placed(scene, columns - 2, rows - 2, focus)
     lines = [Text('┌' + '─' * (columns - 2) + '┐', style='dim')]
@@ -44,7 +39,7 @@ def table_map(scene: Scene, columns: int, rows: int, focus: int | None) -> list[
 
 
 def position_in_words(scene: Scene, object_id: int) -> str:
-    """Where an object lies on the table, for somebody who stands in front of it."""
+    """Return the position of an object on the table in words, for a person in front of it."""
     x, y = (float(value) for value in scene.positions[scene.index_of(object_id), :2])
     across, along = _shares(scene)[scene.index_of(object_id)]
     side = ('left', 'middle', 'right')[min(2, int(3 * across))]
@@ -58,7 +53,7 @@ def _label(object_id: int, focus: int | None) -> str:
 
 
 def _shares(scene: Scene) -> NDArray[np.float64]:
-    """(n, 2) where each object lies between the outermost ones, in [0, 1]; one half where all lie on a line."""
+    """Return (n, 2) position of each object between the outermost ones, in [0, 1]; one half if all lie on a line."""
     plane = scene.positions[:, :2].astype(np.float64)
     if not len(scene):
         return plane
@@ -70,7 +65,7 @@ def _shares(scene: Scene) -> NDArray[np.float64]:
 def _placed(
     scene: Scene, columns: int, rows: int, focus: int | None
 ) -> tuple[dict[int, tuple[tuple[int, int], ...]], int]:
-    """(column, id) of the objects by row, and how many found no place; that of the focus is found first."""
+    """Return (column, id) of the objects by row, and the number without a place; the focus is placed first."""
     shares = _shares(scene)
     order = sorted(range(len(scene)), key=lambda i: (scene.object_ids[i] != focus, scene.object_ids[i]))
     taken = np.zeros((rows, columns), dtype=bool)
@@ -83,14 +78,14 @@ def _placed(
         if found is None:
             return {key: tuple(value) for key, value in places.items()}, len(order) - n_placed
         row, column = found
-        # With a blank on either side, so that two numbers never read as one.
+        # With a blank on either side, so that two numbers never look like one.
         taken[row, max(0, column - 1) : column + width + 1] = True
         places.setdefault(row, []).append((column, scene.object_ids[i]))
     return {key: tuple(value) for key, value in places.items()}, 0
 
 
 def _nearest_gap(taken: NDArray[np.bool_], row: int, column: int, width: int) -> tuple[int, int] | None:
-    """The (row, column) next to the wished one where so many cells are free in a row."""
+    """Return the (row, column) next to the wanted one where so many cells are free in a row."""
     if taken.shape[1] < width:
         return None
     if not taken[row, column : column + width].any():

@@ -1,4 +1,4 @@
-"""A picture in the characters of a terminal, and the part of the scene's picture that shows one object."""
+"""Picture in the characters of a terminal, and the part of the scene's picture that shows one object."""
 
 from __future__ import annotations
 
@@ -14,15 +14,15 @@ from al_questioner.terminal.capabilities import Capabilities
 from al_questioner.terminal.view_state import Picture
 
 SHOWN_M = 0.08
-"""What is shown of the table to every side of an object, in metres."""
+"""Distance around an object that its picture shows, in metres."""
 RAMP = ' .:-=+*#%@'
-"""From dark to bright."""
+"""Characters from dark to bright."""
 
 
 def thumbnail(picture: Picture, columns: int, rows: int, capabilities: Capabilities) -> list[Text]:
-    """The picture in at most so many columns and rows; half a character is about square.
+    """Return the picture in at most so many columns and rows; half a character is about square.
 
-    Two colours in a character where there are colours, else one of a few characters by brightness.
+    With colours, each character shows two; otherwise it is one of a few characters by brightness.
     """
     height, width = picture.shape[:2]
     zoom = min(columns / width, 2 * rows / height)
@@ -37,10 +37,10 @@ def thumbnail(picture: Picture, columns: int, rows: int, capabilities: Capabilit
 
 
 def cut_out(picture: Picture, scene: Scene, object_id: int) -> Picture | None:
-    """The object in the scene's picture.
+    """Return the part of the scene's picture that shows an object.
 
-    None if it is not known where: the picture is not one of the table as perception draws it, but perhaps a camera's,
-    whose projection nobody tells; or the object lies beyond its rim.
+    None if its place is not known: the picture may be a camera's, whose projection is unknown, instead of one that
+    perception draws; or the object lies outside of it.
     """
     projection = Projection(width_px=picture.shape[1])
     if object_id not in scene.object_ids or picture.shape[0] != projection.height_px:

@@ -1,4 +1,4 @@
-"""What there is to show to a person at a terminal, at one moment."""
+"""All that is shown to a person at a terminal at one moment."""
 
 from __future__ import annotations
 
@@ -11,11 +11,11 @@ from numpy.typing import NDArray
 from al_questioner.domain import Answer, Query, QueryRecord, Scene
 
 Picture = NDArray[np.uint8]
-"""(h, w, 3) red-green-blue."""
+"""An (h, w, 3) red-green-blue picture."""
 
 
 class Phase(Enum):
-    """What the person and the robot are at."""
+    """Phase of the dialogue between person and robot."""
 
     ALONE = 'no robot has been heard'
     THINKING = 'the robot looks and thinks'
@@ -27,16 +27,16 @@ class Phase(Enum):
 
 @dataclass(frozen=True)
 class EpisodeProgress:
-    """How far an episode is, as the learner tells it.
+    """Progress of an episode, as the learner reports it.
 
     Attributes:
-        turn: the last one that is over.
-        turns: of the episode.
-        budget: of the episode.
-        spent: of the budget.
+        turn: the last turn that is over.
+        turns: turns of the episode.
+        budget: budget of the episode.
+        spent: part of the budget that was spent.
         done: whether the episode is over.
-        records: what came of each query.
-        last: the answer that was taken last, whoever gave it, and its query.
+        records: the result of each query.
+        last: the answer that was accepted last, from any teacher, and its query.
     """
 
     turn: int
@@ -50,7 +50,7 @@ class EpisodeProgress:
 
 @dataclass(frozen=True, eq=False)
 class Prompt:
-    """A question, and what was on the table when it was asked."""
+    """A question, and the scene at the time of it."""
 
     query: Query
     scene: Scene | None
@@ -59,7 +59,7 @@ class Prompt:
 
 @dataclass(frozen=True, eq=False)
 class PastAnswer:
-    """An answer, and what it was the answer to."""
+    """An answer and its question."""
 
     prompt: Prompt
     answer: Answer
@@ -67,16 +67,16 @@ class PastAnswer:
 
 @dataclass(frozen=True, eq=False)
 class ViewState:
-    """All that there is to show at one moment.
+    """All that is shown at one moment.
 
     Attributes:
-        phase: what is going on.
+        phase: phase of the dialogue.
         prompt: the question that is shown, if any.
         corrected: the earlier answer that is being taken back, if any.
-        progress: as last told by the learner; None before that.
+        progress: the learner's last report; None before the first.
         can_undo: whether there is an answer to take back.
-        notice: what came of the last answer, or that nothing does.
-        teacher_id: who answers.
+        notice: the result of the last answer, or a warning that none comes.
+        teacher_id: id of the person.
     """
 
     phase: Phase

@@ -54,10 +54,7 @@ class Compared:
 def check(states: int, whole: int, seed: int = 0) -> Figures:
     """Compare with refitting, print and return the figures.
 
-    Args:
-        states: how many.
-        whole: of one state in so many the whole table is refitted, which tells the chosen action.
-        seed: of the states.
+    Of one state in `whole` the whole table is refitted, which tells the chosen action.
     """
     weights, rng = task_weights(), np.random.default_rng(seed)
     compared, direct, outside, unanswered = [], [], [], 0
@@ -106,9 +103,7 @@ def sampled_error(state: State, ahead: Array, rng: np.random.Generator) -> float
 def check_approximation(states: int, seed: int = 1) -> Figures:
     """Compare the approximate mode with the exact one where the amplitude is that of the learner.
 
-    Args:
-        states: how many, of the kinds of `check`, and as many of the clusters that the other tables are about.
-        seed: of the states.
+    So many states are of the kinds of `check`, and as many of the clusters that the other tables are about.
     """
     weights, rng = task_weights(), np.random.default_rng(seed)
     drawn = {

@@ -17,7 +17,7 @@ from look_ahead_parts.states import State, clustered_state
 from measuring import median_and_spread, print_table
 
 from al_questioner.concepts import ConceptModels
-from al_questioner.concepts.models import EXACT_OPERATIONS, exact_operations
+from al_questioner.concepts.concept_models import EXACT_OPERATIONS, exact_operations
 from al_questioner.questioning.strategies.decision_features import symbol_given_object
 from al_questioner.support.arrays import Array
 
@@ -56,14 +56,7 @@ class Measured:
 
 
 def grow(labels: Sequence[int], scenes: Sequence[int], symbols: Sequence[int], longest: float = LONGEST) -> Figures:
-    """Measure look-aheads of all sizes, print and return the figures.
-
-    Args:
-        labels: numbers of labels.
-        scenes: numbers of things.
-        symbols: numbers of symbols.
-        longest: seconds above which an exact one is left out.
-    """
+    """Measure look-aheads of all sizes, print and return the figures; exact ones that take longer are left out."""
     rows: list[list[str]] = []
     figures: Figures = {}
     largest = rate = 0.0
@@ -131,9 +124,7 @@ def forgetting(models: ConceptModels, state: State) -> Callable[[], object]:
 def approximates(models: ConceptModels, state: State) -> bool:
     """Whether the models, left to themselves, approximate: they say so in a warning before the first chunk.
 
-    Args:
-        models: of which no default look-ahead has been asked; they warn once, so it is a copy that is asked.
-        state: whose scene they see.
+    No default look-ahead has been asked of them; they warn once, so it is a copy that is asked.
     """
     warnings: list[logging.LogRecord] = []
 

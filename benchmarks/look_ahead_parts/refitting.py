@@ -68,9 +68,7 @@ def own_refit(state: State, thing: int, symbol: int) -> Array:
 def assembled(state: State, probabilities: Callable[[int, int, int], Array]) -> Array:
     """(|X|, |Y|, |X|, |Y|) from what each symbol's classifier says if a thing is, or is not, an example of it.
 
-    Args:
-        state: the examples and the scene.
-        probabilities: from a thing, a symbol and 1 or 0 to (|X|,) probabilities.
+    The function goes from a thing, a symbol and 1 or 0 to (|X|,) probabilities.
     """
     things, symbols = len(state.scene), len(state.symbols)
     table = np.empty((things, symbols, things, symbols))

@@ -44,13 +44,7 @@ Call = Callable[[], float]
 
 
 def compare(sizes: Sequence[int], repeats: int, peak: machine.Work) -> Figures:
-    """Time all ways at each number of labels, print and return the figures.
-
-    Args:
-        sizes: numbers of labels.
-        repeats: calls of each rival.
-        peak: of this machine.
-    """
+    """Time all ways at each number of labels, print and return the figures; a rival is called `repeats` times."""
     if refitting.expected_error_reduction(clustered_state(np.random.default_rng(0), 8, 2, 4)) is None:
         print('scikit-activeml is not installed (pip install scikit-activeml): left out.\n')
     figures = {}

@@ -72,11 +72,8 @@ def random_state(rng: np.random.Generator, amplitude: float | None = None) -> St
 
     It has 0 to 150 examples, 10 to 70 features, 2 to 12 things and 2 to 5 symbols, and clusters that lie together or
     far apart. In one of three states examples repeat under labels of their own and the scene shows some of them again;
-    one of ten has examples of a single class, one of thirty none at all.
-
-    Args:
-        rng: source of randomness.
-        amplitude: of the kernel; None for any from 1 to 100, their logarithm uniform.
+    one of ten has examples of a single class, one of thirty none at all. Without an amplitude, it is any from 1 to 100,
+    their logarithm uniform.
     """
     n = 0 if rng.random() < 1 / 30 else int(rng.integers(151))
     m, things, symbols = int(rng.integers(10, 71)), int(rng.integers(2, 13)), int(rng.integers(2, 6))

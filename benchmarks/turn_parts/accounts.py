@@ -3,10 +3,14 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from typing import Protocol
+from typing import TYPE_CHECKING
 
 import numpy as np
 from measuring import Seconds
+
+if TYPE_CHECKING:
+    from turn_parts.echo import Hop
+    from turn_parts.encoding import Encoding
 
 THERE = ('turn', 'objects')
 THERE_IF_ASKED = ('query', 'answer')
@@ -21,20 +25,6 @@ while perception looks. Neither is on the turn's way.
 """
 
 
-class Encoded(Protocol):
-    """Seconds of writing and of reading each message of a topic."""
-
-    writing: Seconds
-    reading: Seconds
-
-
-class Sent(Protocol):
-    """Seconds of each sending of a message to another process, and of the call that publishes it."""
-
-    there: Seconds
-    publishing: Seconds
-
-
 def waited_for(asked: bool) -> tuple[str, ...]:
     """Topics whose messages a turn waits for."""
     return (*THERE, *(THERE_IF_ASKED if asked else ()))
@@ -45,20 +35,20 @@ def sent_away(asked: bool) -> tuple[str, ...]:
     return (*AWAY, *(AWAY_IF_ASKED if asked else AWAY_IF_NOT))
 
 
-def encoding_seconds(encodings: Mapping[str, Encoded], asked: bool) -> float:
+def encoding_seconds(encodings: Mapping[str, Encoding], asked: bool) -> float:
     """Mean seconds that the encoding on a turn's way takes."""
     both = sum(float(np.mean(encodings[t].writing) + np.mean(encodings[t].reading)) for t in waited_for(asked))
     return both + sum(float(np.mean(encodings[topic].writing)) for topic in sent_away(asked))
 
 
-def transport_seconds(hops: Mapping[str, Sent], asked: bool) -> float:
+def transport_seconds(hops: Mapping[str, Hop], asked: bool) -> float:
     """Median seconds that the transport on a turn's way takes, as measured by itself."""
     there = sum(float(np.median(hops[topic].there)) for topic in waited_for(asked))
     return there + sum(float(np.median(hops[topic].publishing)) for topic in sent_away(asked))
 
 
 def remainders(
-    walls: Seconds, work: Seconds, asked: Sequence[bool], encodings: Mapping[str, Encoded]
+    walls: Seconds, work: Seconds, asked: Sequence[bool], encodings: Mapping[str, Encoding]
 ) -> tuple[Seconds, Seconds]:
     """Each turn's encoding, and what remains of its wall time without work and encoding.
 

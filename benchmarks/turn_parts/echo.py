@@ -18,6 +18,8 @@ from typing import Any
 
 import numpy as np
 from measuring import Seconds
+from rclpy.context import Context
+from rclpy.node import Node
 from turn_parts.recording import spinning
 from turn_parts.topics import TYPES
 
@@ -58,11 +60,6 @@ class Hop:
 def measure_hops(namespace: str, messages: Mapping[str, Any], repeats: int) -> dict[str, Hop]:
     """Send a message of each topic to another process and back.
 
-    Args:
-        namespace: of the topics of the two processes.
-        messages: one of each topic.
-        repeats: round trips of each.
-
     Raises:
         EpisodeError: the other process does not answer.
     """
@@ -74,7 +71,9 @@ def measure_hops(namespace: str, messages: Mapping[str, Any], repeats: int) -> d
         command, env=environment, stdin=quiet, stdout=quiet, stderr=quiet, start_new_session=True
     )
     try:
-        with spinning('caller', namespace) as (node, executor):
+        with spinning(context := Context()) as executor:
+            node = Node('caller', namespace=namespace, context=context)
+            executor.add_node(node)
             returned: queue.SimpleQueue[Any] = queue.SimpleQueue()
             publishers = {}
             for topic in messages:

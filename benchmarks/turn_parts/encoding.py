@@ -46,12 +46,7 @@ class Encoding:
 def measure_encoding(
     played: PlayedEpisode, heard: Mapping[str, list[bytes]], settings: EpisodeSettings
 ) -> dict[str, Encoding]:
-    """Write and read each message of an episode.
-
-    Args:
-        played: the episode, for what the nodes hold in memory when they write clouds and markers.
-        heard: its serialised messages by topic, for the documents.
-        settings: of the episode.
+    """Write and read each message of an episode: documents as they were heard, clouds and markers from what was played.
 
     Returns:
         By topic; `scene_image` is only packed and unpacked, since drawing it is no encoding.

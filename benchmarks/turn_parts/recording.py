@@ -34,28 +34,25 @@ SECONDS_TO_HEAR = 60.0
 
 
 @contextlib.contextmanager
-def spinning(name: str, namespace: str) -> Iterator[tuple[Node, SingleThreadedExecutor]]:
-    """A node in a context of its own, with its executor in a thread."""
-    context = Context()
+def spinning(context: Context) -> Iterator[SingleThreadedExecutor]:
+    """An executor in a thread, in a new context; what was added to it is destroyed in the end."""
     context.init()
     executor = SingleThreadedExecutor(context=context)
-    node = Node(name, namespace=namespace, context=context)
-    executor.add_node(node)
 
     def spin() -> None:
-        try:
+        with contextlib.suppress(ExternalShutdownException):
             executor.spin()
-        except ExternalShutdownException:
-            return
 
     thread = threading.Thread(target=spin, daemon=True)
     thread.start()
     try:
-        yield node, executor
+        yield executor
     finally:
+        nodes = executor.get_nodes()
         executor.shutdown()
         thread.join(5.0)
-        node.destroy_node()
+        for node in nodes:
+            node.destroy_node()
         context.try_shutdown()
 
 
@@ -66,7 +63,9 @@ def recorder(namespace: str) -> Iterator[dict[str, list[bytes]]]:
     The node has the name of the one that others wait for with `wait_for_recorder`.
     """
     heard: dict[str, list[bytes]] = {topic: [] for topic in TYPES}
-    with spinning(RECORDER, namespace) as (node, executor):
+    with spinning(context := Context()) as executor:
+        node = Node(RECORDER, namespace=namespace, context=context)
+        executor.add_node(node)
         for topic, message_type in TYPES.items():
             durability = DurabilityPolicy.VOLATILE if topic in VOLATILE else DurabilityPolicy.TRANSIENT_LOCAL
             profile = QoSProfile(depth=1000, reliability=ReliabilityPolicy.RELIABLE, durability=durability)
@@ -108,13 +107,7 @@ class GraphEpisode:
 def play_graph(
     namespace: str, parameters: Mapping[str, Mapping[str, Any]], log_dir: Path, patience: float
 ) -> GraphEpisode:
-    """Play an episode through three processes.
-
-    Args:
-        namespace: of their topics.
-        parameters: of each node, see `EpisodeLauncher`.
-        log_dir: where they leave what they print.
-        patience: seconds without progress that count as the end.
+    """Play an episode through three processes, see `EpisodeLauncher`.
 
     Raises:
         InputError, EpisodeError: as `EpisodeLauncher.play`.

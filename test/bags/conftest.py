@@ -14,6 +14,7 @@ from al_questioner.bags.topics import CLOUD, STRING, TYPES
 from al_questioner.domain import random_stream
 from al_questioner.messages import documents
 from al_questioner.messages.clouds import CloudTypes, cloud_of_decision, cloud_of_scene
+from al_questioner.messages.stamps import stamp_members
 from al_questioner.questioning import Episode
 from al_questioner.simulation import PerceivedWorld, ScriptedTeacher, WorldSpec, episode_settings, load_task, turns
 
@@ -44,48 +45,32 @@ class Writing:
         type_ = self._types[name]
         self.bag.write(f'{self._namespace}/{name}', bytes(typestore().serialize_cdr(message, type_)), stamp)
 
+    def begin_turn(self, turn, stamp, world, episode_id='e1', received=None):
+        members = {'turn': turn, 'stamp': stamp_members(stamp), 'world': world}
+        self.say('turn', members, stamp if received is None else received, episode_id)
+
     def say(self, name, members, stamp, episode_id='e1'):
         self.send(name, typestore().types[STRING](documents.write(name, episode_id, members)), stamp)
 
 
-def write_episode(
-    path,
-    storage='mcap',
-    n_turns=8,
-    missing=(),
-    close=True,
-    task='prepare_lunch',
-    strategy='expert',
-    then=None,
-    start=START,
-):
-    """A bag of an episode of the scripted expert.
+def write_episode(path, storage='mcap', n_turns=8, missing=(), close=True, strategy='expert', then=None, start=START):
+    """A bag, finished if it is closed, of an episode of the scripted expert from a time in nanoseconds on.
 
-    Args:
-        path: of the bag.
-        storage: of the bag.
-        n_turns: played.
-        missing: pairs of a topic's name and the turn in which nothing is recorded on it.
-        close: whether the bag is finished.
-        task: of the episode.
-        strategy: of the episode.
-        then: given the writing and the members of the episode's document, writes what comes after it.
-        start: when it begins, nanoseconds.
+    `missing` are pairs of a topic's name and the turn in which nothing is recorded on it; `then`, given the writing and
+    the members of the episode's document, writes what comes after it.
     """
-    loaded = load_task(task)
-    choice = WorldSpec(loaded, 3, 3)
-    settings = dataclasses.replace(episode_settings(loaded, strategy, 6.0, n_turns, change_interval=4))
-    world, episode = PerceivedWorld(choice.open()), Episode(settings, random_stream(3, 'learner'))
+    loaded = load_task('prepare_lunch')
+    settings = episode_settings(loaded, strategy, 6.0, n_turns, change_interval=4)
+    world, episode = PerceivedWorld(WorldSpec(loaded, 3, 3).open()), Episode(settings, random_stream(3, 'learner'))
     teacher = ScriptedTeacher(loaded.symbols, loaded.relevant_groups, 3)
-    members = {'task': task, 'seed': 3, 'sample': 3, 'dataset': None}
+    members = {'task': 'prepare_lunch', 'seed': 3, 'sample': 3, 'dataset': None}
     writing = Writing(path, storage)
     for decision, _ in turns(episode, world, teacher):
         turn, stamp = decision.turn, start + decision.turn * PERIOD
         scene = world.scene(turn)
         kept = {name for name in TYPES if (name, turn) not in missing}
         if 'turn' in kept:
-            told = {'sec': stamp // 10**9, 'nanosec': stamp % 10**9}
-            writing.say('turn', {'turn': turn, 'stamp': told, 'world': members}, stamp)
+            writing.begin_turn(turn, stamp, members)
         if 'objects' in kept:
             writing.send('objects', cloud_of_scene(scene, writing.header(stamp), writing.cloud_types), stamp + 1)
         if turn == 1 and 'episode' in kept:
@@ -101,7 +86,7 @@ def write_episode(
         writing.bag.close()
     else:
         writing.bag.sync()
-    return SimpleNamespace(settings=settings, world=world, episode=episode, choice=choice)
+    return SimpleNamespace(settings=settings, world=world, episode=episode)
 
 
 def episode_members(settings, scene, members):
@@ -134,12 +119,4 @@ def state_members(episode):
 @pytest.fixture(scope='session')
 def bags():
     """The helpers above; test modules cannot import from each other in pytest's importlib mode."""
-    return SimpleNamespace(
-        write_episode=write_episode,
-        Writing=Writing,
-        TYPES=TYPES,
-        STRING=STRING,
-        START=START,
-        PERIOD=PERIOD,
-        LATCHED=LATCHED,
-    )
+    return SimpleNamespace(write_episode=write_episode, Writing=Writing, TYPES=TYPES, START=START, PERIOD=PERIOD)

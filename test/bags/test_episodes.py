@@ -20,51 +20,58 @@ from al_questioner.bags import (
     repair,
 )
 from al_questioner.bags.reading import typestore
-from al_questioner.bags.rerun import first_divergence
 from al_questioner.bags.topics import CLOUD, STRING
 from al_questioner.cli import main
+from al_questioner.event_log.events import ActionChosen
+from al_questioner.event_log.replay import first_divergence
 from al_questioner.imitation.bags import read_demonstrations
-from checkout import ROOT
+from shared.bags import SHIPPED, text
 
 
 @pytest.mark.parametrize('storage', ['mcap', 'sqlite3'])
-def test_a_session_is_what_was_lived(bags, tmp_path, storage):
+def test_an_episode_is_what_was_lived(bags, tmp_path, storage):
     """The expert's scenes, choices and answers would be others than those learnt from."""
     lived = bags.write_episode(tmp_path / 'b', storage)
-    (session,) = read_episodes(tmp_path / 'b')
-    assert session.settings == lived.settings
-    assert session.world['task'] == 'prepare_lunch'
-    assert session.change_turns == (5,) or session.change_turns == ()
-    assert [turn.record for turn in session.turns if turn.record] == list(lived.episode.records)
-    for turn in session.turns:
+    (episode,) = read_episodes(tmp_path / 'b')
+    assert episode.begun.settings == lived.settings
+    assert episode.begun.world['task'] == 'prepare_lunch'
+    assert episode.change_turns == (5,) or episode.change_turns == ()
+    assert [turn.record for turn in episode.turns if turn.record] == list(lived.episode.records)
+    for turn in episode.turns:
         np.testing.assert_array_equal(turn.scene.features, lived.world.scene(turn.turn).features)
-    assert first_divergence(session) is None
+    assert first_divergence(episode.begun, episode.events) is None
 
 
 def test_another_learner_diverges_and_the_turn_is_named(bags, tmp_path):
     """A check that finds nothing would be worth nothing."""
     bags.write_episode(tmp_path / 'b', strategy='random_fsq')
-    (session,) = read_episodes(tmp_path / 'b')
-    assert first_divergence(session) is None
-    other = first_divergence(dataclasses.replace(session, seed=session.seed + 1))
+    (episode,) = read_episodes(tmp_path / 'b')
+    assert first_divergence(episode.begun, episode.events) is None
+    begun = episode.begun
+    other = first_divergence(dataclasses.replace(begun, seed=begun.seed + 1), episode.events)
     assert other is not None
-    assert other.turn >= 2
-    assert 'was recorded' in other.what
-    changed = dataclasses.replace(session, settings=dataclasses.replace(session.settings, strategy='farthest_fsq'))
-    assert first_divergence(changed) is not None
+    assert int(other.split()[1].rstrip(':')) >= 2
+    assert 'was recorded' in other
+    changed = dataclasses.replace(begun, settings=dataclasses.replace(begun.settings, strategy='farthest_fsq'))
+    assert first_divergence(changed, episode.events) is not None
 
 
-@pytest.mark.parametrize(('change', 'found'), [(1e-6, 'the features differ by up to 1e-06'), (1e-11, None)])
+def with_other_features(episode, turn, change):
+    """The events of an episode, but that other features were recorded in a turn."""
+    return [
+        dataclasses.replace(event, weighed=dataclasses.replace(event.weighed, features=event.weighed.features + change))
+        if isinstance(event, ActionChosen) and event.turn == turn
+        else event
+        for event in episode.events
+    ]
+
+
+@pytest.mark.parametrize(('change', 'found'), [(1e-6, 'turn 1: the features differ by up to 1e-06'), (1e-11, None)])
 def test_features_of_another_look_are_a_divergence_and_rounding_is_none(bags, tmp_path, change, found):
     """The same choice for other reasons is not the same decision; but processors differ in their last digits."""
     bags.write_episode(tmp_path / 'b')
-    (session,) = read_episodes(tmp_path / 'b')
-    first = session.turns[0]
-    decision = dataclasses.replace(first.decision, features=first.decision.features + change)
-    turns = (dataclasses.replace(first, decision=decision), *session.turns[1:])
-    divergence = first_divergence(dataclasses.replace(session, turns=turns))
-    assert (divergence and divergence.turn) == (found and 1)
-    assert (divergence and divergence.what) == found
+    (episode,) = read_episodes(tmp_path / 'b')
+    assert first_divergence(episode.begun, with_other_features(episode, 1, change)) == found
 
 
 @pytest.mark.parametrize('accepted', [True, False])
@@ -74,7 +81,7 @@ def test_without_a_turns_state_nobody_knows_since_when_an_answer_is_corrected(ba
     def then(writing, _):
         stamp = bags.START + 2 * 10**9
         answer = {'query_id': 'q1', 'answer_id': 'a2', 'teacher_id': 'anna', 'outcome': 'answered', 'content': 'snack'}
-        writing.send('answer', typestore().types[bags.STRING]('{"no": "answer"'), stamp + 1)
+        writing.send('answer', typestore().types[STRING]('{"no": "answer"'), stamp + 1)
         writing.say('answer', answer | {'replaces': 'a1'}, stamp + 2)
         ack = {'query_id': 'q1', 'answer_id': 'a2', 'accepted': accepted, 'reason': ''}
         writing.say('answer_ack', ack, stamp + 3)
@@ -92,16 +99,15 @@ def test_an_episode_without_a_whole_turn_is_told_of_beside_others(bags, tmp_path
 
     def then(writing, episode):
         stamp = bags.START + 2 * 10**9
-        told = {'sec': stamp // 10**9, 'nanosec': 0}
-        writing.say('turn', {'turn': 1, 'stamp': told, 'world': episode['world']}, stamp, 'e2')
+        writing.begin_turn(1, stamp, episode['world'], 'e2')
         writing.say('episode', episode, stamp + 1, 'e2')
 
     bags.write_episode(tmp_path / 'b', then=then)
     with pytest.raises(BagError, match='ended before the first turn of episode e2'):
         read_episodes(tmp_path / 'b')
     left_out: list[LeftOut] = []
-    (session,) = read_episodes(tmp_path / 'b', left_out)
-    assert (session.episode_id, [what for what, _ in left_out]) == ('e1', ['e2'])
+    (episode,) = read_episodes(tmp_path / 'b', left_out)
+    assert (episode.begun.episode_id, [what for what, _ in left_out]) == ('e1', ['e2'])
 
 
 def test_an_unfinished_recording_counts_as_far_as_it_goes(bags, tmp_path):
@@ -118,10 +124,7 @@ def test_an_unfinished_recording_counts_as_far_as_it_goes(bags, tmp_path):
     ('missing', 'reason'),
     [
         ([('turn', 3)], 'turn 3 of 8 was not recorded'),
-        (
-            [('decision', 4)],
-            'turn 4 of 8 was recorded without its decision; if the learner kept a session, `session DIR',
-        ),
+        ([('decision', 4)], '4 of 8 was recorded without its decision; if the learner kept a session, `session DIR'),
         ([('objects', 8)], 'turn 8 of 8 was recorded without its objects'),
         ([('objects', 4)], 'turn 4 of 8 was recorded without its objects'),
         ([('episode', 1)], 'no episode was recorded'),
@@ -135,21 +138,19 @@ def test_what_is_missing_is_named(bags, tmp_path, missing, reason):
         read_episodes(tmp_path / 'b')
 
 
-def test_other_message_types_are_named(bags, tmp_path):
-    """A bag of another program with topics of the same name."""
-    writing = bags.Writing(tmp_path / 'b', types={**bags.TYPES, 'turn': 'sensor_msgs/msg/PointCloud2'})
-    writing.say('episode', {}, bags.START)
-    writing.bag.close()
-    with pytest.raises(BagError, match=r'topic /robot/turn holds sensor_msgs/msg/PointCloud2, expected std_msgs'):
-        read_episodes(tmp_path / 'b')
-
-
-def test_documents_that_are_none_are_named(bags, tmp_path):
-    """A bag of another version, or of nobody's."""
-    writing = bags.Writing(tmp_path / 'b')
+@pytest.mark.parametrize(
+    ('types', 'reason'),
+    [
+        ({'turn': CLOUD}, r'topic /robot/turn holds sensor_msgs/msg/PointCloud2, expected std_msgs'),
+        ({}, r'/robot/episode: .*is a required property'),
+    ],
+)
+def test_other_types_and_documents_that_are_none_are_named(bags, tmp_path, types, reason):
+    """A bag of another program with topics of the same name, of another version, or of nobody's."""
+    writing = bags.Writing(tmp_path / 'b', types={**bags.TYPES, **types})
     writing.say('episode', {'symbols': ['a', 'b']}, bags.START)
     writing.bag.close()
-    with pytest.raises(BagError, match=r'/robot/episode: .*is a required property'):
+    with pytest.raises(BagError, match=reason):
         read_episodes(tmp_path / 'b')
 
 
@@ -178,8 +179,7 @@ def test_decisions_without_features_cannot_be_learnt_from(bags, tmp_path):
 
 def test_what_latched_topics_tell_of_an_earlier_episode_is_left_out(tmp_path):
     """A learner that is done and still up would make the bag of the next episode unreadable."""
-    shipped = ROOT / 'bags'
-    old, new = (read_bag(shipped / name) for name in ('expert_0', 'expert_1'))
+    old, new = (read_bag(SHIPPED.with_name(name)) for name in ('expert_0', 'expert_1'))
     topics = [dataclasses.replace(topic, name=f'/r/{last_part(topic.name)}') for topic in new.topics]
     left_over = [
         next(m for m in reversed(old.messages) if last_part(m.topic) == name)
@@ -188,16 +188,15 @@ def test_what_latched_topics_tell_of_an_earlier_episode_is_left_out(tmp_path):
     with BagWriter(tmp_path / 'b', topics) as bag:
         for message in (*left_over, *new.messages):
             bag.write(f'/r/{last_part(message.topic)}', message.data, message.stamp)
-    (session,) = read_episodes(tmp_path / 'b')
-    assert session.seed == 1
-    assert len(session.turns) == 30
+    (episode,) = read_episodes(tmp_path / 'b')
+    assert episode.begun.seed == 1
+    assert len(episode.turns) == 30
 
 
 def last_part(topic):
     return topic.rsplit('/', 1)[-1]
 
 
-SHIPPED = ROOT / 'bags'
 HOUR = 3600 * 10**9
 
 
@@ -223,14 +222,14 @@ def stepped(messages, at, by):
 @pytest.mark.parametrize('is_sorted', [False, True], ids=['as recorded', 'sorted since'])
 def test_a_clock_that_was_put_back_hides_nothing(tmp_path, storage, at, by, is_sorted):
     """Of thirty decisions ten would be checked and learnt from, and nobody told."""
-    messages = stepped(read_bag(SHIPPED / 'expert_0').messages, at, by)
+    messages = stepped(read_bag(SHIPPED).messages, at, by)
     if is_sorted:
         messages.sort(key=lambda message: message.stamp)
-    (session,) = read_episodes(written(tmp_path / 'b', messages, storage=storage))
-    (before,) = read_episodes(SHIPPED / 'expert_0')
-    assert len(session.turns) == 30
-    assert session.records == before.records
-    assert first_divergence(session) is None
+    (episode,) = read_episodes(written(tmp_path / 'b', messages, storage=storage))
+    (before,) = read_episodes(SHIPPED)
+    assert len(episode.turns) == 30
+    assert episode.records == before.records
+    assert first_divergence(episode.begun, episode.events) is None
 
 
 @pytest.mark.parametrize(
@@ -246,35 +245,24 @@ def test_a_clock_that_was_put_back_hides_nothing(tmp_path, storage, at, by, is_s
 )
 def test_the_order_of_a_file_is_not_that_of_the_episode(tmp_path, arranged):
     """Whatever rewrites a bag has an order of its own."""
-    (session,) = read_episodes(written(tmp_path / 'b', arranged(read_bag(SHIPPED / 'expert_0').messages)))
-    assert len(session.turns) == 30
-    assert first_divergence(session) is None
+    (episode,) = read_episodes(written(tmp_path / 'b', arranged(read_bag(SHIPPED).messages)))
+    assert len(episode.turns) == 30
+    assert first_divergence(episode.begun, episode.events) is None
 
 
-@pytest.mark.parametrize('later', [HOUR, -HOUR], ids=['later', 'on a clock that began anew'])
-def test_two_runs_under_one_episode_id_stay_apart(bags, tmp_path, later):
-    """The turns of one learner would be taken for those of the next, which was started with the same parameters."""
+@pytest.mark.parametrize('later', [HOUR, -HOUR, 0], ids=['later', 'on a clock that began anew', 'at the same times'])
+def test_two_learners_stay_apart(bags, tmp_path, later):
+    """The turns of one would be taken for those of the next, which has the same parameters, or the same times."""
     bags.write_episode(tmp_path / 'long', n_turns=8)
     bags.write_episode(tmp_path / 'short', n_turns=4, strategy='random_fsq', start=bags.START + later)
     first, second = (read_bag(tmp_path / name).messages for name in ('long', 'short'))
-    sessions = read_episodes(written(tmp_path / 'b', [*first, *second]))
-    assert [session.settings.strategy for session in sessions] == ['expert', 'random_fsq']
-    assert [len(session.turns) for session in sessions] == [8, 4]
-    assert [first_divergence(session) for session in sessions] == [None, None]
-
-
-def test_two_episodes_of_the_same_stamps_stay_apart(bags, tmp_path):
-    """A simulation that is started anew gives every learner the same times."""
-    bags.write_episode(tmp_path / 'one', n_turns=4)
-    bags.write_episode(tmp_path / 'other', n_turns=4, strategy='random_fsq')
-    first, second = (read_bag(tmp_path / name).messages for name in ('one', 'other'))
-    renamed = [
-        dataclasses.replace(message, data=message.data.replace(b'"episode_id":"e1"', b'"episode_id":"e2"'))
-        for message in second
-    ]
-    sessions = read_episodes(written(tmp_path / 'b', [*first, *renamed]))
-    assert [session.settings.strategy for session in sessions] == ['expert', 'random_fsq']
-    assert [first_divergence(session) for session in sessions] == [None, None]
+    if later == 0:
+        ids = (b'"episode_id":"e1"', b'"episode_id":"e2"')
+        second = [dataclasses.replace(message, data=message.data.replace(*ids)) for message in second]
+    episodes = read_episodes(written(tmp_path / 'b', [*first, *second]))
+    assert [episode.begun.settings.strategy for episode in episodes] == ['expert', 'random_fsq']
+    assert [len(episode.turns) for episode in episodes] == [8, 4]
+    assert [first_divergence(episode.begun, episode.events) for episode in episodes] == [None, None]
 
 
 @pytest.mark.parametrize(
@@ -299,7 +287,7 @@ def test_what_other_nodes_say_on_such_names_is_passed_over(bags, tmp_path, name,
     if data == 'cloud of others':
         content = cloud_of_others(bags, messages)
     elif data is not None:
-        content = bytes(typestore().serialize_cdr(typestore().types[STRING](data), STRING))
+        content = text(data)
     if data is not None:
         others = [BagMessage(name, type_, message.stamp - 1, content) for message in messages[::3]]
         messages = sorted([*messages, *others], key=lambda message: message.stamp)
@@ -307,9 +295,9 @@ def test_what_other_nodes_say_on_such_names_is_passed_over(bags, tmp_path, name,
     if data is None:
         add_topic(path, name, type_)
     left_out: list[LeftOut] = []
-    (session,) = read_episodes(path, left_out)
-    assert (len(session.turns), left_out) == (8, [])
-    assert first_divergence(session) is None
+    (episode,) = read_episodes(path, left_out)
+    assert (len(episode.turns), left_out) == (8, [])
+    assert first_divergence(episode.begun, episode.events) is None
 
 
 def cloud_of_others(bags, messages):
@@ -349,8 +337,8 @@ def test_what_could_not_be_used_beside_others_is_told(bags, tmp_path):
         messages += [dataclasses.replace(m, topic=f'/{name}/{last_part(m.topic)}') for m in recorded]
     path = written(tmp_path / 'all', messages)
     left_out: list[LeftOut] = []
-    sessions = read_episodes(path, left_out)
-    assert [len(session.turns) for session in sessions] == [8, 2]
+    episodes = read_episodes(path, left_out)
+    assert [len(episode.turns) for episode in episodes] == [8, 2]
     told = sorted(reason for _, reason in left_out)
     beginnings = [
         'no episode was recorded for its turns (/e/episode)',
@@ -363,15 +351,16 @@ def test_what_could_not_be_used_beside_others_is_told(bags, tmp_path):
         read_episodes(path)
 
 
-def test_the_last_decision_of_a_recording_that_ended_early_is_checked(bags, tmp_path):
-    """It would be left out without a word."""
+def test_the_last_decision_of_a_recording_that_ended_early_is_checked_and_counted(bags, tmp_path, capsys):
+    """It would be left out without a word, or seem not to have been checked."""
     bags.write_episode(tmp_path / 'b', missing=[('learner_state', 8)])
-    (session,) = read_episodes(tmp_path / 'b')
-    assert (len(session.turns), session.begun and session.begun.turn) == (7, 8)
-    assert first_divergence(session) is None
-    decision = dataclasses.replace(session.begun.decision, features=session.begun.decision.features + 1)
-    other = dataclasses.replace(session, begun=dataclasses.replace(session.begun, decision=decision))
-    assert first_divergence(other).turn == 8
+    (episode,) = read_episodes(tmp_path / 'b')
+    assert (len(episode.turns), episode.decisions) == (7, 8)
+    assert first_divergence(episode.begun, episode.events) is None
+    other = with_other_features(episode, 8, 1)
+    assert first_divergence(episode.begun, other) == 'turn 8: the features differ by up to 1'
+    assert main(['replay', str(tmp_path / 'b'), '--check']) == 0
+    assert '8 decisions, all as recorded' in capsys.readouterr().out.replace('\n', ' ')
 
 
 def test_the_scenes_of_a_camera_whose_clock_went_back_are_found(bags, tmp_path):
@@ -389,9 +378,9 @@ def test_the_scenes_of_a_camera_whose_clock_went_back_are_found(bags, tmp_path):
     messages = [
         earlier(message) if message.type == CLOUD else message for message in read_bag(tmp_path / 'whole').messages
     ]
-    (session,) = read_episodes(written(tmp_path / 'b', messages))
-    assert len(session.turns) == 8
-    assert first_divergence(session) is None
+    (episode,) = read_episodes(written(tmp_path / 'b', messages))
+    assert len(episode.turns) == 8
+    assert first_divergence(episode.begun, episode.events) is None
 
 
 def test_what_a_camera_with_a_fast_clock_showed_before_the_turn_is_not_its_scene(bags, tmp_path):
@@ -407,9 +396,9 @@ def test_what_a_camera_with_a_fast_clock_showed_before_the_turn_is_not_its_scene
             messages.append(dataclasses.replace(before, data=data, stamp=message.stamp))
         before = message if last_part(message.topic) == 'objects' else before
         messages.append(message)
-    (session,) = read_episodes(written(tmp_path / 'b', messages))
-    assert session.change_turns == (11,)
-    for turn in session.turns:
+    (episode,) = read_episodes(written(tmp_path / 'b', messages))
+    assert episode.change_turns == (11,)
+    for turn in episode.turns:
         np.testing.assert_array_equal(turn.scene.features, lived.world.scene(turn.turn).features)
 
 
@@ -419,15 +408,6 @@ def test_the_scene_of_the_next_learner_is_not_taken_for_one_that_is_missing(bags
     bags.write_episode(tmp_path / 'second', start=bags.START + HOUR)
     first, second = (read_bag(tmp_path / name).messages for name in ('first', 'second'))
     left_out: list[LeftOut] = []
-    (session,) = read_episodes(written(tmp_path / 'b', [*first, *second]), left_out)
-    assert len(session.turns) == 8
+    (episode,) = read_episodes(written(tmp_path / 'b', [*first, *second]), left_out)
+    assert len(episode.turns) == 8
     assert [reason[:47] for _, reason in left_out] == ['turn 8 of 8 was recorded without its objects; i']
-
-
-def test_a_decision_that_was_compared_is_counted(bags, tmp_path, capsys):
-    """Where only the last learner_state is missing, the last decision would seem not to have been checked."""
-    bags.write_episode(tmp_path / 'b', missing=[('learner_state', 8)])
-    (session,) = read_episodes(tmp_path / 'b')
-    assert (len(session.turns), session.decisions) == (7, 8)
-    assert main(['replay', str(tmp_path / 'b'), '--check']) == 0
-    assert '8 decisions, all as recorded' in capsys.readouterr().out.replace('\n', ' ')

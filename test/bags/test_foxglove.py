@@ -12,7 +12,7 @@ import numpy as np
 import pytest
 
 from al_questioner.bags import deserialize, read_bag, read_episodes
-from checkout import ROOT
+from shared.bags import SHIPPED
 
 PACKAGES = ('@mcap/core@2.2.2', '@foxglove/rosmsg@5.0.5', '@foxglove/rosmsg2-serialization@3.1.0')
 SCRIPT = Path(__file__).with_name('read_as_foxglove.mjs')
@@ -56,8 +56,8 @@ def test_foxglove_reads_what_was_recorded(as_foxglove, bags, tmp_path):
         for theirs, message in zip(topic['messages'], ours, strict=True):
             content = deserialize(message).data
             assert theirs['data'] == (content if isinstance(content, str) else base64.b64encode(content).decode())
-    (session,) = read_episodes(tmp_path / 'b')
-    for cloud, turn in zip(found['topics']['/robot/decision']['messages'], session.turns, strict=True):
+    (episode,) = read_episodes(tmp_path / 'b')
+    for cloud, turn in zip(found['topics']['/robot/decision']['messages'], episode.turns, strict=True):
         assert [field['name'] for field in cloud['fields'][:3]] == ['x', 'y', 'z']
         points = np.frombuffer(base64.b64decode(cloud['data']), np.uint8).reshape(-1, cloud['point_step'])
         positions = points[:, :12].copy().view(np.float32)
@@ -72,6 +72,5 @@ def test_foxglove_reads_what_was_recorded(as_foxglove, bags, tmp_path):
 @pytest.mark.slow
 def test_foxglove_reads_the_shipped_bags(as_foxglove):
     """They were recorded before the names and types of today were written."""
-    file = ROOT / 'bags' / 'expert_0' / 'expert_0.mcap'
-    topics = as_foxglove(file)['topics']
+    topics = as_foxglove(SHIPPED / 'expert_0.mcap')['topics']
     assert sum(len(topic['messages']) for topic in topics.values()) == 163

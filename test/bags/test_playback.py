@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from itertools import accumulate
+
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
@@ -60,12 +62,7 @@ def test_a_pause_loses_no_time():
 
 def test_a_step_is_a_turn_or_a_message():
     """A person could not look at one turn after the other."""
-    all_ = [
-        *messages(0, topic='/r/turn'),
-        *messages(0.1, 0.2),
-        *messages(1.0, topic='/r/turn'),
-        *messages(1.1),
-    ]
+    all_ = [*messages(0, topic='/r/turn'), *messages(0.1, 0.2), *messages(1.0, topic='/r/turn'), *messages(1.1)]
     play = Playback(all_, paused=True)
     assert play.due(0.0) == []
     assert stamps(play.step(0.0, turn=True)) == [0, 0.1, 0.2]
@@ -188,9 +185,7 @@ def test_a_change_of_the_rate_before_the_first_message_starts_no_time():
 )
 def test_the_spacing_is_the_recorded_one_divided_by_the_rate_and_pauses_do_not_count(gaps, rate, pauses):
     """What happened slowly would be seen fast, or the other way round."""
-    times = [0.0]
-    for gap in gaps:
-        times.append(times[-1] + gap)
+    times = [0.0, *accumulate(gaps)]
     play, now, paused_for = Playback(messages(*times), rate), 0.0, 0.0
     play.due(now)
     at = [0.0]
@@ -214,10 +209,7 @@ def test_the_spacing_is_the_recorded_one_divided_by_the_rate_and_pauses_do_not_c
 )
 def test_whatever_is_pressed_every_message_comes_once_and_in_order(gaps, looks):
     """A watcher would miss part of the demonstration, or see it twice."""
-    times, total = [], 0.0
-    for gap in gaps:
-        total += gap
-        times.append(total)
+    times = list(accumulate(gaps))
     all_ = [*messages(*times[::2], topic='/r/turn'), *messages(*times[1::2])]
     all_.sort(key=lambda message: message.stamp)
     play, now, seen = Playback(all_), 0.0, []

@@ -15,23 +15,9 @@ import pytest
 from mcap.writer import Writer as McapWriter
 from rosbags.rosbag2 import CompressionFormat, CompressionMode, Reader, StoragePlugin, Writer
 
-from al_questioner.bags import BagError, BagWriter, Topic, read_bag, repair
+from al_questioner.bags import BagError, BagWriter, read_bag, repair
 from al_questioner.bags.reading import typestore
-
-STRING = 'std_msgs/msg/String'
-TOPICS = [Topic('/x/turn', STRING, True), Topic('/x/answer', STRING, False)]
-
-
-def text(content):
-    return bytes(typestore().serialize_cdr(typestore().types[STRING](content), STRING))
-
-
-def write(path, storage='mcap'):
-    with BagWriter(path, TOPICS, storage) as bag:
-        for number in range(10):
-            bag.write('/x/turn', text(str(number)), 1000 + number)
-    return path
-
+from shared.bags import STRING, TOPICS, make_old, text, write
 
 KILLED = """
 import sys, time
@@ -158,12 +144,7 @@ def test_a_table_of_the_first_versions_is_repaired(tmp_path):
     """All messages are there; only what was not yet recorded then is missing."""
     path = write(tmp_path / 'b', storage='sqlite3')
     (path / 'metadata.yaml').unlink()
-    with contextlib.closing(sqlite3.connect(path / 'b_0.db3')) as database:
-        for column in ('offered_qos_profiles', 'type_description_hash'):
-            database.execute(f'ALTER TABLE topics DROP COLUMN {column}')
-        for table in ('schema', 'metadata', 'message_definitions'):
-            database.execute(f'DROP TABLE {table}')
-        database.commit()
+    make_old(path / 'b_0.db3')
     assert repair(path).kept['/x/turn'] == 10
     assert [message.stamp for message in read_bag(path).messages] == list(range(1000, 1010))
 

@@ -11,16 +11,17 @@ from al_questioner.bags import BagError, BagWriter, Topic, deserialize, read_bag
 from al_questioner.bags.scenes import scenes_of
 from al_questioner.domain import Scene
 from al_questioner.messages.clouds import cloud_of_scene, scene_of_cloud
+from shared.bags import STRING, text
 
 
 def test_every_turn_has_the_scene_that_its_learner_took(bags, tmp_path):
     """A second learner would learn from other things than the first one saw."""
     bags.write_episode(tmp_path / 'b')
     found = scenes_of(read_bag(tmp_path / 'b'))
-    (session,) = read_episodes(tmp_path / 'b')
-    assert found.world == session.world
-    assert list(found.clouds) == [turn.turn for turn in session.turns]
-    for turn in session.turns:
+    (episode,) = read_episodes(tmp_path / 'b')
+    assert found.world == episode.begun.world
+    assert list(found.clouds) == [turn.turn for turn in episode.turns]
+    for turn in episode.turns:
         scene = scene_of_cloud(deserialize(found.clouds[turn.turn]))
         assert scene.object_ids == turn.scene.object_ids
         assert scene.features.tobytes() == turn.scene.features.tobytes()
@@ -46,12 +47,10 @@ def test_of_a_camera_the_first_cloud_that_is_not_older_than_the_turn_counts(bags
     writing = bags.Writing(tmp_path / 'b')
     for turn in (1, 2):
         begin = bags.START + turn * 1000
-        members = {'turn': turn, 'stamp': {'sec': begin // 10**9, 'nanosec': begin % 10**9}, 'world': None}
-        writing.say('turn', members, begin)
+        writing.begin_turn(turn, begin, None)
         for late, scene in zip((-1, 5, 9), scenes, strict=True):
-            writing.send(
-                'objects', cloud_of_scene(scene, writing.header(begin + late), writing.cloud_types), begin + 50
-            )
+            cloud = cloud_of_scene(scene, writing.header(begin + late), writing.cloud_types)
+            writing.send('objects', cloud, begin + 50)
     writing.bag.close()
     found = scenes_of(read_bag(tmp_path / 'b'))
     assert found.world is None
@@ -64,28 +63,22 @@ def test_of_a_camera_the_first_cloud_that_is_not_older_than_the_turn_counts(bags
 def test_what_holds_no_scenes_of_one_episode_is_refused(bags, tmp_path):
     """A learner would wait for ever, or see the scenes of two robots in turn."""
     bags.write_episode(tmp_path / 'none', missing=[('objects', turn) for turn in range(1, 9)])
-    with pytest.raises(BagError, match='none: no turn with its objects was recorded'):
-        scenes_of(read_bag(tmp_path / 'none'))
-
-    two = bags.Writing(tmp_path / 'two')
+    two, broken = (bags.Writing(tmp_path / name) for name in ('two', 'broken'))
     for at, episode_id in enumerate(('e1', 'e2')):
-        two.say('turn', {'turn': 1, 'stamp': {'sec': 1, 'nanosec': 0}, 'world': None}, bags.START + at, episode_id)
-    two.bag.close()
-    with pytest.raises(BagError, match='two: holds the scenes of several episodes: e1, e2'):
-        scenes_of(read_bag(tmp_path / 'two'))
-
-    with BagWriter(tmp_path / 'text', [Topic('/r/objects', 'std_msgs/msg/String', True)]) as text:
-        text.write('/r/objects', b'\x00\x01\x00\x00\x01\x00\x00\x00\x00', bags.START)
-    with pytest.raises(BagError, match='text: no turn with its objects was recorded'):
-        scenes_of(read_bag(tmp_path / 'text'))
-
-    broken = bags.Writing(tmp_path / 'broken')
-    broken.say('turn', {'turn': 0, 'stamp': {'sec': 1, 'nanosec': 0}, 'world': None}, bags.START)
-    broken.bag.close()
-    with pytest.raises(
-        BagError, match=r'broken: no turn with its objects was recorded in it \(/robot/turn: turn: turn'
+        two.begin_turn(1, 10**9, None, episode_id, bags.START + at)
+    broken.begin_turn(0, 10**9, None)
+    for writing in (two, broken):
+        writing.bag.close()
+    with BagWriter(tmp_path / 'text', [Topic('/r/objects', STRING, True)]) as bag:
+        bag.write('/r/objects', text(''), bags.START)
+    for name, reason in (
+        ('none', 'no turn with its objects was recorded'),
+        ('two', 'holds the scenes of several episodes: e1, e2'),
+        ('text', 'no turn with its objects was recorded'),
+        ('broken', r'no turn with its objects was recorded in it \(/robot/turn: turn: turn'),
     ):
-        scenes_of(read_bag(tmp_path / 'broken'))
+        with pytest.raises(BagError, match=f'{name}: {reason}'):
+            scenes_of(read_bag(tmp_path / name))
 
 
 def test_an_empty_cloud_without_fields_is_a_scene_as_it_is_for_the_learner(bags, tmp_path):
@@ -93,12 +86,11 @@ def test_an_empty_cloud_without_fields_is_a_scene_as_it_is_for_the_learner(bags,
 
     def add_empty(writing, members):
         stamp = bags.START + 3 * bags.PERIOD
-        cloud = cloud_of_scene(
-            Scene((), np.empty((0, 3)), np.empty((0, 1)), ('a',)), writing.header(stamp), writing.cloud_types
-        )
+        nothing = Scene((), np.empty((0, 3)), np.empty((0, 1)), ('a',))
+        cloud = cloud_of_scene(nothing, writing.header(stamp), writing.cloud_types)
         writing.send('objects', dataclasses.replace(cloud, fields=[], point_step=0), stamp + 1)
 
     bags.write_episode(tmp_path / 'b', missing=[('objects', 3)], then=add_empty)
     assert list(scenes_of(read_bag(tmp_path / 'b')).clouds) == [1, 2, 3, 4, 5, 6, 7, 8]
-    (session,) = read_episodes(tmp_path / 'b')
-    assert [len(turn.scene.object_ids) for turn in session.turns if turn.turn in (2, 3)] == [10, 0]
+    (episode,) = read_episodes(tmp_path / 'b')
+    assert [len(turn.scene.object_ids) for turn in episode.turns if turn.turn in (2, 3)] == [10, 0]

@@ -8,15 +8,8 @@ import pytest
 
 from al_questioner.domain import NO_SYMBOL, random_stream
 from al_questioner.questioning import Episode, make_strategy
-from al_questioner.simulation import (
-    PerceivedWorld,
-    ScriptedTeacher,
-    WorldSpec,
-    accuracy,
-    episode_settings,
-    load_task,
-    turns,
-)
+from al_questioner.simulation import PerceivedWorld, WorldSpec, accuracy, episode_settings, load_task, turns
+from shared.lunches import teacher_of
 
 
 def test_a_gain_is_what_the_label_would_have_changed() -> None:
@@ -28,7 +21,7 @@ def test_a_gain_is_what_the_label_would_have_changed() -> None:
     settings = episode_settings(choice.task, 'random_fsq', 8, 6)
     strategy = Measuring(make_strategy('random_fsq', {}), world, 6)
     episode = Episode(settings, random_stream(3, 'learner'), strategy=strategy)
-    playing = turns(episode, world, ScriptedTeacher(choice.task.symbols, choice.task.relevant_groups, 3))
+    playing = turns(episode, world, teacher_of(choice.task, 3))
     for _ in range(5):
         next(playing)
     assert strategy.found == []
@@ -44,7 +37,7 @@ def test_a_gain_is_what_the_label_would_have_changed() -> None:
     assert found.examples == positives.get(found.symbol, 0)
 
     again = Episode(settings, random_stream(3, 'learner'))
-    replayed = turns(again, world, ScriptedTeacher(choice.task.symbols, choice.task.relevant_groups, 3))
+    replayed = turns(again, world, teacher_of(choice.task, 3))
     for _ in range(5):
         next(replayed)
     again.concepts.observe(scene)

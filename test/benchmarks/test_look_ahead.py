@@ -10,7 +10,7 @@ import pytest
 
 
 @pytest.fixture
-def state(_as_in_a_script: None):
+def state():
     from look_ahead_parts.states import clustered_state
 
     return clustered_state(np.random.default_rng(1), n=9, things=3, symbols=3, m=4)
@@ -53,10 +53,10 @@ def test_the_random_states_hold_what_the_table_says():
 
     rng = np.random.default_rng(0)
     states = [random_state(rng) for _ in range(300)]
-    assert min(len(state.labels) for state in states) == 0
-    assert max(len(state.labels) for state in states) > 140
-    assert min(state.amplitude for state in states) < 2
-    assert max(state.amplitude for state in states) > 80
+    numbers, amplitudes = [len(state.labels) for state in states], [state.amplitude for state in states]
+    assert min(numbers) == 0
+    assert max(numbers) > 140
+    assert min(amplitudes) < 2 < 80 < max(amplitudes)
     assert sum(len(state.labels) > 1 and len(set(state.labels)) == 1 for state in states) > 10
     shown_again = [(state.scene[:, None] == state.features).all(axis=2).any() for state in states]
     assert 50 < sum(shown_again) < 150
@@ -88,10 +88,10 @@ def test_an_approximating_model_is_told_from_an_exact_one(state, monkeypatch: py
     """The growth table says when the cheaper mode switches on."""
     from look_ahead_parts.growth import approximates
 
-    from al_questioner.concepts import models
+    from al_questioner.concepts import concept_models
 
     assert not approximates(state.models(), state)
-    monkeypatch.setattr(models, 'EXACT_OPERATIONS', 1.0)
+    monkeypatch.setattr(concept_models, 'EXACT_OPERATIONS', 1.0)
     assert approximates(state.models(), state)
 
 

@@ -7,17 +7,6 @@ import math
 import pytest
 
 
-def test_every_call_but_the_first_is_timed() -> None:
-    """Loading and caching would count as work."""
-    from measuring import time_calls
-
-    calls: list[int] = []
-    seconds = time_calls(lambda: calls.append(1), 5)
-    assert len(calls) == 6
-    assert seconds.shape == (5,)
-    assert (seconds >= 0).all()
-
-
 def test_median_and_spread_ignore_an_outlier() -> None:
     """One interrupted call would decide the figure."""
     from measuring import median_and_spread

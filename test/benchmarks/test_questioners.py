@@ -4,10 +4,12 @@ from __future__ import annotations
 
 import csv
 import sys
+from collections.abc import Callable
 from pathlib import Path
 
 import pytest
 
+Run = Callable[..., tuple[int, str, str]]
 EPISODE = ('task', 'budget', 'turns', 'strategy', 'sample')
 
 
@@ -26,39 +28,50 @@ def write(folder: Path, *strategies: str) -> Path:
     return folder
 
 
-def run(monkeypatch: pytest.MonkeyPatch, *arguments: object) -> int:
+@pytest.fixture
+def run(monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]) -> Run:
+    """Runs the script; its status, and what it printed."""
     import questioners
 
-    monkeypatch.setattr(sys, 'argv', ['questioners.py', *map(str, arguments)])
-    status: int = questioners.main()
-    return status
+    def run_script(*folders: Path) -> tuple[int, str, str]:
+        monkeypatch.setattr(sys, 'argv', ['questioners.py', *map(str, folders)])
+        status: int = questioners.main()
+        return status, *capsys.readouterr()
+
+    return run_script
 
 
-def test_a_questioner_is_compared_with_the_best_control(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
-) -> None:
+def test_a_questioner_is_compared_with_the_best_control(tmp_path: Path, run: Run) -> None:
     """By hand: accuracies .7 and .8, against .6 and .7 of the better one of two controls."""
-    folder = write(tmp_path / 'a', 'random_fsq', 'rarest_demo', 'value_per_cost')
-    assert run(monkeypatch, folder) == 0
-    lines = capsys.readouterr().out.splitlines()
+    status, printed, _ = run(write(tmp_path / 'a', 'random_fsq', 'rarest_demo', 'value_per_cost'))
+    lines = printed.splitlines()
+    assert status == 0
     assert '| `value_per_cost` | 0.750 ± 0.071 (0.400) |' in lines
     row = lines[lines.index('value_per_cost against the best control of each cell') + 4]
     assert row.startswith('| kitchen_table | C1 | `rarest_demo` | 0.750 | 0.650 | +0.100 ± 0.000 |')
-    assert '| kitchen_table | `random_fsq` | 2 | 0.750 | 0.550 |' in '\n'.join(lines)
+    assert '| kitchen_table | `random_fsq` | 2 | 0.750 | 0.550 |' in printed
 
 
-def test_what_cannot_be_compared_is_one_line_and_status_2(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
-) -> None:
+def test_experiments_are_read_as_one(tmp_path: Path, run: Run) -> None:
+    """Strategies that were played one after the other could not be compared."""
+    names = ('random_fsq', 'rarest_demo', 'value_per_cost')
+    status, printed, _ = run(*(write(tmp_path / name, name) for name in names))
+    assert status == 0
+    assert all(f'| `{name}` | 0.550' in printed for name in names)
+
+
+def test_what_cannot_be_compared_is_one_line_and_status_2(tmp_path: Path, run: Run) -> None:
     """A traceback does not say which experiment is missing."""
     alone, controls = write(tmp_path / 'a', 'value_per_cost'), write(tmp_path / 'b', 'random_fsq')
     for folders, reason in (
         ([alone], 'kitchen_table, 25/40: no control was played'),
         ([controls], 'value_per_cost was not played; played were random_fsq'),
-        ([alone, controls, alone], f'{alone}: an episode is there twice'),
+        (
+            [alone, controls, alone],
+            f'{alone}: an episode is there twice: kitchen_table, 25/40, value_per_cost, sample 0',
+        ),
         ([tmp_path], 'episodes.csv: cannot be read'),
     ):
-        assert run(monkeypatch, *folders) == 2
-        printed = capsys.readouterr()
-        assert reason in printed.err
-        assert (printed.out, printed.err.count('\n')) == ('', 1)
+        status, printed, error = run(*folders)
+        assert (status, printed, error.count('\n')) == (2, '', 1)
+        assert reason in error

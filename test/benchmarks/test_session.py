@@ -8,7 +8,7 @@ from pathlib import Path
 
 import pytest
 
-from checkout import ROOT
+from shared.checkout import ROOT
 
 SCRIPT = ROOT / 'benchmarks' / 'session.py'
 
@@ -16,13 +16,8 @@ SCRIPT = ROOT / 'benchmarks' / 'session.py'
 @pytest.mark.slow
 def test_every_kind_of_log_is_measured(tmp_path: Path) -> None:
     """What durability costs could not be told for another robot's disk."""
-    done = subprocess.run(
-        [sys.executable, str(SCRIPT), '--answers', '4', '--repeats', '1', '--folder', str(tmp_path)],
-        capture_output=True,
-        text=True,
-        timeout=120,
-        check=False,
-    )
+    command = [sys.executable, str(SCRIPT), '--answers', '4', '--repeats', '1', '--folder', str(tmp_path)]
+    done = subprocess.run(command, capture_output=True, text=True, timeout=120, check=False)
     assert done.returncode == 0, done.stderr
     rows = {line.split('│')[1].strip(): line.split('│')[2:-1] for line in done.stdout.splitlines() if '│' in line}
     assert rows.keys() == {'no log', 'synchronous OFF', 'synchronous FULL'}

@@ -12,7 +12,7 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
-from checkout import ROOT
+from shared.checkout import ROOT
 
 DEADLINE = 280
 TOPICS = ('turn', 'objects', 'query', 'decision', 'scene_markers', 'answer', 'answer_ack', 'learner_state')
@@ -20,14 +20,9 @@ TOPICS = ('turn', 'objects', 'query', 'decision', 'scene_markers', 'answer', 'an
 
 def run(*arguments: str, **environment: str) -> subprocess.CompletedProcess[str]:
     path = os.pathsep.join(filter(None, (str(ROOT), os.environ.get('PYTHONPATH'))))
-    return subprocess.run(
-        [sys.executable, str(ROOT / 'benchmarks' / 'turn.py'), *arguments],
-        env={**os.environ, 'PYTHONPATH': path, **environment},
-        capture_output=True,
-        text=True,
-        timeout=DEADLINE,
-        check=False,
-    )
+    command = [sys.executable, str(ROOT / 'benchmarks' / 'turn.py'), *arguments]
+    variables = {**os.environ, 'PYTHONPATH': path, **environment}
+    return subprocess.run(command, env=variables, capture_output=True, text=True, timeout=DEADLINE, check=False)
 
 
 def test_a_turn_is_the_sum_of_its_parts() -> None:

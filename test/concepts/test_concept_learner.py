@@ -4,16 +4,15 @@ import numpy as np
 import pytest
 
 from al_questioner.concepts import ConceptLearner, ConceptModels, Kernel, select_features
-from al_questioner.domain import NO_SYMBOL, InputError, Outcome, QueryKind, QueryRecord, Scene, SceneError
+from al_questioner.domain import NO_SYMBOL, InputError, Outcome, QueryKind, QueryRecord, SceneError
+from shared.scenes import make_scene
 
 SYMBOLS = ('snack', 'fruit')
 NAMES = ('colour_red', 'colour_green', 'size_height', 'noise_max')
 
 
 def scene_of(features, object_ids=None, names=NAMES):
-    table = np.asarray(features, dtype=np.float32)
-    ids = tuple(range(len(table))) if object_ids is None else tuple(object_ids)
-    return Scene(ids, np.zeros((len(table), 3), dtype=np.float32), table, names)
+    return make_scene(features, object_ids, names)
 
 
 @pytest.fixture
@@ -21,29 +20,41 @@ def scene():
     return scene_of(np.random.default_rng(0).normal(loc=5, scale=3, size=(6, 4)))
 
 
+def learner(*scenes, labels=(), **options):
+    """A learner that has seen these scenes, and was told labels of the first things in the last one."""
+    concepts = ConceptLearner(SYMBOLS, **{'amplitude': 4.0, **options})
+    for scene in scenes:
+        concepts.observe(scene)
+    for row, label in enumerate(labels):
+        concepts.label(row, scene.features[row], label, turn=row + 1)
+    return concepts
+
+
+def standardised(scene):
+    table = scene.features.astype(np.float64)
+    return (table - table.mean(axis=0)) / table.std(axis=0)
+
+
+TOLD = ['snack', 'fruit', NO_SYMBOL]
+
+
 @pytest.fixture
 def taught(scene):
-    concepts = ConceptLearner(SYMBOLS)
-    concepts.observe(scene)
-    concepts.label(0, scene.features[0], 'snack', turn=1)
-    concepts.label(1, scene.features[1], 'fruit', turn=2)
-    concepts.label(2, scene.features[2], NO_SYMBOL, turn=3)
-    return concepts
+    return learner(scene, labels=TOLD)
 
 
 def test_beliefs_are_those_of_models_on_standardised_features(taught, scene):
     """The whole path: raw features, statistics of the observations, labels, models."""
-    table = scene.features.astype(np.float64)
-    standardised = (table - table.mean(axis=0)) / table.std(axis=0)
-    expected = ConceptModels(SYMBOLS).fit(standardised[:3], ['snack', 'fruit', NO_SYMBOL])
-    np.testing.assert_allclose(taught.predict_proba(scene.features), expected.predict_proba(standardised), atol=1e-10)
-    np.testing.assert_allclose(taught.look_ahead(scene), expected.look_ahead(standardised), atol=1e-10)
+    table = standardised(scene)
+    expected = ConceptModels(SYMBOLS).fit(table[:3], TOLD)
+    np.testing.assert_allclose(taught.predict_proba(scene.features), expected.predict_proba(table), atol=1e-10)
+    np.testing.assert_allclose(taught.look_ahead(scene), expected.look_ahead(table), atol=1e-10)
 
 
 def test_told_groups_are_the_only_features_in_use(taught, scene):
     """After the answer to a feature subset query the other features must not count, nor widen the kernel."""
     taught.restrict_to_groups(('size', 'colour'))
-    assert taught.active_features.tolist() == [True, True, True, False]
+    assert taught.kernel.length_scale == pytest.approx(3**0.5)
     other = scene.features.copy()
     other[:, 3] = 1000
     np.testing.assert_array_equal(taught.predict_proba(other), taught.predict_proba(scene.features))
@@ -51,15 +62,8 @@ def test_told_groups_are_the_only_features_in_use(taught, scene):
 
 def test_same_view_counts_once_in_the_statistics(scene):
     """A scene that stays for ten turns is one observation of each object, not ten."""
-    once, often = ConceptLearner(SYMBOLS), ConceptLearner(SYMBOLS)
-    once.observe(scene)
-    for _ in range(10):
-        often.observe(scene)
     moved = scene_of(np.vstack([scene.features[:5], scene.features[5:] + 1]))
-    once.observe(moved)
-    often.observe(moved)
-    for concepts in (once, often):
-        concepts.label(0, scene.features[0], 'snack', 1)
+    once, often = (learner(*[scene] * times, moved, labels=['snack']) for times in (1, 10))
     np.testing.assert_array_equal(once.predict_proba(scene.features), often.predict_proba(scene.features))
     assert once.model_version == often.model_version == 3
 
@@ -68,30 +72,11 @@ def test_what_stays_beside_something_new_is_not_counted_again():
     """On a table where half of the things stay, the statistics would lean towards those that stay longest."""
     rng = np.random.default_rng(4)
     old, new = rng.normal(size=(6, 4)), rng.normal(loc=9, size=(2, 4))
-    gradually = ConceptLearner(SYMBOLS)
-    gradually.observe(scene_of(old))
-    gradually.observe(scene_of(np.concatenate([old[:4], new]), object_ids=(0, 1, 2, 3, 6, 7)))
-    at_once = ConceptLearner(SYMBOLS)
-    at_once.observe(scene_of(np.concatenate([old, new])))
-    probe = scene_of(rng.normal(size=(5, 4)))
-    for concepts in (gradually, at_once):
-        concepts.label(0, np.asarray(old[0], np.float32), SYMBOLS[0], 1)
-    np.testing.assert_allclose(
-        gradually.predict_proba(probe.features), at_once.predict_proba(probe.features), atol=1e-9
-    )
-
-
-def test_looking_at_the_models_leaves_no_trace(scene):
-    """A learner that is watched must stay equal to one that is not, the version of its models included."""
-    plain, watched = ConceptLearner(SYMBOLS), ConceptLearner(SYMBOLS)
-    for turn in range(3):
-        for concepts in (plain, watched):
-            concepts.observe(scene)
-            concepts.label(turn, scene.features[turn], 'snack', turn)
-        watched.predict_proba(scene.features)
-        watched.look_ahead(scene)
-    assert plain.model_version == watched.model_version
-    np.testing.assert_array_equal(plain.predict_proba(scene.features), watched.predict_proba(scene.features))
+    later = scene_of(np.concatenate([old[:4], new]), object_ids=(0, 1, 2, 3, 6, 7))
+    gradually = learner(scene_of(old), later, labels=['snack'])
+    at_once = learner(scene_of(np.concatenate([old, new])), labels=['snack'])
+    probe = rng.normal(size=(5, 4)).astype(np.float32)
+    np.testing.assert_allclose(gradually.predict_proba(probe), at_once.predict_proba(probe), atol=1e-9)
 
 
 @pytest.mark.parametrize('selector', [None, select_features])
@@ -125,6 +110,7 @@ def test_watched_and_unwatched_learners_agree_to_the_last_bit(selector):
                 concepts.label(thing, now.features[thing], symbol, turn)
             if concepts is watched and turn % 2:
                 look(concepts)
+        assert plain.model_version == watched.model_version
         if turn % 8 == 7:
             for ours, theirs in zip(look(plain), look(watched), strict=True):
                 np.testing.assert_array_equal(ours, theirs)
@@ -155,9 +141,7 @@ def test_view_tolerance_forgives_the_noise_of_a_camera(scene):
     """Tolerances are in standard deviations of the features."""
     noisy = scene_of(scene.features + 0.05 * scene.features.std(axis=0))
     for tolerance, same in ((0.0, False), (0.2, True)):
-        concepts = ConceptLearner(SYMBOLS, view_tolerance=tolerance)
-        concepts.observe(scene)
-        concepts.label(0, scene.features[0], 'snack', 1)
+        concepts = learner(scene, labels=['snack'], view_tolerance=tolerance)
         assert concepts.is_labelled(noisy)[0] == same
         assert concepts.is_unchanged(scene, noisy) == same
 
@@ -175,14 +159,15 @@ def test_computational_selection_follows_the_labels(scene):
     table = rng.normal(size=(8, 30))
     table[:, 7] = [0, 0, 0, 0, 9, 9, 9, 9]
     many = scene_of(table, names=names)
-    concepts = ConceptLearner(SYMBOLS, selector=select_features)
-    concepts.observe(many)
+    concepts = learner(many, selector=select_features)
     for i, symbol in [(0, 'snack'), (4, 'fruit')]:
         concepts.label(i, many.features[i], symbol, 1)
-    assert concepts.active_features.all()
+    assert concepts.kernel.length_scale == pytest.approx(30**0.5)
     concepts.label(1, many.features[1], 'snack', 2)
-    assert concepts.active_features[7]
-    assert concepts.active_features.sum() < 15
+    assert concepts.kernel.length_scale < 15**0.5
+    other = many.features[:1].copy()
+    other[:, 7] = 9
+    assert not np.array_equal(concepts.predict_proba(other), concepts.predict_proba(many.features[:1]))
 
 
 def test_distance_to_the_nearest_labelled_view(taught, scene):
@@ -191,9 +176,7 @@ def test_distance_to_the_nearest_labelled_view(taught, scene):
     height = scene.features[:, 2].astype(np.float64)
     expected = np.abs(height[:, None] - height[None, :3]).min(axis=1) / height.std()
     np.testing.assert_allclose(taught.distance_to_labelled(scene), expected, atol=1e-12)
-    empty = ConceptLearner(SYMBOLS)
-    empty.observe(scene)
-    assert (empty.distance_to_labelled(scene) == 0).all()
+    assert (learner(scene).distance_to_labelled(scene) == 0).all()
 
 
 def test_another_feature_layout_is_refused_and_changes_nothing(taught, scene):
@@ -207,21 +190,24 @@ def test_another_feature_layout_is_refused_and_changes_nothing(taught, scene):
 
 
 def test_what_cannot_be_told(taught, scene):
-    with pytest.raises(InputError, match="unknown label 'pizza'"):
-        taught.label(0, scene.features[0], 'pizza', 1)
-    with pytest.raises(InputError, match='expected'):
-        taught.label(0, scene.features[0, :2], 'snack', 1)
-    with pytest.raises(InputError, match='not all finite'):
-        taught.label(0, np.full(4, np.nan), 'snack', 1)
-    with pytest.raises(InputError, match="unknown feature group 'taste'; known: colour, size, noise"):
-        taught.restrict_to_groups(('size', 'taste'))
+    for features, label, reason in (
+        (scene.features[0], 'pizza', "unknown label 'pizza'"),
+        (scene.features[0, :2], 'snack', 'expected'),
+        (np.full(4, np.nan), 'snack', 'not all finite'),
+    ):
+        with pytest.raises(InputError, match=reason):
+            taught.label(0, features, label, 1)
+    for groups, reason in (
+        (('size', 'taste'), "unknown feature group 'taste'; known: colour, size, noise"),
+        ((), 'no feature group'),
+    ):
+        with pytest.raises(InputError, match=reason):
+            taught.restrict_to_groups(groups)
     gone = QueryRecord(1, QueryKind.LABEL, 99, 'snack', 1.0, Outcome.ANSWERED)
     with pytest.raises(InputError, match='object 99 is not in the scene'):
         taught.learn(gone, scene)
-    with pytest.raises(InputError, match='no feature group'):
-        taught.restrict_to_groups(())
     with pytest.raises(InputError, match='view_tolerance'):
-        ConceptLearner(SYMBOLS, view_tolerance=-1)
+        ConceptLearner(SYMBOLS, 4.0, view_tolerance=-1)
 
 
 def test_tuned_kernel_is_that_of_the_labels_and_used_everywhere(taught, scene):
@@ -233,14 +219,12 @@ def test_tuned_kernel_is_that_of_the_labels_and_used_everywhere(taught, scene):
     assert taught.model_version == version + 1
     assert taught.kernel != Kernel(4.0, 2.0)
     assert not np.allclose(taught.predict_proba(scene.features), untuned, atol=1e-4)
-    table = scene.features.astype(np.float64)
-    standardised = (table - table.mean(axis=0)) / table.std(axis=0)
-    expected = ConceptModels(SYMBOLS, taught.kernel.amplitude, taught.kernel.length_scale)
-    expected.fit(standardised[:3], ['snack', 'fruit', NO_SYMBOL])
-    np.testing.assert_allclose(taught.predict_proba(scene.features), expected.predict_proba(standardised), atol=1e-10)
-    np.testing.assert_allclose(taught.look_ahead(scene), expected.look_ahead(standardised), atol=1e-9)
+    table = standardised(scene)
+    expected = ConceptModels(SYMBOLS, taught.kernel.amplitude, taught.kernel.length_scale).fit(table[:3], TOLD)
+    np.testing.assert_allclose(taught.predict_proba(scene.features), expected.predict_proba(table), atol=1e-10)
+    np.testing.assert_allclose(taught.look_ahead(scene), expected.look_ahead(table), atol=1e-9)
     # Three labels, all different, allow no selection: the imagined subset is all features.
-    np.testing.assert_allclose(taught.predict_after_selection(scene), expected.predict_proba(standardised), atol=1e-10)
+    np.testing.assert_allclose(taught.predict_after_selection(scene), expected.predict_proba(table), atol=1e-10)
 
 
 def test_tuned_length_scale_follows_the_number_of_features(taught):
@@ -258,14 +242,12 @@ def test_events_after_tuning_keep_the_tuned_kernel_on_any_features():
     table[:, 7] = [0, 9, 0, 9, 0, 9, 0, 9]
     many = scene_of(table, names=tuple(f'{"colour" if i < 10 else "noise"}_{i}' for i in range(30)))
     labels = ['snack', 'fruit', 'snack', 'fruit', 'snack']
-    concepts = ConceptLearner(SYMBOLS)
-    concepts.observe(many)
+    concepts = learner(many)
     for i, label in enumerate(labels):
         if i == 3:
             assert concepts.tune()
         concepts.label(i, many.features[i], label, i)
-    points = many.features.astype(np.float64)
-    points = (points - points.mean(axis=0)) / points.std(axis=0)
+    points = standardised(many)
     kernel, chosen = concepts.kernel, select_features(points[:5], labels)
     assert 0 < chosen.sum() < 15
 
@@ -298,9 +280,7 @@ def test_tuning_without_labels_keeps_the_configured_kernel(scene):
 
 def test_tuning_moves_from_the_length_scale_that_was_configured(scene):
     """A user's length scale would be forgotten at the first tuning."""
-    concepts = ConceptLearner(SYMBOLS, 4.0, 40.0)
-    concepts.observe(scene)
-    concepts.label(0, scene.features[0], 'snack', 1)
+    concepts = learner(scene, labels=['snack'], length_scale=40.0)
     concepts.tune()
     assert 20 <= concepts.kernel.length_scale <= 80
 
@@ -308,18 +288,13 @@ def test_tuning_moves_from_the_length_scale_that_was_configured(scene):
 def test_labels_of_a_scene_at_once_are_labels_one_by_one(scene):
     """The ceiling that is told everything would know something else than a learner that asked for it."""
     said = {0: 'snack', 3: 'fruit', 5: NO_SYMBOL}
-    at_once, one_by_one = ConceptLearner(SYMBOLS), ConceptLearner(SYMBOLS)
-    for concepts in (at_once, one_by_one):
-        concepts.observe(scene)
+    at_once, one_by_one = learner(scene), learner(scene)
     at_once.label_scene(scene, said, turn=4)
     for object_id, symbol in said.items():
         one_by_one.label(object_id, scene.features[object_id], symbol, 4)
-    assert [(v.object_id, v.label, v.turn) for v in at_once.labelled_views] == [
-        (object_id, symbol, 4) for object_id, symbol in said.items()
-    ]
-    np.testing.assert_allclose(
-        at_once.predict_proba(scene.features), one_by_one.predict_proba(scene.features), atol=1e-9
-    )
+    assert [(v.object_id, v.label, v.turn) for v in at_once.labelled_views] == [(*each, 4) for each in said.items()]
+    expected = one_by_one.predict_proba(scene.features)
+    np.testing.assert_allclose(at_once.predict_proba(scene.features), expected, atol=1e-9)
     for wrong, reason in (({0: 'drink'}, 'unknown label'), ({0: 'snack', 77: 'snack'}, 'object 77')):
         with pytest.raises(InputError, match=reason):
             at_once.label_scene(scene, wrong, 5)
@@ -334,9 +309,7 @@ def test_predictions_after_labels_are_those_of_having_learnt_each(taught, scene)
     foreseen = taught.predict_after_each(scene.features[rows], symbols, scene.features)
     np.testing.assert_array_equal(taught.predict_proba(scene.features), before)
     for row, symbol, after in zip(rows, symbols, foreseen, strict=True):
-        oracle = ConceptLearner(SYMBOLS)
-        oracle.observe(scene)
+        oracle = learner(scene, labels=TOLD)
         oracle.restrict_to_groups(('colour', 'size'))
-        oracle.label_scene(scene, {0: 'snack', 1: 'fruit', 2: NO_SYMBOL}, 1)
         oracle.label(row, scene.features[row], symbol, 5)
         np.testing.assert_allclose(after, oracle.predict_proba(scene.features), atol=8e-7)

@@ -15,15 +15,27 @@ def readings_of(n: int) -> np.ndarray:
     return np.random.default_rng(0).random((n, 3))
 
 
+def standardiser_of(readings: np.ndarray, batches: int = 1) -> Standardiser:
+    """The statistics of readings that came in so many batches."""
+    standardiser = Standardiser(readings.shape[1])
+    for batch in np.split(readings, batches):
+        standardiser.update(batch)
+    return standardiser
+
+
+def limits_of(readings: np.ndarray) -> PlausibleRange:
+    limits = PlausibleRange(readings.shape[1])
+    limits.add(readings)
+    return limits
+
+
 @pytest.mark.parametrize('wrong', WRONG)
 @pytest.mark.parametrize('row', [0, 11, 39])
 def test_one_wrong_reading_leaves_the_scale_as_it_is_without_it(wrong: float, row: int) -> None:
     clean = readings_of(40)
     spoiled = clean.copy()
     spoiled[row, 1] = wrong
-    standardiser = Standardiser(3)
-    for batch in np.split(spoiled, 4):
-        standardiser.update(batch)
+    standardiser = standardiser_of(spoiled, 4)
     others = np.delete(clean[:, 1], row)
     assert standardiser.mean[1] == pytest.approx(others.mean())
     assert standardiser.scale[1] == pytest.approx(others.std())
@@ -33,16 +45,13 @@ def test_one_wrong_reading_leaves_the_scale_as_it_is_without_it(wrong: float, ro
 def test_a_wrong_reading_is_taken_for_the_end_of_the_range() -> None:
     spoiled = readings_of(40)
     spoiled[5, 0] = 65535
-    standardiser = Standardiser(3)
-    standardiser.update(spoiled)
     highest = np.delete(spoiled[:, 0], 5).max()
-    found = standardiser.transform(np.array([[65535.0, 0.5, 0.5], [highest, 0.5, 0.5]]))
+    found = standardiser_of(spoiled).transform(np.array([[65535.0, 0.5, 0.5], [highest, 0.5, 0.5]]))
     assert found[0].tolist() == found[1].tolist()
 
 
 def test_a_wrong_reading_among_the_first_ones_shows_once_more_is_known() -> None:
-    standardiser = Standardiser(1)
-    standardiser.update(np.array([[0.2], [1000.0]]))
+    standardiser = standardiser_of(np.array([[0.2], [1000.0]]))
     standardiser.update(readings_of(30)[:, :1])
     assert standardiser.scale[0] < 1
 
@@ -51,22 +60,18 @@ def test_a_wrong_reading_among_the_first_ones_shows_once_more_is_known() -> None
 def test_65535_among_the_first_four_readings_shows_at_once(row: int) -> None:
     readings = np.array([[0.1], [0.4], [0.7], [0.9]])
     readings[row] = 65535
-    limits = PlausibleRange(1)
-    limits.add(readings)
-    assert limits.are_implausible(readings)[:, 0].tolist() == [other == row for other in range(4)]
+    assert limits_of(readings).are_implausible(readings)[:, 0].tolist() == [other == row for other in range(4)]
 
 
 def test_what_no_sensor_means_is_wrong_however_often_it_comes() -> None:
-    limits = PlausibleRange(2)
-    limits.add(np.array([[3.4e38, 3e38], [3.4e38, 3e38], [0.5, 3e38]]))
+    limits = limits_of(np.array([[3.4e38, 3e38], [3.4e38, 3e38], [0.5, 3e38]]))
     assert limits.highest.tolist() == [0.5, np.inf]
 
 
 def test_a_sentinel_that_comes_again_and_again_and_one_at_either_end() -> None:
     spoiled = readings_of(40)
     spoiled[:6, 0], spoiled[6:9, 0] = 65535, -32768
-    limits = PlausibleRange(3)
-    limits.add(spoiled)
+    limits = limits_of(spoiled)
     assert 0 <= limits.lowest[0] < limits.highest[0] <= 1
     assert limits.are_implausible(spoiled)[:, 0].sum() == 9
 
@@ -75,10 +80,7 @@ def test_a_sentinel_that_comes_again_and_again_and_one_at_either_end() -> None:
 def test_several_wrong_readings_do_not_hide_each_other(wrong: tuple[float, float]) -> None:
     spoiled = readings_of(60)
     spoiled[7, 1], spoiled[30, 1] = wrong
-    standardiser = Standardiser(3)
-    for batch in np.split(spoiled, 10):
-        standardiser.update(batch)
-    assert standardiser.scale[1] == pytest.approx(np.delete(spoiled[:, 1], [7, 30]).std())
+    assert standardiser_of(spoiled, 10).scale[1] == pytest.approx(np.delete(spoiled[:, 1], [7, 30]).std())
 
 
 @pytest.mark.parametrize('levels', [1, 2, 5])
@@ -87,17 +89,12 @@ def test_a_feature_of_few_levels_is_not_ruined_either(levels: int, wrong: float)
     clean = np.random.default_rng(2).integers(levels, size=(60, 1)) / max(levels - 1, 1)
     spoiled = clean.copy()
     spoiled[20] = wrong
-    standardiser = Standardiser(1)
-    for batch in np.split(spoiled, 10):
-        standardiser.update(batch)
     others = np.delete(clean, 20)
-    assert standardiser.scale[0] == pytest.approx(others.std() or 1.0)
+    assert standardiser_of(spoiled, 10).scale[0] == pytest.approx(others.std() or 1.0)
 
 
 def test_of_a_handful_of_equal_readings_nothing_is_known() -> None:
-    limits = PlausibleRange(1)
-    limits.add(np.array([[0.0]] * 5 + [[1000.0]]))
-    assert not limits.is_limited.any()
+    assert not limits_of(np.array([[0.0]] * 5 + [[1000.0]])).is_limited.any()
 
 
 def test_what_is_rare_or_heavy_tailed_is_plausible() -> None:
@@ -105,25 +102,18 @@ def test_what_is_rare_or_heavy_tailed_is_plausible() -> None:
     sparse = np.where(rng.random(100) < 0.05, rng.random(100), 0.0)
     heavy = rng.lognormal(0, 1.5, 100)
     binary = (rng.random(100) < 0.01).astype(float)
-    limits = PlausibleRange(3)
-    limits.add(np.column_stack([sparse, heavy, binary]))
-    assert not limits.is_limited.any()
+    assert not limits_of(np.column_stack([sparse, heavy, binary])).is_limited.any()
 
 
 def test_what_many_things_read_is_no_mistake() -> None:
     readings = readings_of(40)
     readings[:20, 0] += 10_000
-    limits = PlausibleRange(3)
-    limits.add(readings)
-    assert not limits.is_limited.any()
+    assert not limits_of(readings).is_limited.any()
 
 
 def test_a_clean_feature_has_the_same_bits_whatever_its_neighbour_reads() -> None:
-    clean, spoiled = Standardiser(3), Standardiser(3)
     table = readings_of(40)
     wrong = table.copy()
     wrong[3, 1] = 3e38
-    for one, batches in ((clean, np.split(table, 4)), (spoiled, np.split(wrong, 4))):
-        for batch in batches:
-            one.update(batch)
+    clean, spoiled = standardiser_of(table, 4), standardiser_of(wrong, 4)
     assert clean.transform(table)[:, [0, 2]].tobytes() == spoiled.transform(table)[:, [0, 2]].tobytes()

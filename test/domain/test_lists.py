@@ -23,13 +23,8 @@ SCENE: dict[str, Any] = {
 def test_a_scene_of_lists_is_that_of_arrays() -> None:
     """A first try in a notebook would end in a traceback about an attribute of lists."""
     scene = Scene(**SCENE)
-    arrays = Scene(
-        (1, 2),
-        np.array(SCENE['positions'], np.float32),
-        np.array(SCENE['features'], np.float32),
-        ('colour_hue', 'size_m'),
-    )
-    assert scene.equals(arrays)
+    tables = (np.array(SCENE[name], np.float32) for name in ('positions', 'features'))
+    assert scene.equals(Scene((1, 2), *tables, ('colour_hue', 'size_m')))
     assert type(Scene(**{**SCENE, 'object_ids': np.array([1, 2])}).object_ids[0]) is int
 
 

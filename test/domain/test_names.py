@@ -6,14 +6,14 @@ import re
 import unicodedata
 
 import pytest
-from hypothesis import given
+from hypothesis import example, given
 from hypothesis import strategies as st
 
 from al_questioner.domain import InputError
 from al_questioner.domain.names import check_names, joined, meant, near, parted, quoted, unsayable
 from al_questioner.domain.reserved_words import RESERVED
 from al_questioner.domain.spelling import loosely
-from al_questioner.questioning.plain_words import OUTCOMES
+from al_questioner.questioning.plain_answers import OUTCOMES
 from al_questioner.terminal.commands import WISHES
 from al_questioner.terminal.keypad import COMMANDS
 
@@ -24,58 +24,40 @@ NO_LETTER = 'it holds no letter'
 @pytest.mark.parametrize(
     ('name', 'reason'),
     [
-        ('none', 'says that a thing belongs to no symbol'),
-        ('None', 'says that a thing belongs to no symbol'),
-        ('ＮＯＮＥ', 'says that a thing belongs to no symbol'),
+        *((name, 'says that a thing belongs to no symbol') for name in ('none', 'None', 'ＮＯＮＥ', 'none.')),
         ('SKİP', 'skips a question'),
-        ('Unknown', 'says that the teacher does not know'),
-        ('？', 'says that the teacher does not know'),
-        ('؟', 'says that the teacher does not know'),
+        *((name, 'says that the teacher does not know') for name in ('Unknown', '？', '؟', "don't know")),
         ('undo', 'takes an answer back'),
         ('quit', 'ends the conversation'),
         ('help', 'asks for help'),
         ('features', 'asks which properties matter'),
         ('nothing', 'stands for nothing'),
         ('S', 'is the key of "skip"'),
-        ('Keine', "means 'none'"),
-        ('none.', 'says that a thing belongs to no symbol'),
-        ("don't know", 'says that the teacher does not know'),
         ('"cup"', 'quotes mark'),
-        ('a、b', 'a comma parts names'),
-        ('desconocido', "means 'unknown'"),
-        ('スキップ', "means 'skip'"),
         *((name, NUMBER) for name in ('7', '#7', 'object 7', '٧', '½', '-3', '1.5', '1e5', '1 000', '９', '三')),
         *((name, NUMBER) for name in ('Ⅶ', '⑴', '㈦', '⒎', '٣٫٥', '1/2', '−1', '–1', '1’000', '7%', '(7)', '1:30')),
         *((name, NUMBER) for name in ('0x1F', '0b1', '0o7', 'inf', '-Infinity', '.nan', '1e-3')),
         *((name, NUMBER) for name in ('no. 7', 'No.7', '№ 7', 'number 7', 'Object #7', 'obj_7')),
         *((name, NO_LETTER) for name in ('.', '...', '-', '_', '€', '&', '( )', '→')),
         *((name, "'?' says that the teacher does not know") for name in ('??', '¿?', '?!', '…？')),
-        *(
-            (name, "'none' says")
-            for name in ('(none)', '[None]', '«none»', '“none”', '*none*', '<none>', 'none?', '`none`')
-        ),
+        *((name, "'none' says") for name in ('(none)', '[None]', '«none»', '“none”', '*none*', '<none>')),
+        *((name, "'none' says") for name in ('none?', '`none`')),
         *((name, "'skip' skips a question") for name in ('skip?', '~skip~', 'skip…', 'ѕкір')),
         *((name, 'that a thing belongs to no symbol') for name in ('no', 'NULL', 'nil', 'n/a', 'nоne', 'ΝΟΝΕ')),
         *((name, 'does not know') for name in ('don’t know', 'dont know', 'not sure', 'I don´t know')),
         *((name, 'what people say to a program') for name in ('yes', 'True', 'false', 'done', 'Next')),
-        *(
-            (name, "means 'none'")
-            for name in ('無', 'нет', 'niks', 'brak', 'hiçbiri', 'HİÇBİRİ', 'hicbiri', 'ei mitään')
-        ),
+        *((name, "means 'none'") for name in ('Keine', '無', 'нет', 'niks', 'brak', 'hiçbiri', 'HİÇBİRİ', 'hicbiri')),
         *((name, "means 'none'") for name in ('không', 'tidak ada', 'κανένα', 'ΚΑΝΕΝΑ', 'כלום', 'कोई नहीं')),
-        *(
-            (name, "means 'unknown'")
-            for name in ('weiß nicht', 'WEISS NICHT', 'άγνωστο', 'غير معروف', 'अज्ञात', 'no se')
-        ),
+        *((name, "means 'unknown'") for name in ('weiß nicht', 'WEISS NICHT', 'άγνωστο', 'غير معروف', 'अज्ञात')),
         *((name, "means 'unknown'") for name in ('bilinmiyor', 'לא ידוע', 'δεν ξέρω', 'non lo so', 'نمی‌دانم')),
         *((name, "means 'skip'") for name in ('hoppa över', 'hoppa over', 'atla', 'ohita', 'bỏ qua', 'דלג', 'пропуск')),
-        *((name, COMMA) for name in ('cup,plate', 'cup，plate')),
+        *(('ei mitään', "means 'none'"), ('no se', "means 'unknown'"), ('desconocido', "means 'unknown'")),
+        ('スキップ', "means 'skip'"),
+        *((name, COMMA) for name in ('cup,plate', 'cup，plate', 'a、b')),
         *((name, BLANK) for name in (' cup', 'cup ', '\u00a0cup', 'cup\u3000')),
-        ('', 'it is empty'),
-        ('  ', 'it is empty'),
+        *((name, 'it is empty') for name in ('', '  ')),
+        *((name, 'the invisible character U+200C') for name in ('c\u200cup', '\u200cنان')),
         ('cu\u200bp', 'the invisible character U+200B'),
-        ('c\u200cup', 'the invisible character U+200C'),
-        ('\u200cنان', 'the invisible character U+200C'),
         ('cup\n', 'the invisible character U+000A'),
         ('cup\u00ad', 'the invisible character U+00AD'),
         ('\u3164', 'the invisible character U+3164'),
@@ -99,30 +81,11 @@ def test_a_name_that_people_cannot_say_is_refused_with_the_reason(name: str, rea
 @pytest.mark.parametrize(
     ('one', 'other'),
     [
-        ('Cup', 'cup'),
-        ('straße', 'STRASSE'),
-        ('main dish', 'main_dish'),
-        ('fig', 'ﬁg'),
-        ('ΣΟΦΟΣ', 'σοφος'),
-        ('ÉTÉ', 'été'),
-        ('x²', 'x2'),
-        ('cup.', 'cup'),
-        ('cup', '(cup)!'),
-        ('cup-x', 'cup x'),
-        ('cup–x', 'cup-x'),
-        ('o’clock', "o'clock"),
-        ('KIRMIZI', 'kırmızı'),
-        ('ёлка', 'елка'),
-        ('сup', 'cup'),
-        ('СОР', 'cop.'),
-        ('Α', 'a'),
-        ('کیک', 'كيك'),
-        ('كـأس', 'كأس'),
-        ('كَأْس', 'كاس'),
-        ('כּוֹס', 'כוס'),
-        ('かっぷ', 'カップ'),
-        ('☕', '☕\ufe0f'),
-        ('می\u200cخواهم', 'میخواهم'),
+        *(('Cup', 'cup'), ('straße', 'STRASSE'), ('ΣΟΦΟΣ', 'σοφος'), ('ÉTÉ', 'été'), ('KIRMIZI', 'kırmızı')),
+        *(('main dish', 'main_dish'), ('fig', 'ﬁg'), ('x²', 'x2'), ('cup.', 'cup'), ('cup', '(cup)!')),
+        *(('cup-x', 'cup x'), ('cup–x', 'cup-x'), ('o’clock', "o'clock"), ('☕', '☕\ufe0f')),
+        *(('ёлка', 'елка'), ('сup', 'cup'), ('СОР', 'cop.'), ('Α', 'a'), ('かっぷ', 'カップ')),
+        *(('کیک', 'كيك'), ('كـأس', 'كأس'), ('كَأْس', 'كاس'), ('כּוֹס', 'כוס'), ('می\u200cخواهم', 'میخواهم')),
     ],
 )
 def test_two_names_that_sound_the_same_are_refused(one: str, other: str) -> None:
@@ -135,47 +98,11 @@ def test_ordinary_names_of_many_languages_are_fine() -> None:
     """People could not use their own words."""
     check_names(
         [
-            'main_dish',
-            'Früchte',
-            'straße',
-            'カップ',
-            '杯子',
-            'чашка',
-            'कप',
-            'น้ำ',
-            'x²',
-            '7up',
-            'v1.2',
-            'nonesuch',
-            "d'eau",
-            'a b',
-            'می\u200cخواهم',
-            'ශ්\u200dරී',
-            'നന്\u200d',
-            '☕\ufe0f',
-            '👨\u200d👩\u200d👧',
-            '❤\ufe0f\u200d🔥',
-            '🍎',
-            '🍐',
-            'v1.2 b',
-            'v12 b',
-            'bär',
-            'bar',
-            'कुप',
-            'C',
-            'C++',
-            'C#',
-            'Na',
-            'nose',
-            'nić',
-            'het',
-            'VII',
-            'no.2 pencil',
-            'nonstick pan',
-            '2x4',
-            'T-shirt',
-            'Ei',
-            'cap',
+            *('main_dish', 'Früchte', 'straße', 'カップ', '杯子', 'чашка', 'कप', 'น้ำ', 'x²', '7up', 'v1.2', 'nonesuch'),
+            *('bär', 'bar', 'कुप', 'C', 'C++', 'C#', 'Na', 'nose', 'nić', 'het', 'VII', '2x4', 'T-shirt', 'Ei', 'cap'),
+            *("d'eau", '🍎', '🍐'),
+            *('a b', 'v1.2 b', 'v12 b', 'no.2 pencil', 'nonstick pan'),
+            *('می\u200cخواهم', 'ශ්\u200dරී', 'നന്\u200d', '☕\ufe0f', '👨\u200d👩\u200d👧', '❤\ufe0f\u200d🔥'),
         ],
         'symbol',
     )
@@ -271,6 +198,7 @@ def test_whatever_is_called_so_can_be_judged(name: str) -> None:
 
 
 @given(st.text(min_size=1))
+@example('A´')
 def test_a_name_that_is_not_refused_is_understood(name: str) -> None:
     """A symbol could not be said."""
     if not unsayable(name):

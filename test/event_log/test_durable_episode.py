@@ -12,12 +12,12 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
-from al_questioner.domain import Answer, AnswerError, LateAnswerError, Outcome
+from al_questioner.domain import Answer, AnswerError, Outcome
 from al_questioner.event_log.durable_episode import DurableEpisode
+from al_questioner.event_log.encoding import Encoder
 from al_questioner.event_log.events import (
     ActionChosen,
     AnswerAccepted,
-    Encoder,
     InputRejected,
     KernelTuned,
     LateAnswerKept,
@@ -25,13 +25,13 @@ from al_questioner.event_log.events import (
 )
 from al_questioner.event_log.log import LogWriteError, SessionLog, SessionLogError
 from al_questioner.event_log.replay import Replay
-from al_questioner.questioning import TurnContext
+from al_questioner.questioning import Receipt, TurnContext
 from al_questioner.questioning.strategies import human
 from al_questioner.simulation import PerceivedWorld, episode_settings
-from checkout import ROOT
-from durable_sessions import TASK, WORLD, answer, ask, begun, events, play_turns, started
+from shared.checkout import ROOT
+from shared.durable_sessions import TASK, WORLD, Start, answer, ask, begun, events, play_turns, started
 
-DRIVER = ROOT / 'test' / 'session_driver.py'
+DRIVER = ROOT / 'test' / 'shared' / 'session_driver.py'
 
 
 def drive(*arguments: object) -> dict[str, object]:
@@ -60,14 +60,13 @@ def test_killed_at_random_moments(tmp_path: Path) -> None:
     assert result['kills'] >= 200
 
 
-def test_a_log_that_does_not_tell_what_was_known_is_gone_on_with(tmp_path: Path, world: PerceivedWorld) -> None:
+def test_a_log_that_does_not_tell_what_was_known_is_gone_on_with(
+    start: Start, tmp_path: Path, world: PerceivedWorld
+) -> None:
     """Sessions of earlier versions would be lost."""
-    of_demonstrations = begun(settings=episode_settings(TASK, 'rarest_demo', 20.0, 8))
-    session = DurableEpisode(of_demonstrations, SessionLog(tmp_path))
-    session.start()
+    session = start(settings=episode_settings(TASK, 'rarest_demo', 20.0, 8))
     play_turns(session, world, 5)
-    session.close()
-    replay, asked = Replay(of_demonstrations), []
+    replay, asked = Replay(session.begun), []
     for event in events(tmp_path)[1:]:
         earlier = event
         if isinstance(event, ActionChosen) and event.query is not None:
@@ -78,20 +77,15 @@ def test_a_log_that_does_not_tell_what_was_known_is_gone_on_with(tmp_path: Path,
     assert replay.episode.records == session.episode.records
 
 
-def test_the_same_state_after_resuming(tmp_path: Path, world: PerceivedWorld) -> None:
+def test_the_same_state_after_resuming(start: Start, world: PerceivedWorld) -> None:
     """The robot would believe other things than before, and so ask others."""
-    session = started(tmp_path)
+    session = start()
     play_turns(session, world, 3)
     ask(session, world)
-    session.close()
-    resumed = started(tmp_path)
+    resumed = start()
     ours, theirs = session.episode, resumed.episode
-    assert (ours.turn, ours.spent, ours.pending, ours.records) == (
-        theirs.turn,
-        theirs.spent,
-        theirs.pending,
-        theirs.records,
-    )
+    for name in ('turn', 'spent', 'pending', 'records'):
+        assert getattr(ours, name) == getattr(theirs, name), name
     scene = world.scene(1).features
     np.testing.assert_array_equal(ours.concepts.predict_proba(scene), theirs.concepts.predict_proba(scene))
     assert ours._rng.bit_generator.state == theirs._rng.bit_generator.state
@@ -99,76 +93,70 @@ def test_the_same_state_after_resuming(tmp_path: Path, world: PerceivedWorld) ->
     np.testing.assert_array_equal(session.decision.utilities, resumed.decision.utilities)
 
 
-def test_an_answer_counts_once(tmp_path: Path, world: PerceivedWorld) -> None:
+def test_an_answer_counts_once(start: Start, tmp_path: Path, world: PerceivedWorld) -> None:
     """A resent answer would teach twice, or be refused so that the teacher despairs; before and after a crash."""
-    session = started(tmp_path)
+    session = start()
     (said, _, _) = play_turns(session, world, 3)
     for _ in range(2):
-        assert not session.take(said)
+        assert session.take(said) is Receipt.DUPLICATE
         with pytest.raises(AnswerError, match='was taken already'):
             session.take(dataclasses.replace(said, outcome=Outcome.SKIP, content=None))
-        session.close()
-        session = started(tmp_path)
+        session = start()
     assert len(session.episode.records) == 3
     assert sum(isinstance(event, AnswerAccepted) for event in events(tmp_path)) == 3
-    session.close()
 
 
-def test_a_late_answer_is_kept_with_its_own_question(tmp_path: Path, world: PerceivedWorld) -> None:
+def test_a_late_answer_is_kept_with_its_own_question(start: Start, tmp_path: Path, world: PerceivedWorld) -> None:
     """What the second teacher said of one thing would be learnt of another, or be forgotten."""
-    session = started(tmp_path)
+    session = start()
     (first, *_) = play_turns(session, world, 2)
     pending = ask(session, world).query
     with pytest.raises(AnswerError, match='a feature subset is some of'):
         session.take(Answer(first.query_id, 'b0', 'bert', Outcome.ANSWERED, 'snack'))
     late = Answer(first.query_id, 'b1', 'bert', Outcome.ANSWERED, ('size',))
     for _ in range(2):
-        with pytest.raises(LateAnswerError, match=f"query 'q1' was answered already, by '{first.answer_id}'"):
-            session.take(late)
+        assert session.take(late) is Receipt.LATE
         assert session.episode.pending is pending
-        session.close()
-        session = started(tmp_path)
+        session = start()
         pending = session.episode.pending
-    assert [event.answer for event in events(tmp_path) if isinstance(event, LateAnswerKept)] == [late]
-    session.close()
+    kept = [event for event in events(tmp_path) if isinstance(event, LateAnswerKept)]
+    assert kept == [LateAnswerKept(late, f"query 'q1' was answered already, by '{first.answer_id}'")]
 
 
-def test_a_correction_is_kept_beside_what_it_corrects(tmp_path: Path, world: PerceivedWorld) -> None:
+def test_a_correction_is_kept_beside_what_it_corrects(start: Start, tmp_path: Path, world: PerceivedWorld) -> None:
     """Undo would rewrite the past, or not survive."""
-    session = started(tmp_path)
+    session = start()
     said = play_turns(session, world, 3)
     label = next(a for a in said if isinstance(a.content, str))
     undo = Answer(label.query_id, 'c1', 'scripted', Outcome.UNKNOWN, replaces=label.answer_id)
-    assert session.take(undo)
-    assert not session.take(undo)
+    assert session.take(undo) is Receipt.ACCEPTED
+    assert session.take(undo) is Receipt.DUPLICATE
     with pytest.raises(AnswerError, match="no answer 'c9' to query"):
         session.take(dataclasses.replace(undo, answer_id='c2', replaces='c9'))
-    session.close()
     told = [event.answer for event in events(tmp_path) if isinstance(event, AnswerAccepted)]
     assert told == [*said, undo]
-    resumed = started(tmp_path)
+    resumed = start()
     assert resumed.episode.records == session.episode.records
     assert Outcome.UNKNOWN in {record.outcome for record in resumed.episode.records}
-    resumed.close()
 
 
-def test_refused_texts_are_kept_once(tmp_path: Path, world: PerceivedWorld) -> None:
+def test_refused_texts_are_kept_once(start: Start, tmp_path: Path, world: PerceivedWorld) -> None:
     """Nobody could tell why a person's answer had not been taken; or a stuck sender would fill the disk."""
-    session = started(tmp_path)
+    session = start()
     for _ in range(3):
         session.note_refused('x' * 5000, 'nonsense')
     session.close()
     assert events(tmp_path)[1:] == [InputRejected('x' * 1000, 'nonsense')]
-    started(tmp_path).close()
+    start()
 
 
 def test_a_flood_of_refused_texts_is_counted(
-    tmp_path: Path, world: PerceivedWorld, monkeypatch: pytest.MonkeyPatch
+    start: Start, tmp_path: Path, world: PerceivedWorld, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     """Whoever sends garbage could fill the disk, and nothing would be left for the answers."""
     now = 0.0
     monkeypatch.setattr('al_questioner.support.rate_limiter.time', SimpleNamespace(monotonic=lambda: now))
-    session = started(tmp_path)
+    session = start()
     for number in range(1000):
         session.note_refused(str(number), 'nonsense')
     now = 61.0
@@ -182,26 +170,22 @@ def test_a_flood_of_refused_texts_is_counted(
     assert sum(event.count for event in refused) == 2012
 
 
-def test_of_late_answers_to_one_query_so_many_are_kept(tmp_path: Path, world: PerceivedWorld) -> None:
+def test_of_late_answers_to_one_query_so_many_are_kept(start: Start, tmp_path: Path, world: PerceivedWorld) -> None:
     """The same with answers that come too late."""
-    session = started(tmp_path)
+    session = start()
     (first,) = play_turns(session, world, 1)
     for number in range(120):
-        with pytest.raises(LateAnswerError):
-            session.take(dataclasses.replace(first, answer_id=f'late {number}'))
+        assert session.take(dataclasses.replace(first, answer_id=f'late {number}')) is Receipt.LATE
     assert sum(isinstance(event, LateAnswerKept) for event in events(tmp_path)) == 100
-    session.close()
 
 
-def test_tuning_is_on_the_disk(tmp_path: Path, world: PerceivedWorld) -> None:
+def test_tuning_is_on_the_disk(start: Start, tmp_path: Path, world: PerceivedWorld) -> None:
     """A resumed learner would tune once more, or not at all."""
-    session = started(tmp_path)
+    session = start()
     play_turns(session, world, 2)
-    session.close()
-    resumed = started(tmp_path)
+    resumed = start()
     assert not resumed.episode.tune_is_due
     assert resumed.episode.concepts.kernel == session.episode.concepts.kernel
-    resumed.close()
     assert sum(isinstance(event, KernelTuned) for event in events(tmp_path)) == 1
 
 
@@ -234,51 +218,46 @@ def test_a_log_with_a_fixed_view_tolerance_goes_on_with_it_where_none_is_asked_f
     resumed.close()
 
 
-def test_what_cannot_be_written_is_not_taken(tmp_path: Path, world: PerceivedWorld) -> None:
+def test_what_cannot_be_written_is_not_taken(start: Start, world: PerceivedWorld) -> None:
     """An answer would be learnt, and acknowledged, that is gone after the next start."""
-    session = started(tmp_path)
+    session = start()
     play_turns(session, world, 2)
     ask(session, world)
     said = answer(session, world)
-    session._log._database.execute('PRAGMA query_only=1')
+    session._log._storage._database.execute('PRAGMA query_only=1')
     for _ in range(2):
         with pytest.raises(LogWriteError, match='cannot be written'):
             session.take(said)
     assert len(session.episode.records) == 2
-    session.close()
-    resumed = started(tmp_path)
-    assert resumed.take(said)
-    resumed.close()
+    resumed = start()
+    assert resumed.take(said) is Receipt.ACCEPTED
 
 
 def test_without_a_log_answers_count_once_too(world: PerceivedWorld) -> None:
     """A learner without a session would have other rules."""
     session = started(None)
     (said, *_) = play_turns(session, world, 2)
-    assert not session.take(said)
-    with pytest.raises(LateAnswerError):
-        session.take(dataclasses.replace(said, answer_id='other'))
+    assert session.take(said) is Receipt.DUPLICATE
+    assert session.take(dataclasses.replace(said, answer_id='other')) is Receipt.LATE
     session.close()
 
 
-def test_a_scene_without_its_decision_is_passed_over(tmp_path: Path, world: PerceivedWorld) -> None:
+def test_a_scene_without_its_decision_is_passed_over(start: Start, tmp_path: Path, world: PerceivedWorld) -> None:
     """A log that was cut off within a turn could not be gone on with."""
-    session = started(tmp_path)
+    session = start()
     play_turns(session, world, 1)
     session.close()
     with SessionLog(tmp_path) as log:
         log.append(Encoder().encode(SceneObserved(2, 2000, 'table', world.scene(2))))
-    resumed = started(tmp_path)
+    resumed = start()
     assert resumed.episode.turn == 1
     play_turns(resumed, world, 2)
-    resumed.close()
-    again = started(tmp_path)
+    again = start()
     assert again.episode.turn == 3
-    again.close()
 
 
 def test_a_persons_choices_are_not_asked_for_again(
-    tmp_path: Path, world: PerceivedWorld, monkeypatch: pytest.MonkeyPatch
+    start: Start, world: PerceivedWorld, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     """Whoever shows how to ask would have to show it all again after a crash."""
     asked = []
@@ -289,13 +268,11 @@ def test_a_persons_choices_are_not_asked_for_again(
 
     monkeypatch.setattr(human, 'at_terminal', lambda: person)
     settings = dataclasses.replace(begun().settings, strategy='human')
-    session = started(tmp_path, settings=settings)
+    session = start(settings=settings)
     play_turns(session, world, 3)
     queries = session.episode.records
-    session.close()
-    again = started(tmp_path, settings=settings)
+    again = start(settings=settings)
     assert asked == [1, 2, 3]
     assert again.episode.records == queries
     play_turns(again, world, 1)
     assert asked == [1, 2, 3, 4]
-    again.close()

@@ -6,6 +6,7 @@ import resource
 import shutil
 import subprocess
 import sys
+from functools import partial
 from pathlib import Path
 
 import numpy as np
@@ -15,27 +16,19 @@ from hypothesis import strategies as st
 from hypothesis.extra import numpy as st_numpy
 
 from al_questioner.domain import Action, Answer, Costs, EpisodeSettings, Outcome, Query, QueryKind, Scene
+from al_questioner.event_log.encoding import Encoder, decoded
 from al_questioner.event_log.events import (
     ActionChosen,
     AnswerAccepted,
-    Encoder,
     EpisodeStarted,
     InputRejected,
     KernelTuned,
     LateAnswerKept,
     SceneObserved,
-    decoded,
 )
-from al_questioner.event_log.log import (
-    DATABASE,
-    HEAD,
-    LogContents,
-    LogWriteError,
-    SessionLog,
-    SessionLogError,
-    read_log,
-    repair_log,
-)
+from al_questioner.event_log.log import LogContents, LogWriteError, SessionLog, SessionLogError, read_log, repair_log
+from al_questioner.event_log.storage import DATABASE, HEAD
+from shared.storages import UnwaitedStorage, WatchedStorage
 
 ENTRIES = [('scene' if i % 3 == 0 else 'answer', bytes([i]) * (10 + 997 * i % 6000)) for i in range(24)]
 
@@ -109,16 +102,15 @@ def test_no_log(tmp_path: Path) -> None:
 @pytest.mark.parametrize('point', ['begun', 'written', 'committed', 'noted'])
 def test_an_append_is_there_or_not_wherever_it_ends(tmp_path: Path, point: str) -> None:
     """A crash would leave half of a turn."""
-    log = write(tmp_path / 'log', ENTRIES[:5], close=False)
+    write(tmp_path / 'log', ENTRIES[:5])
     copies = []
 
     def crash(reached: str) -> None:
         if reached == point:
             copies.append(shutil.copytree(tmp_path / 'log', tmp_path / 'crashed'))
 
-    log._at_write_point = crash
-    log.append(*ENTRIES[5:7])
-    log.close()
+    with SessionLog(tmp_path / 'log', partial(WatchedStorage, reached=crash)) as log:
+        log.append(*ENTRIES[5:7])
     contents = read_log(copies[0])
     assert contents.damage is None
     assert len(contents.events) == (7 if point in ('committed', 'noted') else 5)
@@ -277,7 +269,7 @@ def test_a_log_that_became_read_only_says_so(tmp_path: Path) -> None:
     """An answer would be acknowledged that nobody has."""
     with SessionLog(tmp_path) as log:
         log.append(ENTRIES[0])
-        log._database.execute('PRAGMA query_only=1')
+        log._storage._database.execute('PRAGMA query_only=1')
         with pytest.raises(LogWriteError, match='readonly database'):
             log.append(ENTRIES[1])
     assert contents_of(tmp_path) == ENTRIES[:1]
@@ -288,13 +280,13 @@ FLOATS = st_numpy.arrays(
     st.tuples(st.integers(1, 5), st.just(4)),
     elements=st.floats(width=32, allow_nan=False, allow_infinity=False),
 )
+SCENES = FLOATS.map(lambda table: Scene(tuple(range(len(table))), table[:, :3], table, ('a', 'b', 'c', 'd')))
 WORDS = st.text(max_size=8)
+WORLDS = st.none() | st.just({'task': 'x'})
 NAMED = st.text(min_size=1, max_size=8)
 ANSWERS = st.builds(
     Answer,
-    NAMED,
-    NAMED,
-    NAMED,
+    *(NAMED, NAMED, NAMED),
     st.sampled_from(Outcome),
     st.none() | NAMED | st.integers(0, 2**32 - 2) | st.lists(NAMED, max_size=3).map(tuple),
     st.none() | NAMED,
@@ -306,11 +298,7 @@ QUERIES = st.builds(
     st.integers(1, 10_000),
     st.builds(Action, st.sampled_from(QueryKind), st.none() | st.integers(0, 99), st.none() | NAMED),
     st.lists(NAMED).map(tuple),
-    AMOUNTS,
-    AMOUNTS,
-    st.integers(0, 99),
-    st.integers(0, 99),
-    WORDS,
+    *(AMOUNTS, AMOUNTS, st.integers(0, 99), st.integers(0, 99), WORDS),
 )
 SETTINGS = st.builds(
     EpisodeSettings,
@@ -323,16 +311,8 @@ SETTINGS = st.builds(
     length_scale=st.none() | st.floats(0.1, 9),
 )
 EVENTS = st.one_of(
-    st.builds(
-        EpisodeStarted, NAMED, SETTINGS, st.integers(0, 2**63), AMOUNTS, st.none() | st.just({'task': 'x'}), WORDS
-    ),
-    st.builds(
-        SceneObserved,
-        st.integers(1, 99),
-        st.integers(0, 2**62),
-        WORDS,
-        FLOATS.map(lambda table: Scene(tuple(range(len(table))), table[:, :3], table, ('a', 'b', 'c', 'd'))),
-    ),
+    st.builds(EpisodeStarted, NAMED, SETTINGS, st.integers(0, 2**63), AMOUNTS, WORLDS, WORDS),
+    st.builds(SceneObserved, st.integers(1, 99), st.integers(0, 2**62), WORDS, SCENES),
     st.builds(ActionChosen, st.integers(1, 99), st.builds(Action, st.sampled_from(QueryKind)), st.none() | QUERIES),
     st.builds(AnswerAccepted, ANSWERS),
     st.builds(LateAnswerKept, ANSWERS, WORDS),
@@ -348,7 +328,7 @@ def test_events_come_back_to_the_last_bit(tmp_path_factory: pytest.TempPathFacto
     twice = [event for event, again in events for _ in range(1 + again)]
     folder = tmp_path_factory.mktemp('log')
     encoder = Encoder()
-    with SessionLog(folder, synchronous=False) as log:
+    with SessionLog(folder, UnwaitedStorage) as log:
         for event in twice:
             log.append(encoder.encode(event))
     found, fault = decoded(read_log(folder))

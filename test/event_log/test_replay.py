@@ -11,14 +11,13 @@ from al_questioner.domain import Answer, Outcome, SettingsError
 from al_questioner.event_log.events import AnswerAccepted, EpisodeStarted, KernelTuned, TurnTimedOut
 from al_questioner.event_log.replay import Replay, ReplayError
 from al_questioner.simulation import PerceivedWorld
-from durable_sessions import ask, begun, events, play_turns, started
+from shared.durable_sessions import Start, ask, begun, events, play_turns
 
 
-def test_a_log_that_leads_elsewhere_is_an_error(tmp_path: Path, world: PerceivedWorld) -> None:
+def test_a_log_that_leads_elsewhere_is_an_error(start: Start, tmp_path: Path, world: PerceivedWorld) -> None:
     """A robot of another version would go on as if it had asked what it never asks."""
-    session = started(tmp_path)
+    session = start()
     play_turns(session, world, 2)
-    session.close()
     found = events(tmp_path)
     replay = Replay(begun(settings=dataclasses.replace(begun().settings, strategy='rarest_demo')))
 
@@ -30,10 +29,9 @@ def test_a_log_that_leads_elsewhere_is_an_error(tmp_path: Path, world: Perceived
         play_all()
     first = found[0]
     assert isinstance(first, EpisodeStarted)
-    for odd, reason in ((first, 'another episode begins'), (found[2], 'not about the scene of the next turn')):
-        with pytest.raises(ReplayError, match=reason):
-            Replay(begun()).play(odd)
     for odd, reason in (
+        (first, 'another episode begins'),
+        (found[2], 'not about the scene of the next turn'),
         (AnswerAccepted(Answer('q1', 'a1', 'x', Outcome.SKIP)), 'turn 0: answer: no query is pending'),
         (KernelTuned(7, 3), 'recorded were version 3 and turn 7'),
     ):
@@ -48,9 +46,9 @@ def test_an_unknown_strategy_is_named(tmp_path: Path) -> None:
         Replay(begun(settings=unknown))
 
 
-def test_a_turn_that_passed_without_waiting_is_named(tmp_path: Path, world: PerceivedWorld) -> None:
+def test_a_turn_that_passed_without_waiting_is_named(start: Start, world: PerceivedWorld) -> None:
     """A log that was tampered with would be gone on with."""
-    session = started(tmp_path)
+    session = start()
     query = ask(session, world).query
     replay = Replay(session.begun)
     with pytest.raises(ReplayError, match='q1 does not wait for an answer'):

@@ -3,42 +3,29 @@
 from __future__ import annotations
 
 import dataclasses
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from types import MappingProxyType
 
 import numpy as np
 import pytest
 
 from al_questioner.concepts import ConceptLearner
-from al_questioner.domain import Costs, InputError, Outcome, QueryKind, QueryRecord, Scene
+from al_questioner.domain import InputError, Outcome, QueryKind, QueryRecord
 from al_questioner.experiments.ceilings import GreedyOracle, follow_all_labels
 from al_questioner.experiments.plan import Cell, Variation
 from al_questioner.experiments.playing import play_episode
 from al_questioner.questioning import TurnContext
-from al_questioner.simulation import (
-    Evaluation,
-    PerceivedWorld,
-    ScriptedTeacher,
-    WorldSpec,
-    accuracy,
-    episode_settings,
-    load_task,
-)
+from al_questioner.simulation import Evaluation, PerceivedWorld, WorldSpec, accuracy, episode_settings
+from shared.lunches import TASK, teacher_of
+from shared.scenes import make_context, make_scene
 
-TASK = load_task('prepare_lunch')
 SYMBOLS = ('snack', 'fruit')
-NAMES = ('colour_red', 'size_height')
-
-
-def scene_of(table: Sequence[Sequence[float]]) -> Scene:
-    features = np.asarray(table, dtype=np.float32)
-    return Scene(tuple(range(len(features))), np.zeros((len(features), 3), dtype=np.float32), features, NAMES)
 
 
 class ToyWorld:
     """Four things on a line, snacks to the left; held-out things to both sides, most of them fruit."""
 
-    scene_now = scene_of([[-2, 0], [-1, 0], [1, 0], [2, 0]])
+    scene_now = make_scene([[-2, 0], [-1, 0], [1, 0], [2, 0]], None, ('colour_red', 'size_height'))
     labels = MappingProxyType(dict(enumerate(['snack', 'snack', 'fruit', 'fruit'])))
     validation_set = np.array([[-2.2, 0], [1.4, 0], [1.8, 0], [2.1, 0]], dtype=np.float32), (
         'snack', 'fruit', 'fruit', 'fruit',
@@ -48,18 +35,14 @@ class ToyWorld:
         return self.labels
 
 
-def context(told: Mapping[int, str], spent: float = 2.0, **changes: object) -> TurnContext:
+def context(told: Mapping[int, str], **changes: object) -> TurnContext:
     scene = ToyWorld.scene_now
-    concepts = ConceptLearner(SYMBOLS)
+    concepts = ConceptLearner(SYMBOLS, 4.0)
     concepts.observe(scene)
     for object_id, label in told.items():
         concepts.label(object_id, scene.features[object_id], label, 1)
     asked = QueryRecord(1, QueryKind.FEATURE_SUBSET, None, None, 2.0, Outcome.UNKNOWN)
-    values = {
-        'turn': 3, 'turns': 20, 'scene': scene, 'concepts': concepts, 'budget': 20.0, 'spent': spent,
-        'costs': Costs(), 'change_interval': 5, 'non_query_turns': 0, 'scene_turn': 1, 'history': (asked,),
-    }  # fmt: skip
-    return TurnContext(**{**values, **changes})
+    return make_context(scene, concepts, history=(asked,), **changes)
 
 
 def test_the_oracle_takes_the_label_that_leads_to_the_highest_accuracy() -> None:
@@ -107,8 +90,7 @@ def test_all_labels_are_all_that_was_in_sight() -> None:
     """The ceiling would know too little, or what lies in the future."""
     choice = WorldSpec(TASK, 3, 3)
     settings = episode_settings(TASK, 'random_fsq', 25, 12)
-    teacher = ScriptedTeacher(TASK.symbols, TASK.relevant_groups, 3)
-    result = follow_all_labels(Evaluation(choice, settings), TASK, teacher)
+    result = follow_all_labels(Evaluation(choice, settings), TASK, teacher_of(TASK, 3))
     assert result.queries == ()
     assert len(set(result.accuracy[:10])) == 1
     world = PerceivedWorld(choice.open())

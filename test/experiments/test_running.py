@@ -20,8 +20,9 @@ from al_questioner.experiments.playing import Played, play_cells, play_episode
 from al_questioner.experiments.results import read_results
 from al_questioner.experiments.running import run
 from al_questioner.experiments.storing import Store
-from al_questioner.simulation import ScriptedTeacher, WorldSpec, episode_settings, load_task, run_episode
-from al_questioner.support.configuration import config_dir
+from al_questioner.simulation import WorldSpec, episode_settings, run_episode
+from shared.lunches import TASK, teacher_of
+from shared.task_files import task_content, write_task
 
 PLAN = Plan(('prepare_lunch',), (Condition(3, 4), Condition(2, 6)), ('random_fsq', 'dt_task_env'), (0, 1))
 
@@ -54,15 +55,12 @@ def test_the_numbers_do_not_depend_on_the_processes(reference, tmp_path: Path) -
 
 def test_a_cell_is_the_episode_that_anybody_plays(reference) -> None:
     """The experiment would be about other episodes than those that users see."""
-    task = load_task('prepare_lunch')
     for row in read_results(reference[0]).episodes:
         cell, sample = row.cell, row.cell.sample
-        teacher = ScriptedTeacher(task.symbols, task.relevant_groups, sample)
-        settings = episode_settings(task, cell.strategy, cell.budget, cell.turns)
-        result = run_episode(WorldSpec(task, sample, sample), settings, teacher)
-        assert row.final_accuracy == result.final_accuracy
+        settings = episode_settings(TASK, cell.strategy, cell.budget, cell.turns)
+        result = run_episode(WorldSpec(TASK, sample, sample), settings, teacher_of(TASK, sample))
+        assert (row.final_accuracy, row.spent) == (result.final_accuracy, result.spent)
         assert row.queries == len(result.queries)
-        assert row.spent == result.spent
 
 
 def test_strategies_share_sample_scenes_and_teacher(monkeypatch: pytest.MonkeyPatch) -> None:
@@ -183,15 +181,12 @@ def test_every_run_is_told(reference, tmp_path: Path) -> None:
 
 def test_a_task_file_is_stored_inside_the_folder(tmp_path: Path) -> None:
     """Cells of a task of one's own would be written all over the disk."""
-    copy = tmp_path / 'mine.yaml'
-    copy.write_text((config_dir() / 'tasks' / 'prepare_lunch.yaml').read_text())
-    plan = dataclasses.replace(PLAN, tasks=(str(copy),), samples=(0,), conditions=(Condition(2, 2),))
-    played(tmp_path / 'out', plan)
-    assert {path.parts[len((tmp_path / 'out').parts) + 1] for path in (tmp_path / 'out').glob('cells/**/*.json')} == {
-        'mine'
-    }
+    mine, out = write_task(tmp_path, task_content('prepare_lunch')), tmp_path / 'out'
+    plan = dataclasses.replace(PLAN, tasks=(mine,), samples=(0,), conditions=(Condition(2, 2),))
+    played(out, plan)
+    assert {path.relative_to(out).parts[1] for path in out.glob('cells/**/*.json')} == {'mine'}
     with pytest.raises(SettingsError, match='same name'):
-        dataclasses.replace(PLAN, tasks=(str(copy), str(tmp_path / 'other' / 'mine.yaml')))
+        dataclasses.replace(PLAN, tasks=(mine, str(tmp_path / 'other' / 'mine.yaml')))
 
 
 def test_a_dead_worker_is_told_in_a_line(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:

@@ -13,15 +13,9 @@ from al_questioner.experiments.plan import Condition, Plan
 from al_questioner.experiments.semantics import SEMANTICS, SOURCES_OF_1
 from al_questioner.experiments.storing import Store
 from al_questioner.questioning import STRATEGIES
-from al_questioner.simulation import (
-    PerceivedWorld,
-    ScriptedTeacher,
-    WorldSpec,
-    episode_settings,
-    load_task,
-    run_episode,
-)
-from al_questioner.simulation.made_up import MadeUpWorld, made_up_scene
+from al_questioner.simulation import PerceivedWorld, ScriptedTeacher, WorldSpec, episode_settings, run_episode
+from al_questioner.simulation.made_up_world import MadeUpWorld, made_up_scene
+from shared.lunches import TASK
 
 PLAN = Plan(tasks=('prepare_lunch',), conditions=(Condition(2, 2),), strategies=('random_fsq',), samples=(0,))
 EPISODES = {1: 'eea497bb18f442c6'}
@@ -29,15 +23,14 @@ EPISODES = {1: 'eea497bb18f442c6'}
 
 def digest_of_queries() -> str:
     """Of what each strategy asks in one short episode, and how often the learner is right then."""
-    task = load_task('prepare_lunch')
     found = []
     for strategy in sorted(set(STRATEGIES) - {'human'}):
         # Made-up features: other versions of OpenCV draw other pictures.
-        made_up = MadeUpWorld(task, 5, 5)
-        settings = episode_settings(task, strategy, 8.0, 12)
-        teacher = ScriptedTeacher(task.symbols, made_up.relevant_groups, 5)
+        made_up = MadeUpWorld(TASK, 5, 5)
+        settings = episode_settings(TASK, strategy, 8.0, 12)
+        teacher = ScriptedTeacher(TASK.symbols, made_up.relevant_groups, 5)
         world = PerceivedWorld(made_up, made_up_scene)
-        result = run_episode(WorldSpec(task, 5, 5), settings, teacher, world=world)
+        result = run_episode(WorldSpec(TASK, 5, 5), settings, teacher, world=world)
         asked = [(q.turn, q.kind.value, q.object_id, q.symbol, q.cost) for q in result.queries]
         found.append((strategy, asked, [round(accuracy, 9) for accuracy in result.accuracy]))
     return hashlib.sha256(repr(found).encode()).hexdigest()[:16]

@@ -1,12 +1,16 @@
 """Demonstrations: synthetic ones from known weights, and short ones of the scripted expert."""
 
+from types import SimpleNamespace
+
 import numpy as np
 import pytest
 from scipy.special import softmax
 
 from al_questioner.domain import Action, EpisodeSettings, QueryKind
-from al_questioner.imitation.demonstration import Demonstration, Step, demonstrate
-from al_questioner.simulation import ScriptedTeacher, WorldSpec, episode_settings, load_task
+from al_questioner.imitation.demonstration import Demonstration, Step
+from al_questioner.simulation import WorldSpec, episode_settings
+from demonstrating import demonstrate
+from shared.lunches import TASK, teacher_of
 
 ACTIONS = (
     Action(QueryKind.DEMONSTRATION, symbol='snack'),
@@ -32,20 +36,14 @@ def synthetic(weights, seed, n_steps=400, features=None):
 
 def expert(seed, budget=6.0, turns=10):
     """A short demonstration of the scripted expert."""
-    task = load_task('prepare_lunch')
-    settings = episode_settings(task, 'expert', budget, turns, change_interval=5)
-    return demonstrate(WorldSpec(task, seed, seed), settings, ScriptedTeacher(task.symbols, task.relevant_groups, seed))
+    settings = episode_settings(TASK, 'expert', budget, turns, change_interval=5)
+    return demonstrate(WorldSpec(TASK, seed, seed), settings, teacher_of(TASK, seed))
 
 
 @pytest.fixture(scope='session')
 def made():
-    """The helpers above; test modules cannot import from each other in pytest's importlib mode."""
-
-    class Made:
-        actions, settings = ACTIONS, SETTINGS
-        synthetic = staticmethod(synthetic)
-
-    return Made
+    """The helper above; test modules cannot import from each other in pytest's importlib mode."""
+    return SimpleNamespace(synthetic=synthetic)
 
 
 @pytest.fixture(scope='session')

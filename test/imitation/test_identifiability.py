@@ -2,7 +2,6 @@
 
 import numpy as np
 
-from al_questioner.imitation.demonstration import feature_scale
 from al_questioner.imitation.identifiability import identify
 
 
@@ -26,7 +25,7 @@ def test_features_that_vary_only_together_are_named(made):
     assert free.unidentified == ('class_uniformity', 'budget_consumption', 'remaining_time')
     assert 'class_uniformity, budget_consumption: they vary only together' in free.describe()
     weights = np.random.default_rng(1).normal(size=7)
-    kept = free.project(weights, feature_scale([demonstration]))
+    kept = free.project(weights)
     for step in demonstration.steps:
         np.testing.assert_allclose(step.contrasts @ kept, step.contrasts @ weights, atol=1e-9)
     assert kept[5] == 0.0

@@ -7,23 +7,32 @@ import pytest
 import yaml
 
 from al_questioner.commands.train_weights.pictures import draw_training
-from al_questioner.domain import DECISION_FEATURES, VALUE_FEATURES, InputError
-from al_questioner.imitation.demonstration import UnknownWorld, demonstrate
+from al_questioner.domain import DECISION_FEATURES, InputError
+from al_questioner.imitation.choice_likelihood import fit_choices
+from al_questioner.imitation.demonstration import UnknownWorld, feature_scale
 from al_questioner.imitation.settings import MatchingSettings, TrainingSettings
 from al_questioner.imitation.training import check_alike, expected_gap, train, validation_text, weights_document
 from al_questioner.questioning import FEATURE_SETS, make_strategy, read_weights
-from al_questioner.simulation import ScriptedTeacher, WorldSpec, episode_settings, load_task
+from al_questioner.questioning.strategies.value_per_cost import VALUE_FEATURES
+from al_questioner.simulation import WorldSpec, episode_settings
+from demonstrating import demonstrate
+from shared.lunches import TASK, teacher_of
 
 QUICK = MatchingSettings(iterations=3, rollouts=2)
 BAGS = [{'name': 'a', 'sha256': '00'}, {'name': 'b', 'sha256': '11'}]
+
+
+def written(folder, training, bags):
+    path = folder / 'w.yaml'
+    path.write_text(yaml.safe_dump(weights_document(training, len(bags), bags), sort_keys=False))
+    return path
 
 
 @pytest.mark.parametrize('method', ['maxent', 'choice'])
 def test_what_is_written_can_be_read_and_tells_where_it_comes_from(experts, tmp_path, method):
     """The learner could not take the weights, or nobody could tell what they are."""
     training = train(experts, TrainingSettings(method, matching=QUICK))
-    path = tmp_path / 'w.yaml'
-    path.write_text(yaml.safe_dump(weights_document(training, 2, BAGS), sort_keys=False))
+    path = written(tmp_path, training, BAGS)
     read = read_weights(path)
     assert list(read.values) == list(DECISION_FEATURES)
     assert sum(map(abs, read.values.values())) == pytest.approx(1, abs=1e-5)
@@ -55,9 +64,6 @@ def test_it_is_said_whether_the_weights_hold_for_others(experts):
 
 def test_unweighted_choices_leave_no_gap_at_the_experts_steps(made):
     """At the maximum of the likelihood expected and chosen features are equal: equation 6, state by state."""
-    from al_questioner.imitation.choice_likelihood import fit_choices
-    from al_questioner.imitation.demonstration import feature_scale
-
     shown = [made.synthetic(np.array([3, 1, -2, 0.5, -4, 0, -3.0]), 0, 100)]
     found = fit_choices(shown, importance=np.ones(100), ridge=0.0)
     assert np.abs(expected_gap(found, shown, feature_scale(shown))).max() < 1e-4
@@ -108,15 +114,12 @@ def test_objects_that_the_table_does_not_have_are_not_rolled_out_on_it(experts):
 @pytest.mark.parametrize('method', ['maxent', 'choice'])
 def test_our_own_questioner_learns_from_the_same_expert(tmp_path, method):
     """By its own features, from what the expert knew when it chose."""
-    task, feature_set = load_task('prepare_lunch'), FEATURE_SETS['value_per_cost']
-    settings = episode_settings(task, 'expert', 6.0, 10, change_interval=5)
-    teacher = ScriptedTeacher(task.symbols, task.relevant_groups, 0)
-    shown = [demonstrate(WorldSpec(task, 0, 0), settings, teacher, feature_set=feature_set)]
+    settings = episode_settings(TASK, 'expert', 6.0, 10, change_interval=5)
+    feature_set = FEATURE_SETS['value_per_cost']
+    shown = [demonstrate(WorldSpec(TASK, 0, 0), settings, teacher_of(TASK, 0), feature_set=feature_set)]
     assert shown[0].steps[0].features.shape[1] == len(VALUE_FEATURES)
     training = train(shown, TrainingSettings(method, 0, matching=QUICK))
-    path = tmp_path / 'w.yaml'
-    path.write_text(yaml.safe_dump(weights_document(training, 1, BAGS[:1]), sort_keys=False))
-    weights = read_weights(path).values
+    weights = read_weights(written(tmp_path, training, BAGS[:1])).values
     assert list(weights) == list(VALUE_FEATURES)
     make_strategy('value_per_cost', weights)
     if method == 'choice':

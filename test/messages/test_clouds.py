@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from types import SimpleNamespace
 
 import numpy as np
@@ -20,6 +21,7 @@ from al_questioner.messages.clouds import (
 )
 
 TYPES = CloudTypes(cloud=SimpleNamespace, field=SimpleNamespace, octets=bytes)
+SYMBOLS = ('fruit', 'snack')
 NAMES = ('colour_hue', 'size_height', 'weight_kg')
 finite = st.floats(width=32, allow_nan=False, allow_infinity=False)
 
@@ -36,6 +38,18 @@ def make_scene(n: int = 3) -> Scene:
 
 def make_cloud(scene: Scene | None = None) -> SimpleNamespace:
     return cloud_of_scene(scene or make_scene(), SimpleNamespace(), TYPES)
+
+
+def foreign_cloud(points: np.ndarray, width: int, height: int = 1, **members: object) -> SimpleNamespace:
+    """A cloud of another make, whose points lie as those of a structured array do."""
+    datatypes, layout = {'u1': 2, 'u2': 4, 'i4': 5, 'u4': 6, 'f4': 7, 'f8': 8}, points.dtype
+    fields = [
+        SimpleNamespace(name=name, offset=offset, datatype=datatypes[kind.str[1:]], count=1)
+        for name, (kind, offset) in layout.fields.items()
+    ]
+    row_step = width * layout.itemsize
+    members = {'row_step': row_step, 'is_bigendian': False, 'data': points.tobytes(), **members}
+    return SimpleNamespace(fields=fields, width=width, height=height, point_step=layout.itemsize, **members)
 
 
 @given(hnp.arrays(np.float32, (4, 3), elements=finite), hnp.arrays(np.float32, (4, 2), elements=finite))
@@ -74,154 +88,89 @@ def test_foreign_layout_is_read(order: str) -> None:
     points['object_id'], points['size_a'], points['x'] = [4, 5, 6, 7], [0.5, 1.5, 2.5, 3.5], [1, 2, 3, 4]
     rows = points.tobytes()
     data = rows[:80] + b'\xff' * 8 + rows[80:] + b'\xff' * 8
-    datatypes = {'object_id': 4, 'size_a': 8, 'x': 7, 'y': 7, 'z': 7}
-    cloud = SimpleNamespace(
-        fields=[
-            SimpleNamespace(name=n, offset=layout.fields[n][1], datatype=datatypes[n], count=1) for n in layout.names
-        ],
-        is_bigendian=order == '>',
-        point_step=40,
-        width=2,
-        height=2,
-        row_step=88,
-        data=data,
-    )
+    cloud = foreign_cloud(points, 2, 2, row_step=88, is_bigendian=order == '>', data=data)
     scene = scene_of_cloud(cloud)
     assert scene.object_ids == (4, 5, 6, 7)
     assert scene.features[:, 0].tolist() == [0.5, 1.5, 2.5, 3.5]
     assert scene.positions[:, 0].tolist() == [1, 2, 3, 4]
 
 
-def _without_id(cloud: SimpleNamespace) -> None:
-    cloud.fields = [field for field in cloud.fields if field.name != 'object_id']
+Damage = Callable[[SimpleNamespace], dict[str, object]]
+"""Members of a cloud that are others in a damaged one."""
 
 
-def _two_values(cloud: SimpleNamespace) -> None:
-    cloud.fields[4].count = 2
+def field(number: int, **members: object) -> Damage:
+    """Alter a field."""
+
+    def alter(cloud: SimpleNamespace) -> dict[str, object]:
+        vars(cloud.fields[number]).update(members)
+        return {}
+
+    return alter
 
 
-def _twice(cloud: SimpleNamespace) -> None:
-    cloud.fields[5].name = cloud.fields[4].name
+def octets(offset: int, content: bytes) -> Damage:
+    """Alter the data."""
+    return lambda cloud: {'data': cloud.data[:offset] + content + cloud.data[offset + len(content) :]}
 
 
-def _beyond(cloud: SimpleNamespace) -> None:
-    cloud.fields[-1].offset = 26
-
-
-def _far_beyond(cloud: SimpleNamespace) -> None:
-    cloud.fields[-1].offset = 2**31 - 1
-
-
-def _unknown_type(cloud: SimpleNamespace) -> None:
-    cloud.fields[-1].datatype = 9
-
-
-def _short(cloud: SimpleNamespace) -> None:
-    cloud.data = cloud.data[:-1]
-
-
-def _empty(cloud: SimpleNamespace) -> None:
-    cloud.width = cloud.row_step = 0
-    cloud.data = b''
-
-
-def _no_bytes(cloud: SimpleNamespace) -> None:
-    cloud.point_step = cloud.row_step = 0
-    cloud.fields = []
-
-
-def _huge(cloud: SimpleNamespace) -> None:
-    cloud.width = cloud.height = 2**31
-
-
-def _no_objects_end(cloud: SimpleNamespace) -> None:
-    cloud.width, cloud.row_step, cloud.data = 2001, 2001 * cloud.point_step, bytes(2001 * cloud.point_step)
-
-
-def _many_fields(cloud: SimpleNamespace) -> None:
-    cloud.fields = cloud.fields * 2000
-
-
-def _overlapping_rows(cloud: SimpleNamespace) -> None:
-    cloud.height, cloud.row_step = 2, 42
-
-
-def _nan(cloud: SimpleNamespace) -> None:
-    cloud.data = cloud.data[:16] + np.float32(np.nan).tobytes() + cloud.data[20:]
-
-
-def _sentinel_id(cloud: SimpleNamespace) -> None:
-    cloud.data = cloud.data[:12] + b'\xff' * 4 + cloud.data[16:]
-
-
-def _float_id(cloud: SimpleNamespace) -> None:
-    cloud.fields[3].datatype = 7
-    cloud.data = cloud.data[:12] + np.float32(1.5).tobytes() + cloud.data[16:]
+def _float_id(cloud: SimpleNamespace) -> dict[str, object]:
+    return field(3, datatype=7)(cloud) | octets(12, np.float32(1.5).tobytes())(cloud)
 
 
 @pytest.mark.parametrize(
     ('damage', 'reason'),
     [
-        (_without_id, 'no field object_id'),
-        (_two_values, 'more than one value'),
-        (_twice, 'do not make a layout'),
-        (_beyond, 'do not make a layout'),
-        (_far_beyond, 'do not make a layout'),
-        (_no_objects_end, 'has 2001 points, at most 2000'),
-        (_many_fields, 'at most 10000'),
-        (_unknown_type, 'do not make a layout'),
-        (_short, 'too few'),
-        (_huge, 'at most'),
-        (_no_bytes, 'hold no bytes'),
-        (_overlapping_rows, 'too few'),
-        (_nan, 'colour_hue of object 10 is not finite'),
+        (lambda cloud: {'fields': [each for each in cloud.fields if each.name != 'object_id']}, 'no field object_id'),
+        (field(4, count=2), 'more than one value'),
+        (field(5, name=NAMES[0]), 'do not make a layout'),
+        (field(-1, offset=26), 'do not make a layout'),
+        (field(-1, offset=2**31 - 1), 'do not make a layout'),
+        (field(-1, datatype=9), 'do not make a layout'),
+        (
+            lambda cloud: {'width': 2001, 'row_step': 2001 * 28, 'data': bytes(2001 * 28)},
+            'has 2001 points, at most 2000',
+        ),
+        (lambda cloud: {'fields': cloud.fields * 2000}, 'at most 10000'),
+        (lambda cloud: {'data': cloud.data[:-1]}, 'too few'),
+        (lambda cloud: {'width': 2**31, 'height': 2**31}, 'at most'),
+        (lambda cloud: {'point_step': 0, 'row_step': 0, 'fields': []}, 'hold no bytes'),
+        (lambda cloud: {'height': 2, 'row_step': 42}, 'too few'),
+        (octets(16, np.float32(np.nan).tobytes()), 'colour_hue of object 10 is not finite'),
         (_float_id, 'no uint32'),
-        (_sentinel_id, 'no uint32'),
+        (octets(12, b'\xff' * 4), 'no uint32'),
     ],
 )
-def test_damaged_cloud_is_refused(damage: object, reason: str) -> None:
+def test_damaged_cloud_is_refused(damage: Damage, reason: str) -> None:
     """The learner would learn from nonsense, or die of it."""
     cloud = make_cloud()
-    damage(cloud)
+    vars(cloud).update(damage(cloud))
     with pytest.raises(SceneError, match=reason):
         scene_of_cloud(cloud)
 
 
-def _without_fields(cloud: SimpleNamespace) -> None:
-    _empty(cloud)
-    cloud.fields, cloud.point_step = [], 0
+EMPTY = {'width': 0, 'row_step': 0, 'data': b''}
+WITHOUT_FIELDS = {**EMPTY, 'fields': [], 'point_step': 0}
+OF_POSITIONS = {**EMPTY, 'fields': make_cloud().fields[:3]}
 
 
-def _of_positions(cloud: SimpleNamespace) -> None:
-    _empty(cloud)
-    cloud.fields = cloud.fields[:3]
-
-
-def _without_width(cloud: SimpleNamespace) -> None:
-    cloud.width = 0
-
-
-def _without_height(cloud: SimpleNamespace) -> None:
-    cloud.height = 0
-
-
-@pytest.mark.parametrize('clear', [_empty, _without_fields, _of_positions, _without_width, _without_height])
-def test_a_cloud_without_points_shows_that_nothing_is_there(clear: object) -> None:
+@pytest.mark.parametrize('members', [EMPTY, WITHOUT_FIELDS, OF_POSITIONS, {'width': 0}, {'height': 0}])
+def test_a_cloud_without_points_shows_that_nothing_is_there(members: dict[str, object]) -> None:
     """A table that was cleared would be a fault of the camera, and the last scene stand for it."""
     cloud = make_cloud()
-    clear(cloud)
+    vars(cloud).update(members)
     scene = scene_of_cloud(cloud, NAMES)
     assert (len(scene), scene.feature_names) == (0, NAMES)
-    if clear in (_empty, _without_width, _without_height):
+    if 'fields' not in members:
         assert scene_of_cloud(cloud).equals(scene)
         assert scene_of_cloud(cloud_of_scene(scene, None, TYPES)).equals(scene)
 
 
-@pytest.mark.parametrize(('clear', 'reason'), [(_without_fields, 'neither points'), (_of_positions, 'no field')])
-def test_an_episode_cannot_begin_with_a_cloud_that_tells_no_features(clear: object, reason: str) -> None:
+@pytest.mark.parametrize(('members', 'reason'), [(WITHOUT_FIELDS, 'neither points'), (OF_POSITIONS, 'no field')])
+def test_an_episode_cannot_begin_with_a_cloud_that_tells_no_features(members: dict[str, object], reason: str) -> None:
     """Nobody could say what the features of the scenes after it must be."""
     cloud = make_cloud()
-    clear(cloud)
+    vars(cloud).update(members)
     with pytest.raises(SceneError, match=reason):
         scene_of_cloud(cloud)
 
@@ -256,10 +205,10 @@ CLOUDS = st.fixed_dictionaries(
 @given(CLOUDS, st.booleans())
 def test_no_cloud_does_more_than_be_refused(damage: dict[str, object], is_scene: bool) -> None:
     """Garbage on the topic, or in a bag, would end the process, by an exception or by reading beyond the data."""
-    cloud = make_cloud() if is_scene else cloud_of_decision(make_decision(), ('fruit', 'snack'), None, TYPES)
+    cloud = make_cloud() if is_scene else cloud_of_decision(make_decision(), SYMBOLS, None, TYPES)
     vars(cloud).update(damage)
     try:
-        scene = scene_of_cloud(cloud) if is_scene else decision_of_cloud(cloud, ('fruit', 'snack'), 4)
+        scene = scene_of_cloud(cloud) if is_scene else decision_of_cloud(cloud, SYMBOLS, 4)
     except SceneError:
         return
     if isinstance(scene, Scene):
@@ -287,7 +236,7 @@ def make_decision() -> Decision:
 def test_decision_survives_to_the_bit() -> None:
     """A bag would hold other utilities than those the learner decided by."""
     decision = make_decision()
-    back = decision_of_cloud(cloud_of_decision(decision, ('fruit', 'snack'), None, TYPES), ('fruit', 'snack'), 4)
+    back = decision_of_cloud(cloud_of_decision(decision, SYMBOLS, None, TYPES), SYMBOLS, 4)
     assert back.candidates == decision.candidates
     assert back.features.tobytes() == decision.features.tobytes()
     assert back.utilities.tobytes() == decision.utilities.tobytes()
@@ -297,7 +246,7 @@ def test_decision_survives_to_the_bit() -> None:
 def test_the_candidates_of_a_decision_lie_where_their_objects_do() -> None:
     """RViz and Foxglove draw no cloud without x, y, z, and read values where their type is aligned."""
     scene = Scene((7, 0), np.float32([[1, 2, 3], [4, 5, 6]]), np.zeros((2, 1), np.float32), ('a_1',))
-    cloud = cloud_of_decision(make_decision(), ('fruit', 'snack'), None, TYPES, scene)
+    cloud = cloud_of_decision(make_decision(), SYMBOLS, None, TYPES, scene)
     assert [(field.name, field.offset, field.datatype) for field in cloud.fields[:7]] == [
         *(('x', 0, 7), ('y', 4, 7), ('z', 8, 7)),
         *(('kind', 12, 2), ('chosen', 13, 2), ('object_id', 16, 6), ('symbol', 20, 5)),
@@ -318,51 +267,35 @@ def test_decisions_of_earlier_recordings_are_read() -> None:
         [('kind', 'u1'), ('object_id', '<u4'), ('symbol', '<i4'), *features, ('utility', '<f8'), ('chosen', 'u1')]
     )
     points = np.zeros(4, layout)
-    points['kind'], points['object_id'], points['symbol'] = (
-        [1, 0, 2, 3],
-        [2**32 - 1, 0, 2**32 - 1, 2**32 - 1],
-        [1, -1, -1, -1],
-    )
+    points['kind'], points['symbol'] = [1, 0, 2, 3], [1, -1, -1, -1]
+    points['object_id'] = [2**32 - 1, 0, 2**32 - 1, 2**32 - 1]
     for column, name in enumerate(DECISION_FEATURES):
         points[name] = decision.features[:, column]
     points['utility'], points['chosen'][3] = decision.utilities, 1
-    datatypes = {'|u1': 2, '<u4': 6, '<i4': 5, '<f8': 8}
-    fields = [
-        SimpleNamespace(name=name, offset=offset, datatype=datatypes[kind.str], count=1)
-        for name, (kind, offset) in layout.fields.items()
-    ]
-    cloud = SimpleNamespace(
-        fields=fields,
-        width=4,
-        height=1,
-        point_step=layout.itemsize,
-        row_step=4 * layout.itemsize,
-        is_bigendian=False,
-        data=points.tobytes(),
-    )
-    back = decision_of_cloud(cloud, ('fruit', 'snack'), 4)
+    cloud = foreign_cloud(points, 4)
+    back = decision_of_cloud(cloud, SYMBOLS, 4)
     assert back.candidates == decision.candidates
     assert back.utilities.tobytes() == decision.utilities.tobytes()
 
 
 def test_decision_without_one_choice_is_refused() -> None:
     """A demonstration with no choice, or two, would be imitated."""
-    cloud = cloud_of_decision(make_decision(), ('fruit', 'snack'), None, TYPES)
+    cloud = cloud_of_decision(make_decision(), SYMBOLS, None, TYPES)
     field = next(field for field in cloud.fields if field.name == 'chosen')
     chosen = 3 * cloud.point_step + field.offset
     cloud.data = cloud.data[:chosen] + b'\0' + cloud.data[chosen + 1 :]
     with pytest.raises(SceneError, match='marks 0 candidates'):
-        decision_of_cloud(cloud, ('fruit', 'snack'), 4)
+        decision_of_cloud(cloud, SYMBOLS, 4)
 
 
 def test_scene_cloud_is_no_decision() -> None:
     """Remapped topics would be read as decisions."""
     with pytest.raises(SceneError, match='no field kind'):
-        decision_of_cloud(make_cloud(), ('fruit', 'snack'), 1)
+        decision_of_cloud(make_cloud(), SYMBOLS, 1)
 
 
 def test_decision_of_other_symbols_is_refused() -> None:
     """A decision would be read with the symbols of another episode."""
-    cloud = cloud_of_decision(make_decision(), ('fruit', 'snack'), None, TYPES)
+    cloud = cloud_of_decision(make_decision(), SYMBOLS, None, TYPES)
     with pytest.raises(SceneError, match='does not exist'):
         decision_of_cloud(cloud, ('fruit',), 4)

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import dataclasses
 import json
+from typing import Any
 
 import pytest
 from hypothesis import given
@@ -23,21 +24,18 @@ ANSWERS = [
 
 
 def answer_text(**changes: object) -> str:
-    document = {
-        'schema': 'al_questioner/answer/1',
-        'episode_id': 'e',
-        **documents.answer_members(ANSWERS[0]),
-        **changes,
-    }
-    return json.dumps({key: value for key, value in document.items() if value is not ...})
+    members = {'schema': 'al_questioner/answer/1', 'episode_id': 'e', **documents.answer_members(ANSWERS[0]), **changes}
+    return json.dumps({key: value for key, value in members.items() if value is not ...})
+
+
+def sent(kind: str, members: dict[str, object]) -> Any:
+    """What arrives of a document."""
+    return documents.read(kind, documents.write(kind, 'e', members))
 
 
 def test_query_survives() -> None:
     """The teacher would be asked something else than the learner decided."""
-    assert (
-        documents.query_of(documents.read('query', documents.write('query', 'e', documents.query_members(QUERY))))
-        == QUERY
-    )
+    assert documents.query_of(sent('query', documents.query_members(QUERY))) == QUERY
 
 
 @pytest.mark.parametrize('known', [(), (7, 3)])
@@ -60,15 +58,13 @@ def test_query_begins_with_its_question() -> None:
 @pytest.mark.parametrize('answer', ANSWERS)
 def test_answer_survives(answer: Answer) -> None:
     """The learner would be told something else than the teacher said."""
-    text = documents.write('answer', 'e', documents.answer_members(answer))
-    assert documents.answer_of(documents.read('answer', text)) == answer
+    assert documents.answer_of(sent('answer', documents.answer_members(answer))) == answer
 
 
 def test_only_a_correction_names_what_it_replaces() -> None:
     """A learner that knows no corrections would refuse every answer, or one that does could not find what to amend."""
     correction = Answer('q3', 'a2', 'anna', Outcome.ANSWERED, 'fruit', replaces='a1')
-    text = documents.write('answer', 'e', documents.answer_members(correction))
-    assert documents.read('answer', text)['replaces'] == 'a1'
+    assert sent('answer', documents.answer_members(correction))['replaces'] == 'a1'
     assert 'replaces' not in documents.answer_members(ANSWERS[0])
 
 

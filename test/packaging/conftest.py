@@ -14,25 +14,14 @@ from pathlib import Path
 
 import pytest
 
-from checkout import ROOT
+from shared.checkout import ROOT
 
-ROUTES = (
-    'pip',
-    pytest.param('pip [ros]', marks=pytest.mark.slow),
-    'colcon',
-    'colcon --symlink-install',
-)
+ROUTES = ('pip', pytest.param('pip [ros]', marks=pytest.mark.slow), 'colcon', 'colcon --symlink-install')
 
 
 @dataclass(frozen=True)
 class Installation:
-    """Where one route put the package, and how it is used from there.
-
-    Attributes:
-        tool: that installed it.
-        prefix: what ament calls the package's prefix.
-        environment: of a shell in which the installation is set up.
-    """
+    """Where a tool put the package, which is its prefix for ament, and the environment of a shell that is set up."""
 
     tool: str
     prefix: Path
@@ -40,17 +29,15 @@ class Installation:
 
     def run(self, *command: str | Path, cwd: Path) -> str:
         """Run a command in this environment and return what it printed; it must succeed."""
-        done = subprocess.run(
-            command,
-            cwd=cwd,
-            env=self.environment,
-            stdin=subprocess.DEVNULL,
-            capture_output=True,
-            text=True,
-            timeout=600,
-        )
+        options = {'stdin': subprocess.DEVNULL, 'capture_output': True, 'text': True, 'timeout': 600}
+        done = subprocess.run(command, cwd=cwd, env=self.environment, **options)
         assert done.returncode == 0, f'{command} ended with {done.returncode}\n{done.stdout}{done.stderr}'
         return done.stdout
+
+    def tell(self, expression: str, cwd: Path) -> str:
+        """What an expression of Python is there; it may begin with an import."""
+        imports, _, value = expression.rpartition('; ')
+        return self.run('python3', '-c', f'{imports}; print({value})', cwd=cwd).strip()
 
 
 def libraries() -> list[str]:

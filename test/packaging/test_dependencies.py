@@ -12,7 +12,7 @@ import pytest
 from packaging.requirements import Requirement
 
 from al_questioner.support.missing_modules import FOR_BAGS
-from checkout import ROOT
+from shared.checkout import ROOT
 
 DISTRIBUTIONS = {
     'cv2': ('opencv-python-headless', 'python3-opencv'),

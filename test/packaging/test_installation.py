@@ -9,26 +9,25 @@ from pathlib import Path
 import pytest
 
 from al_questioner.cli import EXECUTABLES
-from checkout import ROOT
+from shared.checkout import ROOT
 
 
 def test_ament_index_finds_the_package(installation, tmp_path):
-    code = "from ament_index_python.packages import get_package_prefix; print(get_package_prefix('al_questioner'))"
-    found = installation.run('python3', '-c', code, cwd=tmp_path).strip()
+    code = "from ament_index_python.packages import get_package_prefix; get_package_prefix('al_questioner')"
+    found = installation.tell(code, tmp_path)
     assert Path(found).resolve() == installation.prefix.resolve()
 
 
 def test_the_installed_package_is_what_runs(installation, source, tmp_path):
-    code = 'import al_questioner; print(al_questioner.__file__)'
-    module = Path(installation.run('python3', '-c', code, cwd=tmp_path).strip()).resolve()
+    module = Path(installation.tell('import al_questioner; al_questioner.__file__', tmp_path)).resolve()
     assert any(module.is_relative_to(place.resolve()) for place in (installation.prefix, source))
     assert not module.is_relative_to(ROOT)
 
 
 def test_the_installed_package_has_its_types(installation, tmp_path):
     """Mypy would take everything that is imported from it for Any."""
-    code = 'from importlib.resources import files; print((files("al_questioner") / "py.typed").is_file())'
-    assert installation.run('python3', '-c', code, cwd=tmp_path).strip() == 'True'
+    code = 'from importlib.resources import files; (files("al_questioner") / "py.typed").is_file()'
+    assert installation.tell(code, tmp_path) == 'True'
 
 
 def test_manifest_configuration_and_launch_files_are_shared(installation):
@@ -41,36 +40,25 @@ def test_manifest_configuration_and_launch_files_are_shared(installation):
 def test_bags_and_examples_are_shared(installation, source):
     """The commands of the README would work in a checkout alone."""
     share = installation.prefix / 'share' / 'al_questioner'
-    for folder in ('bags', 'docs/examples'):
-        files = [path.relative_to(source / folder) for path in (source / folder).rglob('*') if path.is_file()]
-        place = share / Path(folder).name
-        assert [
-            str(path) for path in files if (place / path).read_bytes() != (source / folder / path).read_bytes()
-        ] == []
+    for folder in (source / 'bags', source / 'docs' / 'examples'):
+        files = {path: share / folder.name / path.relative_to(folder) for path in folder.rglob('*') if path.is_file()}
+        assert [path for path, shared in files.items() if shared.read_bytes() != path.read_bytes()] == []
 
 
-def test_a_bag_that_ships_is_found_by_its_name(installation, tmp_path):
-    code = "from al_questioner.support.configuration import named_bag; print(named_bag('expert_0'))"
-    bag = Path(installation.run('python3', '-c', code, cwd=tmp_path).strip())
-    assert (bag / 'metadata.yaml').is_file()
-    assert not bag.resolve().is_relative_to(ROOT)
-
-
-def test_the_installed_configuration_is_found(installation, tmp_path):
-    code = 'from al_questioner.support.configuration import config_dir; print(config_dir())'
-    folder = Path(installation.run('python3', '-c', code, cwd=tmp_path).strip())
-    assert (folder / 'tasks' / 'kitchen_table.yaml').is_file()
+@pytest.mark.parametrize(
+    ('call', 'file'), [("named_bag('expert_0')", 'metadata.yaml'), ('config_dir()', 'tasks/kitchen_table.yaml')]
+)
+def test_the_installed_bags_and_configuration_are_found(installation, tmp_path, call, file):
+    folder = Path(installation.tell(f'from al_questioner.support.configuration import *; {call}', tmp_path))
+    assert (folder / file).is_file()
     assert not folder.resolve().is_relative_to(ROOT)
 
 
-def test_every_executable_is_where_ros2_run_looks(installation):
-    assert {path.name for path in (installation.prefix / 'lib' / 'al_questioner').iterdir()} == set(EXECUTABLES)
-
-
-def test_all_executables_are_one_file(installation):
+def test_every_executable_is_where_ros2_run_looks_and_all_are_one_file(installation):
     """So that to run one of them is enough."""
-    contents = {path.read_bytes() for path in (installation.prefix / 'lib' / 'al_questioner').iterdir()}
-    assert len(contents) == 1
+    found = {path.name: path.read_bytes() for path in (installation.prefix / 'lib' / 'al_questioner').iterdir()}
+    assert found.keys() == set(EXECUTABLES)
+    assert len(set(found.values())) == 1
 
 
 @pytest.mark.parametrize(

@@ -8,7 +8,7 @@ import subprocess
 
 import pytest
 
-from checkout import ROOT
+from shared.checkout import ROOT
 
 OF_ROS = {
     'AMENT_PREFIX_PATH': '/opt/ros/jazzy',
@@ -21,14 +21,8 @@ OF_ROS = {
 @pytest.mark.skipif(shutil.which('make') is None, reason='make is not installed')
 def test_a_ros_that_is_set_up_does_not_mix_with_that_of_the_environment() -> None:
     """`make demo` would load half of its libraries from either."""
-    done = subprocess.run(
-        ['make', '--silent', '--eval', 'show:; @env', 'show'],
-        cwd=ROOT,
-        env=os.environ | OF_ROS,
-        capture_output=True,
-        text=True,
-        check=True,
-    )
-    seen = dict(line.split('=', 1) for line in done.stdout.splitlines() if '=' in line)
+    command = ['make', '--silent', '--eval', 'show:; @env', 'show']
+    printed = subprocess.check_output(command, cwd=ROOT, env=os.environ | OF_ROS, text=True)
+    seen = dict(line.split('=', 1) for line in printed.splitlines() if '=' in line)
     assert 'PATH' in seen
     assert not OF_ROS.keys() & seen.keys()

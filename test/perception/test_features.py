@@ -18,6 +18,7 @@ from al_questioner.perception.features import NOMINAL_DISTANCE
 
 CAMERA = Camera(fx=525.0, fy=525.0, cx=319.5, cy=239.5)
 RED, GREY, WHITE = (0, 0, 255), (120, 120, 120), (255, 255, 255)
+HUES = ('red', 'yellow', 'green', 'cyan', 'blue', 'magenta')
 METRIC = ('size_length', 'size_width', 'size_area')
 
 
@@ -140,7 +141,7 @@ def test_hue_is_shared_between_the_two_nearest_and_a_grey_thing_has_none(
     bgr: tuple[int, int, int], hues: dict[str, float]
 ) -> None:
     features = measure(make_view(rectangle(30, 30), bgr))
-    for name in ('red', 'yellow', 'green', 'cyan', 'blue', 'magenta'):
+    for name in HUES:
         assert features[f'colour_{name}'] == pytest.approx(hues.get(name, 0.0), abs=0.02), name
 
 
@@ -185,26 +186,17 @@ def test_what_lies_behind_the_object_changes_nothing() -> None:
 
 def test_place_in_the_frame_and_margin_of_the_crop_change_nothing() -> None:
     view = make_view(disc(45), noise((101, 101)))
-    wide = View(
-        np.pad(view.color, ((3, 20), (17, 0), (0, 0))),
-        np.pad(view.depth, ((3, 20), (17, 0))),
-        np.pad(view.mask, ((3, 20), (17, 0))),
-        CAMERA,
-        origin=(10, 400),
-    )
+    margin = ((3, 20), (17, 0))
+    depth, mask = np.pad(view.depth, margin), np.pad(view.mask, margin)
+    wide = View(np.pad(view.color, (*margin, (0, 0))), depth, mask, CAMERA, origin=(10, 400))
     assert np.array_equal(view_features(wide), view_features(view))
 
 
 def test_doubled_resolution_leaves_size_shape_and_colour() -> None:
     mask = rectangle(90, 60)
     view = make_view(mask, noise(mask.shape))
-    double = View(
-        view.color.repeat(2, 0).repeat(2, 1),
-        view.depth.repeat(2, 0).repeat(2, 1),
-        view.mask.repeat(2, 0).repeat(2, 1),
-        Camera(1050.0, 1050.0, 639.5, 479.5),
-        origin=(400, 300),
-    )
+    parts = (part.repeat(2, 0).repeat(2, 1) for part in (view.color, view.depth, view.mask))
+    double = View(*parts, Camera(1050.0, 1050.0, 639.5, 479.5), origin=(400, 300))
     before, after = measure(view), measure(double)
     for name in METRIC:
         assert after[name] == pytest.approx(before[name], rel=0.02), name
@@ -246,28 +238,21 @@ def test_tiny_and_thin_objects_have_finite_features(shape: tuple[int, int]) -> N
     assert np.isfinite(view_features(make_view(rectangle(*shape)))).all()
 
 
-def test_empty_mask_is_refused() -> None:
-    with pytest.raises(InputError, match='the mask is empty'):
-        view_features(make_view(np.zeros((20, 30), dtype=bool)))
+WHOLE = make_view(rectangle(20, 20))
 
 
-@pytest.mark.parametrize('part', ['color', 'depth', 'mask'])
-def test_parts_of_different_size_are_refused(part: str) -> None:
-    view = make_view(rectangle(20, 20))
-    with pytest.raises(InputError, match='must be'):
-        view_features(dataclasses.replace(view, **{part: getattr(view, part)[:-1]}))
-
-
-def test_colour_that_is_not_uint8_is_refused() -> None:
-    view = make_view(rectangle(20, 20))
-    with pytest.raises(InputError, match='must be uint8, not float64'):
-        view_features(dataclasses.replace(view, color=view.color / 255.0))
-
-
-@pytest.mark.parametrize('length', [0.0, -525.0, float('nan')])
-def test_impossible_focal_length_is_refused(length: float) -> None:
-    with pytest.raises(InputError, match='the focal length fy'):
-        view_features(make_view(rectangle(20, 20), camera=Camera(525.0, length, 0.0, 0.0)))
+@pytest.mark.parametrize(
+    ('changes', 'reason'),
+    [
+        ({'mask': np.zeros_like(WHOLE.mask)}, 'the mask is empty'),
+        *(({part: getattr(WHOLE, part)[:-1]}, 'must be') for part in ('color', 'depth', 'mask')),
+        ({'color': WHOLE.color / 255.0}, 'must be uint8, not float64'),
+        *(({'camera': Camera(525, fy, 0, 0)}, 'the focal length fy') for fy in (0.0, -525.0, float('nan'))),
+    ],
+)
+def test_what_is_no_view_is_refused(changes: dict[str, object], reason: str) -> None:
+    with pytest.raises(InputError, match=reason):
+        view_features(dataclasses.replace(WHOLE, **changes))
 
 
 @st.composite
@@ -284,11 +269,10 @@ def views(draw: st.DrawFn) -> View:
 @settings(max_examples=80, deadline=None, derandomize=True)
 @given(views())
 def test_any_view_gives_a_finite_vector_within_its_bounds(view: View) -> None:
-    vector = view_features(view)
-    features = dict(zip(VIEW_FEATURE_NAMES, vector.tolist(), strict=True))
+    vector, features = view_features(view), measure(view)
     assert vector.dtype == np.float32
     assert np.isfinite(vector).all()
-    assert sum(features[f'colour_{hue}'] for hue in ('red', 'yellow', 'green', 'cyan', 'blue', 'magenta')) < 1.01
+    assert sum(features[f'colour_{hue}'] for hue in HUES) < 1.01
     for name in ('shape_aspect', 'shape_solidity', 'shape_extent', 'shape_circularity', 'texture_edges'):
         assert 0 <= features[name] <= 1.001, name
     assert 0 <= features['texture_entropy'] <= 5

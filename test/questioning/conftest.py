@@ -3,7 +3,11 @@
 import numpy as np
 import pytest
 
-from al_questioner.domain import NO_SYMBOL, Answer, EpisodeSettings, Outcome, QueryKind, Scene, random_stream
+from al_questioner.concepts import ConceptLearner
+from al_questioner.domain import NO_SYMBOL, Answer, EpisodeSettings, Outcome, QueryKind, random_stream
+from al_questioner.questioning import new_concept_learner
+from al_questioner.questioning.strategies.choice import ask_nothing
+from shared import scenes
 
 SYMBOLS = ('main_dish', 'snack', 'fruit')
 NAMES = ('colour_red', 'colour_green', 'size_height', 'noise_max', 'noise_min')
@@ -59,9 +63,7 @@ class ToyWorld:
 
 
 def make_scene(features, object_ids=None, names=NAMES):
-    table = np.asarray(features, dtype=np.float32)
-    ids = tuple(range(len(table))) if object_ids is None else tuple(object_ids)
-    return Scene(ids, np.zeros((len(table), 3), dtype=np.float32), table, names)
+    return scenes.make_scene(features, object_ids, names)
 
 
 def reply(query, content, outcome=Outcome.ANSWERED, query_id=None):
@@ -79,17 +81,64 @@ def make_settings(strategy, budget=12.0, turns=20, **others):
     )
 
 
+def make_context(labels=(), scene=None, concepts=None, symbols=SYMBOLS, **changes):
+    """Turn 3 of 20 in a scene of six objects, of which the first ones carry the labels given."""
+    scene = make_scene(np.random.default_rng(0).normal(size=(6, 5))) if scene is None else scene
+    if concepts is None:
+        concepts = ConceptLearner(symbols, 4.0)
+        concepts.observe(scene)
+        for row, label in enumerate(labels):
+            concepts.label(scene.object_ids[row], scene.features[row], label, 1)
+    return scenes.make_context(scene, concepts, **changes)
+
+
+class Asks:
+    """A strategy that asks for the first of these actions that is a candidate, else for nothing."""
+
+    selector = None
+
+    def __init__(self, *actions):
+        self.actions = actions
+
+    def choose(self, context, rng):
+        choice = ask_nothing(context)
+        found = [context.candidates.index(action) for action in self.actions if action in context.candidates]
+        return type(choice)(found[0], choice.utilities) if found else choice
+
+
+def play(episode, world, watch=None):
+    """Play an episode to its end; its decisions."""
+    decisions = []
+    while not episode.done:
+        scene = world.scene(episode.turn + 1)
+        decision = episode.ask(scene)
+        decisions.append(decision)
+        if watch:
+            watch(episode, scene, decision)
+        if decision.query:
+            episode.tell(world.answer(decision.query))
+    return decisions
+
+
+def learnt(settings, scenes, records):
+    """What a learner knows that had these records from the beginning."""
+    concepts, by_turn = new_concept_learner(settings), {record.turn: record for record in records}
+    for turn, scene in enumerate(scenes, start=1):
+        concepts.observe(scene)
+        if turn in by_turn:
+            concepts.learn(by_turn[turn], scene)
+        if settings.tunes_after(turn) and (turn < len(scenes) or turn in by_turn):
+            concepts.tune()
+    return concepts
+
+
 @pytest.fixture
 def toy():
     """The helpers above; test modules cannot import from each other in pytest's importlib mode."""
 
     class Toy:
-        symbols, names, weights = SYMBOLS, NAMES, WEIGHTS
-        world, scene, reply, settings = (
-            ToyWorld,
-            staticmethod(make_scene),
-            staticmethod(reply),
-            staticmethod(make_settings),
-        )
+        symbols, weights, world, asks = SYMBOLS, WEIGHTS, ToyWorld, Asks
+        scene, reply, settings = map(staticmethod, (make_scene, reply, make_settings))
+        context, play, learnt = map(staticmethod, (make_context, play, learnt))
 
     return Toy

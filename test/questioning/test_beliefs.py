@@ -3,9 +3,7 @@
 import numpy as np
 import pytest
 
-from al_questioner.concepts import ConceptLearner
-from al_questioner.domain import NO_SYMBOL, Costs, Outcome, QueryKind, QueryRecord
-from al_questioner.questioning import TurnContext
+from al_questioner.domain import NO_SYMBOL, Outcome, QueryKind, QueryRecord
 from al_questioner.questioning.beliefs import class_beliefs, class_shares, with_labels
 
 REACH, DOUBT = 0.5, 0.1
@@ -19,17 +17,10 @@ def shown(symbol, object_id, turn=2, outcome=Outcome.ANSWERED):
     return QueryRecord(turn, QueryKind.DEMONSTRATION, object_id, symbol, 2.0, outcome)
 
 
-def context_of(toy, labels=(), table=None, history=(), scene_turn=1):
+def context_of(toy, labels=(), table=None, **changes):
     """Six objects, of which the first ones were labelled so."""
     scene = toy.scene(np.random.default_rng(3).normal(size=(6, 5)) if table is None else table)
-    concepts = ConceptLearner(toy.symbols)
-    concepts.observe(scene)
-    for row, label in enumerate(labels):
-        concepts.label(scene.object_ids[row], scene.features[row], label, 1)
-    return TurnContext(
-        turn=3, turns=40, scene=scene, concepts=concepts, budget=20.0, spent=2.0, costs=Costs(), change_interval=5,
-        non_query_turns=0, scene_turn=scene_turn, history=tuple(history),
-    )  # fmt: skip
+    return toy.context(labels, scene, turns=40, **changes)
 
 
 def test_shares_by_hand(toy):
@@ -62,7 +53,7 @@ def test_beliefs_are_the_formula_written_out(toy):
 def test_a_label_tells_of_what_is_near_and_not_of_what_is_far(toy):
     table = np.zeros((6, 5))
     table[:, 2] = [0, 0.01, 9, 10, 11, 12]
-    beliefs = class_beliefs(context_of(toy, ['snack'], table, [named('snack')]), 0.05, DOUBT)
+    beliefs = class_beliefs(context_of(toy, ['snack'], table, history=[named('snack')]), 0.05, DOUBT)
     snack = toy.symbols.index('snack')
     assert beliefs[1, snack] > 0.9
     assert beliefs[5] == pytest.approx([0.25] * 4, abs=1e-6)
@@ -88,20 +79,14 @@ def test_what_was_asked_for_in_vain_is_not_here_until_the_scene_changes(toy):
 def test_what_was_labelled_is_certain(toy):
     context = context_of(toy, ['snack', NO_SYMBOL])
     beliefs = class_beliefs(context, REACH, DOUBT)
+    before = beliefs.copy()
     known = with_labels(context, beliefs)
     assert known[0].tolist() == [float(symbol == 'snack') for symbol in toy.symbols]
     assert known[1].tolist() == [0.0] * 3
     np.testing.assert_array_equal(known[2:], beliefs[2:, :-1])
+    np.testing.assert_array_equal(beliefs, before, 'beliefs are left as they are')
 
 
 def test_a_scenes_first_turn_belongs_to_it(toy):
     """The commonest failure, at once after a change, would be forgotten."""
     assert context_of(toy, history=[shown('fruit', None, turn=2)], scene_turn=2).absent_symbols == {'fruit'}
-
-
-def test_beliefs_are_left_as_they_are(toy):
-    context = context_of(toy, ['snack'])
-    beliefs = class_beliefs(context, REACH, DOUBT)
-    before = beliefs.copy()
-    with_labels(context, beliefs)
-    np.testing.assert_array_equal(beliefs, before)

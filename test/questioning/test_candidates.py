@@ -5,7 +5,8 @@ import pytest
 
 from al_questioner.domain import NO_SYMBOL, Action, Costs, QueryKind, random_stream
 from al_questioner.questioning import Episode
-from al_questioner.questioning.candidates import candidates, choices, question_text
+from al_questioner.questioning.candidates import candidates, choices
+from al_questioner.questioning.question_wording import question_text
 
 SYMBOLS = ('main_dish', 'snack', 'fruit')
 

@@ -5,17 +5,8 @@ import pytest
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
-from al_questioner.domain import (
-    NO_SYMBOL,
-    SAYABLE_OUTCOMES,
-    Answer,
-    AnswerError,
-    LateAnswerError,
-    Outcome,
-    QueryKind,
-    random_stream,
-)
-from al_questioner.questioning import Episode, make_strategy, new_concept_learner
+from al_questioner.domain import NO_SYMBOL, SAYABLE_OUTCOMES, Answer, AnswerError, Outcome, QueryKind, random_stream
+from al_questioner.questioning import Episode, Receipt, make_strategy
 
 
 def contents(query, choose):
@@ -28,20 +19,6 @@ def contents(query, choose):
     said = choose([*query.choices, NO_SYMBOL])
     is_object = query.action.kind is QueryKind.DEMONSTRATION and said != NO_SYMBOL
     return outcome, int(said) if is_object else said
-
-
-def from_scratch(episode_settings, scenes, records):
-    """What a learner knows that had these records from the beginning."""
-    concepts = new_concept_learner(episode_settings)
-    by_turn = {record.turn: record for record in records}
-    last = len(scenes)
-    for turn, scene in enumerate(scenes, start=1):
-        concepts.observe(scene)
-        if turn in by_turn:
-            concepts.learn(by_turn[turn], scene)
-        if episode_settings.tunes_after(turn) and (turn < last or turn in by_turn):
-            concepts.tune()
-    return concepts
 
 
 @settings(max_examples=15, deadline=None, suppress_health_check=[HealthCheck.function_scoped_fixture])
@@ -62,18 +39,17 @@ def test_a_corrected_episode_is_that_of_the_right_answer(toy, data, strategy):
         answer_id = f'c{sum(map(len, last_ids.values()))}'
         answer = Answer(query.query_id, answer_id, 'anna', outcome, content, replaces=last_ids[query.query_id][-1])
         before = (episode.turn, episode.spent, episode.pending, [(r.turn, r.cost) for r in episode.records])
-        expected[query.turn] = episode.correct(answer)
+        expected[query.turn] = episode.tell(answer)
         last_ids[query.query_id].append(answer_id)
         assert before == (episode.turn, episode.spent, episode.pending, [(r.turn, r.cost) for r in episode.records])
-        assert episode.answers.has_taken(answer)
+        assert episode.take(answer) is Receipt.DUPLICATE
         check()
 
     def check():
         assert list(episode.records) == [expected[turn] for turn in sorted(expected)]
-        oracle = from_scratch(own, scenes, episode.records)
-        np.testing.assert_array_equal(
-            episode.concepts.predict_proba(scenes[-1].features), oracle.predict_proba(scenes[-1].features)
-        )
+        oracle = toy.learnt(own, scenes, episode.records)
+        features = scenes[-1].features
+        np.testing.assert_array_equal(episode.concepts.predict_proba(features), oracle.predict_proba(features))
         assert episode.concepts.model_version == oracle.model_version
         assert episode.concepts.kernel == oracle.kernel
         assert episode.positives == oracle.positives
@@ -94,8 +70,8 @@ def test_a_corrected_episode_is_that_of_the_right_answer(toy, data, strategy):
         correct()
 
 
-def ask_until_answered(toy, episode, world, n):
-    """The first n queries of an episode, answered, and the scene of the last turn."""
+def ask_until_answered(episode, world, n):
+    """The next n queries of an episode, answered."""
     queries = []
     while len(queries) < n:
         query = episode.ask(world.scene(episode.turn + 1)).query
@@ -110,7 +86,7 @@ def answered(toy):
     """An episode with two answered queries and one pending."""
     world = toy.world(1)
     episode = Episode(toy.settings('u_sampling'), random_stream(0, 'strategy'))
-    queries = ask_until_answered(toy, episode, world, 2)
+    queries = ask_until_answered(episode, world, 2)
     queries.append(episode.ask(world.scene(episode.turn + 1)).query)
     return episode, queries
 
@@ -122,7 +98,7 @@ def correction(query, content, answer_id='c1', replaces='a1', outcome=Outcome.AN
 def test_an_undone_answer_teaches_nothing(answered, toy):
     """Undo would leave the label."""
     episode, queries = answered
-    episode.correct(correction(queries[0], None, outcome=Outcome.UNKNOWN))
+    episode.tell(correction(queries[0], None, outcome=Outcome.UNKNOWN))
     assert [record.outcome for record in episode.records] == [Outcome.UNKNOWN, Outcome.ANSWERED]
     assert len(episode.concepts.labelled_views) == 1
     assert episode.pending is queries[2]
@@ -138,62 +114,78 @@ def test_a_correction_is_judged_by_the_scene_of_its_question(toy):
             episode.tell(world.answer(query))
     episode.tell(world.answer(query))
     there = [int(choice) for choice in query.choices]
-    ask_until_answered(toy, episode, world, 1)
+    ask_until_answered(episode, world, 1)
     with pytest.raises(AnswerError, match='is not in the scene'):
-        episode.correct(correction(query, episode.concepts.labelled_views[-1].object_id))
-    assert episode.correct(correction(query, there[-1])).object_id == there[-1]
+        episode.tell(correction(query, episode.concepts.labelled_views[-1].object_id))
+    assert episode.tell(correction(query, there[-1])).object_id == there[-1]
 
 
 @pytest.mark.parametrize(
-    ('changes', 'reason'),
+    ('number', 'changes', 'reason'),
     [
-        ({'replaces': 'a9'}, "no answer 'a9' to query 'q1' was taken"),
-        ({'replaces': None}, "the answer to query 'q1' does not say what it replaces"),
-        ({'answer_id': 'a1'}, "another answer 'a1' to query 'q1' was taken already"),
-        ({'content': 'pizza'}, "unknown label 'pizza'"),
-        ({'outcome': Outcome.SKIP}, "outcome 'skip' has no content"),
+        (0, {'replaces': 'a9'}, "no answer 'a9' to query 'q1' was taken"),
+        (0, {'replaces': None}, "'c1' to query 'q1' does not count: query 'q1' was answered already, by 'a1'"),
+        (0, {'answer_id': 'a1'}, "another answer 'a1' to query 'q1' was taken already"),
+        (0, {'content': 'pizza'}, "unknown label 'pizza'"),
+        (0, {'outcome': Outcome.SKIP}, "outcome 'skip' has no content"),
+        # Nor can the pending question be corrected: it was never answered.
+        (2, {}, "no answer 'a1' to query 'q3' was taken"),
     ],
 )
-def test_a_refused_correction_changes_nothing(answered, changes, reason):
+def test_a_refused_correction_changes_nothing(answered, number, changes, reason):
     """A mistaken correction would damage what was right."""
     episode, queries = answered
     members = {'answer_id': 'c1', 'replaces': 'a1', 'content': 'snack', 'outcome': Outcome.ANSWERED, **changes}
     before, version = episode.records, episode.concepts.model_version
     with pytest.raises(AnswerError, match=reason):
-        episode.correct(Answer(queries[0].query_id, teacher_id='anna', **members))
+        episode.tell(Answer(queries[number].query_id, teacher_id='anna', **members))
     assert (episode.records, episode.concepts.model_version, episode.pending) == (before, version, queries[2])
-
-
-def test_the_pending_question_cannot_be_corrected(answered):
-    """An answer would be counted although it was never given."""
-    episode, queries = answered
-    with pytest.raises(AnswerError, match="no answer 'a1' to query 'q3' was taken"):
-        episode.correct(correction(queries[2], 'snack'))
-    with pytest.raises(AnswerError, match="replaces 'a1': it corrects"):
-        episode.tell(correction(queries[2], 'snack'))
 
 
 def test_a_correction_is_corrected_but_no_answer_twice(answered):
     """Of two corrections of one answer that cross, the later would win unseen."""
     episode, queries = answered
-    episode.correct(correction(queries[0], 'snack'))
+    episode.tell(correction(queries[0], 'snack'))
     with pytest.raises(AnswerError, match="'a1' to query 'q1' was replaced, in the end by 'c1'"):
-        episode.correct(correction(queries[0], 'fruit', 'c2'))
-    episode.correct(correction(queries[0], 'fruit', 'c2', replaces='c1'))
+        episode.tell(correction(queries[0], 'fruit', 'c2'))
+    episode.tell(correction(queries[0], 'fruit', 'c2', replaces='c1'))
     assert episode.records[0].symbol == 'fruit'
 
 
 def test_what_was_taken_is_known_again(answered, toy):
     """A teacher that resends would be refused, or counted twice; another's late answer would be learnt."""
     episode, queries = answered
-    taken = toy.reply(queries[0], episode.records[0].symbol)
-    assert episode.answers.has_taken(taken)
-    assert not episode.answers.has_taken(toy.reply(queries[2], 'snack'))
-    other = 'fruit' if episode.records[0].symbol != 'fruit' else 'snack'
+    records, version = episode.records, episode.concepts.model_version
+    assert episode.take(toy.reply(queries[0], records[0].symbol)) is Receipt.DUPLICATE
+    other = 'fruit' if records[0].symbol != 'fruit' else 'snack'
     with pytest.raises(AnswerError, match="another answer 'a1' to query 'q1' was taken already"):
-        episode.answers.has_taken(toy.reply(queries[0], other))
-    with pytest.raises(LateAnswerError, match="query 'q1' was answered already, by 'a1'"):
-        episode.answers.has_taken(Answer('q1', 'b1', 'bert', Outcome.ANSWERED, 'snack'))
+        episode.take(toy.reply(queries[0], other))
+    late = Answer('q1', 'b1', 'bert', Outcome.ANSWERED, 'snack')
+    for _ in range(2):
+        assert episode.take(late) is Receipt.LATE
+    assert (episode.records, episode.concepts.model_version, episode.pending) == (records, version, queries[2])
+    assert list(episode.answers.late) == [late]
+    with pytest.raises(AnswerError, match="unknown label 'pizza'"):
+        episode.take(Answer('q1', 'b2', 'bert', Outcome.ANSWERED, 'pizza'))
+
+
+def test_what_does_not_count_cannot_be_told(answered, toy):
+    """A notebook would believe that an answer was learnt."""
+    episode, queries = answered
+    with pytest.raises(AnswerError, match="'a1' to query 'q1' does not count: already taken"):
+        episode.tell(toy.reply(queries[0], episode.records[0].symbol))
+    with pytest.raises(AnswerError, match="does not count: query 'q1' was answered already, by 'a1'"):
+        episode.tell(Answer('q1', 'b1', 'bert', Outcome.SKIP))
+    assert not episode.answers.late
+
+
+def test_what_is_prepared_is_not_yet_taken(answered, toy):
+    """An answer would be learnt before it is on the disk."""
+    episode, queries = answered
+    prepared = episode.prepare(toy.reply(queries[2], 'snack'))
+    assert (prepared.receipt, episode.pending, len(episode.records)) == (Receipt.ACCEPTED, queries[2], 2)
+    episode.commit(prepared)
+    assert (episode.pending, episode.records[-1]) == (None, prepared.record)
 
 
 def test_the_strategy_sees_the_corrected_past(toy):
@@ -209,8 +201,8 @@ def test_the_strategy_sees_the_corrected_past(toy):
 
     world = toy.world(1)
     episode = Episode(toy.settings('u_sampling'), random_stream(0, 'strategy'), strategy=Watching())
-    first, _ = ask_until_answered(toy, episode, world, 2)
-    episode.correct(correction(first, None, outcome=Outcome.UNKNOWN))
+    first, _ = ask_until_answered(episode, world, 2)
+    episode.tell(correction(first, None, outcome=Outcome.UNKNOWN))
     episode.ask(world.scene(3))
     history, concepts = seen[-1]
     assert [record.outcome for record in history] == [Outcome.UNKNOWN, Outcome.ANSWERED]

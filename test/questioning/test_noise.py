@@ -16,9 +16,9 @@ STRATEGIES = ('value_per_cost', 'u_sampling_fsq', 'farthest_fsq', 'random_fsq')
 TURNS = 30
 
 
-def an_episode(strategy: str, **settings: object) -> Episode:
-    given = EpisodeSettings(symbols=('cup', 'plate'), budget=30, turns=TURNS, strategy=strategy, **settings)
-    return Episode(given, random_stream(0, 'learner'))
+def an_episode(strategy: str, **options: object) -> Episode:
+    settings = EpisodeSettings(symbols=('cup', 'plate'), budget=30, turns=TURNS, strategy=strategy)
+    return Episode(settings, random_stream(0, 'learner'), **options)
 
 
 def looks(noise: float, replaced_at: int = TURNS + 1, wrong: dict[int, float] | None = None) -> Iterator[Scene]:
@@ -132,9 +132,8 @@ def test_a_wrong_reading_of_a_still_thing_is_named() -> None:
 
 def test_a_number_fixes_the_tolerance() -> None:
     scene, other = list(looks(0.05))[:2]
-    settings = EpisodeSettings(symbols=('cup', 'plate'), budget=9, turns=4, strategy='farthest_fsq')
     for tolerance, is_same in ((1e-3, False), (5.0, True)):
-        episode = Episode(settings, random_stream(0, 'learner'), view_tolerance=tolerance)
+        episode = an_episode('farthest_fsq', view_tolerance=tolerance)
         episode.ask(scene)
         assert episode.concepts.is_unchanged(scene, other) == is_same
         assert episode.view_noise == {}
@@ -142,6 +141,5 @@ def test_a_number_fixes_the_tolerance() -> None:
 
 @pytest.mark.parametrize('tolerance', [-1.0, float('nan'), 'automatic'])
 def test_a_tolerance_that_is_none_is_refused(tolerance: object) -> None:
-    settings = EpisodeSettings(symbols=('cup', 'plate'), budget=9, turns=4, strategy='farthest_fsq')
     with pytest.raises(InputError, match='view_tolerance'):
-        Episode(settings, random_stream(0, 'learner'), view_tolerance=tolerance)
+        an_episode('farthest_fsq', view_tolerance=tolerance)

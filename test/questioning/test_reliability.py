@@ -77,19 +77,13 @@ def test_the_record_of_each_teacher(toy):
     episode = Episode(own, random_stream(2, 'learner'))
     world = toy.world(3)
     assert episode.teachers == {}
-    for turn in range(1, 7):
+    first = [('anna', Outcome.ANSWERED, ('size',)), ('anna', Outcome.UNKNOWN, None), ('bert', Outcome.SKIP, None)]
+    for turn, said in enumerate([*first, *[('anna', Outcome.ANSWERED, 'snack')] * 3], start=1):
         query = episode.ask(world.scene(turn)).query
-        if turn == 1:
-            assert query.action.kind is QueryKind.FEATURE_SUBSET
-            episode.tell(Answer(query.query_id, 'a', 'anna', Outcome.ANSWERED, ('size',)))
-        elif turn == 2:
-            episode.tell(Answer(query.query_id, 'a', 'anna', Outcome.UNKNOWN))
-        elif turn == 3:
-            episode.tell(Answer(query.query_id, 'a', 'bert', Outcome.SKIP))
-        else:
-            episode.tell(Answer(query.query_id, 'a', 'anna', Outcome.ANSWERED, 'snack'))
-            episode.answers.keep_late(Answer(query.query_id, 'late', 'bert', Outcome.ANSWERED, 'fruit'))
-    episode.correct(Answer(query.query_id, 'b', 'anna', Outcome.ANSWERED, 'fruit', replaces='a'))
+        episode.tell(Answer(query.query_id, 'a', *said))
+        if turn > len(first):
+            episode.take(Answer(query.query_id, 'late', 'bert', Outcome.ANSWERED, 'fruit'))
+    episode.tell(Answer(query.query_id, 'b', 'anna', Outcome.ANSWERED, 'fruit', replaces='a'))
     anna, bert = episode.teachers['anna'], episode.teachers['bert']
     assert (anna.answered, anna.unknown, anna.skipped, anna.corrected, anna.late) == (4, 1, 0, 1, 0)
     assert (bert.answered, bert.unknown, bert.skipped, bert.corrected, bert.late) == (0, 0, 1, 0, 3)
@@ -112,12 +106,12 @@ def test_what_stands_counts_and_only_what_is_about_the_same_thing(toy):
     before = episode.teachers['anna'].reliability
     assert before != pytest.approx(0.9, abs=1e-6)
     for query, truth in shown:
-        episode.answers.keep_late(Answer(query.query_id, 'b', 'bert', truth.outcome, truth.content))
+        episode.take(Answer(query.query_id, 'b', 'bert', truth.outcome, truth.content))
     assert episode.teachers['bert'].reliability == 0.9
     assert episode.teachers['anna'].reliability == before
     # A standing `unknown` says nothing of a thing.
     for query, truth in asked:
         if truth.outcome is Outcome.ANSWERED and query.action.kind is not QueryKind.FEATURE_SUBSET:
-            episode.correct(Answer(query.query_id, 'c', 'anna', Outcome.UNKNOWN, replaces='a'))
+            episode.tell(Answer(query.query_id, 'c', 'anna', Outcome.UNKNOWN, replaces='a'))
     assert episode.teachers['anna'].reliability == 0.9
     assert episode.teachers['anna'].unknown == len(shown) + sum(t.content == 'none' for _, t in asked)

@@ -17,6 +17,7 @@ from types import MappingProxyType
 from typing import Any
 
 import pytest
+from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus
 from rclpy.context import Context
 from rclpy.executors import ExternalShutdownException, SingleThreadedExecutor
 from rclpy.node import Node
@@ -27,7 +28,7 @@ from std_msgs.msg import String
 from al_questioner.ros import qos
 from al_questioner.ros.nodes.learner import LearnerNode
 from al_questioner.ros.nodes.perception import PerceptionNode
-from checkout import ROOT
+from al_questioner.ros.nodes.teacher import TeacherNode
 
 DEADLINE = 90.0
 """Seconds after which a test gives up; far more than anything here takes."""
@@ -49,7 +50,6 @@ class Graph:
         self.executor = SingleThreadedExecutor(context=context)
         self.heard: dict[str, list[Any]] = {}
         self.nodes: list[Node] = []
-        self.processes: list[subprocess.Popen[bytes]] = []
         self._changed = threading.Condition()
         self.ears = Node('ears', namespace=self.namespace, context=context)
         self.executor.add_node(self.ears)
@@ -66,30 +66,22 @@ class Graph:
         self.executor.add_node(node)
         return node
 
-    def start_process(
-        self, name: str, log: Path, environment: Mapping[str, str] | None = None, **parameters: Any
-    ) -> subprocess.Popen[bytes]:
-        """A node in a process and a session of its own, in the graph's namespace; what it prints goes to a file."""
-        command = al_questioner(name, '--ros-args', '-r', f'__ns:=/{self.namespace}')
-        for parameter, value in parameters.items():
-            command += ['-p', f'{parameter}:={json.dumps(value)}']
-        inherited = {**of_a_child(), 'ROS_DOMAIN_ID': str(self.context.get_domain_id())}
-        with log.open('wb') as out:
-            process = subprocess.Popen(
-                command,
-                env={**inherited, **(environment or {})},
-                stdin=subprocess.DEVNULL,
-                stdout=out,
-                stderr=out,
-                start_new_session=True,
-            )
-        self.processes.append(process)
-        return process
-
     def start_robot(self, **learner: Any) -> None:
         """Perception and a learner, whose parameters may differ from those of `episode`."""
         self.start(PerceptionNode, **self.world)
         self.start(LearnerNode, **{**self.episode, **learner})
+
+    def play(self, **learner: Any) -> dict[str, Any]:
+        """What such a learner's state is in the end, beside the scripted teacher."""
+        states = self.listen('learner_state')
+        self.start_robot(**learner)
+        self.start(TeacherNode, **self.world)
+        return self.wait_for_end(states)
+
+    def wait_for_end(self, states: list[Any]) -> dict[str, Any]:
+        """Wait until the learner whose states are heard is done, and return its last state."""
+        self.wait_for(lambda: states and states[-1]['done'], 'the end of the episode')
+        return states[-1]
 
     def stop(self, node: Node) -> None:
         """End one node."""
@@ -131,8 +123,6 @@ class Graph:
 
     def close(self) -> None:
         """End everything."""
-        for process in self.processes:
-            kill(process)
         # The executor destroys in its shutdown what the thread that spins would still be waiting for.
         self._ended.set_result(None)
         self._thread.join(5)
@@ -147,6 +137,68 @@ class Graph:
             return
 
 
+class Diagnostics:
+    """What all nodes tell of themselves."""
+
+    def __init__(self, graph: Graph) -> None:
+        self._graph = graph
+        self._heard = graph.listen('/diagnostics', DiagnosticArray, qos.DIAGNOSTICS)
+
+    @property
+    def statuses(self) -> list[DiagnosticStatus]:
+        """All that were told, in order."""
+        return [status for array in self._heard for status in array.status]
+
+    @property
+    def values(self) -> dict[str, str]:
+        """The values that were told last."""
+        return {value.key: value.value for status in self.statuses for value in status.values}
+
+    def tell(self, text: str, *levels: bytes) -> bool:
+        """Whether some status has this text, and one of these levels, if any are given."""
+        return any(text in s.message and (not levels or s.level in levels) for s in self.statuses)
+
+    def wait_for(self, text: str, *levels: bytes) -> None:
+        """Wait until that is so."""
+        self._graph.wait_for(lambda: self.tell(text, *levels), text)
+
+
+class Person:
+    """Somebody with `ros2 topic pub`, `ros2 topic echo` and patience."""
+
+    def __init__(self, graph: Graph) -> None:
+        self.graph = graph
+        self.queries, self.states, self.turns = map(graph.listen, ('query', 'learner_state', 'turn'))
+        self.acks = graph.listen('answer_ack', profile=qos.EVENTS)
+        self.mouth = graph.ears.create_publisher(String, 'answer', qos.EVENTS)
+
+    def query(self, number: int) -> dict[str, Any]:
+        """The query of this number, once it is asked."""
+        self.graph.wait_for(lambda: self.queries and self.queries[-1]['query_id'] == f'q{number}', f'query {number}')
+        return self.queries[-1]
+
+    def says(self, text: str) -> dict[str, Any]:
+        """Say something, and hear whether it was taken."""
+        before = len(self.acks)
+        self.graph.wait_for(self.mouth.get_subscription_count, 'a learner that listens')
+        self.mouth.publish(String(data=text))
+        self.graph.wait_for(lambda: len(self.acks) > before, f'an acknowledgement of {text[:40]!r}')
+        return self.acks[-1]
+
+    def answers(self, query: dict[str, Any], content: Any, **changes: Any) -> dict[str, Any]:
+        """Answer by a document, and hear whether it was taken."""
+        return self.says(self.document(query, content, **changes))
+
+    @staticmethod
+    def document(query: dict[str, Any], content: Any, **changes: Any) -> str:
+        """An answer."""
+        document = {
+            'schema': 'al_questioner/answer/1', 'episode_id': query['episode_id'], 'query_id': query['query_id'],
+            'answer_id': 'a1', 'teacher_id': 'anna', 'outcome': 'answered', 'content': content,
+        }  # fmt: skip
+        return json.dumps(document | changes)
+
+
 class Processes:
     """Processes in sessions of their own and in a namespace that nobody else uses, all gone after the test."""
 
@@ -157,28 +209,33 @@ class Processes:
 
     def run(self, *arguments: str) -> subprocess.CompletedProcess[str]:
         """An executable of the package, to its end."""
-        command = al_questioner(*arguments)
-        return subprocess.run(command, env=of_a_child(), capture_output=True, text=True, timeout=DEADLINE, check=False)
+        return subprocess.run(al_questioner(*arguments), capture_output=True, text=True, timeout=DEADLINE, check=False)
 
     def start(self, name: str, command: list[str], typed: Path | None = None) -> subprocess.Popen[bytes]:
         """Any command; what it prints goes to a log of this name, what it reads comes from a file."""
         with self.log_path(name).open('wb') as log, (typed or Path(os.devnull)).open('rb') as source:
             self._running[name] = subprocess.Popen(
-                command,
-                env=of_a_child(),
-                stdin=source,
-                stdout=log,
-                stderr=subprocess.STDOUT,
-                start_new_session=True,
+                command, stdin=source, stdout=log, stderr=subprocess.STDOUT, start_new_session=True
             )
         return self._running[name]
 
-    def node(self, name: str, typed: Path | None = None, **parameters: object) -> subprocess.Popen[bytes]:
-        """A node of the package with these parameters."""
+    def node(
+        self, name: str, typed: Path | None = None, program: list[str] | None = None, **parameters: object
+    ) -> subprocess.Popen[bytes]:
+        """A node of the package with these parameters, run by its executable or by another program."""
         arguments = ['--ros-args', '-r', f'__ns:=/{self.namespace}']
         for key, value in parameters.items():
             arguments += ['-p', f'{key}:={json.dumps(value)}']
-        return self.start(name, al_questioner(name, *arguments), typed)
+        return self.start(name, [*(program or al_questioner(name)), *arguments], typed)
+
+    def is_running(self, name: str) -> bool:
+        return self._running[name].poll() is None
+
+    def kill(self, name: str) -> None:
+        """End a process, if it has not ended, as a crash would."""
+        with contextlib.suppress(ProcessLookupError):
+            os.killpg(self._running[name].pid, signal.SIGKILL)
+        self._running[name].wait()
 
     def log_path(self, name: str) -> Path:
         """The file of a log."""
@@ -188,29 +245,26 @@ class Processes:
         """What a process has printed so far."""
         return self.log_path(name).read_text()
 
-    def wait_for_log(self, name: str, text: str) -> None:
-        """Wait until a process has printed something.
+    def wait_for_log(self, name: str, text: str, may_be_killed: bool = False) -> bool:
+        """Wait until a process has printed something; false if it was killed before, and may be.
 
         Raises:
-            AssertionError: it ended, or did not print it before the deadline.
+            AssertionError: it ended otherwise, or did not print it before the deadline.
         """
         end = time.monotonic() + DEADLINE
         while text not in self.log(name):
             assert time.monotonic() < end, f'{name} never printed {text!r}: {self.log(name)}'
-            assert self._running[name].poll() is None, f'{name} ended: {self.log(name)}'
-            time.sleep(0.05)
+            status = self._running[name].poll()
+            if may_be_killed and status == -signal.SIGKILL:
+                return text in self.log(name)
+            assert status is None, f'{name} ended: {self.log(name)}'
+            time.sleep(0.02)
+        return True
 
     def close(self) -> None:
         """End everything."""
-        for process in self._running.values():
-            if process.poll() is None:
-                kill(process)
-
-
-def of_a_child() -> dict[str, str]:
-    """The environment: this checkout comes first."""
-    path = os.pathsep.join(filter(None, (str(ROOT), os.environ.get('PYTHONPATH'))))
-    return {**os.environ, 'PYTHONPATH': path}
+        for name in filter(self.is_running, self._running):
+            self.kill(name)
 
 
 def al_questioner(*arguments: str) -> list[str]:
@@ -218,23 +272,26 @@ def al_questioner(*arguments: str) -> list[str]:
     return [sys.executable, '-m', 'al_questioner', *arguments]
 
 
-def kill(process: subprocess.Popen[bytes]) -> None:
-    """End a process, if it has not ended, as a crash would."""
-    with contextlib.suppress(ProcessLookupError):
-        os.killpg(process.pid, signal.SIGKILL)
-    process.wait()
-
-
 @pytest.fixture
 def graph() -> Iterator[Graph]:
     context = Context()
-    context.init(domain_id=1 + os.getpid() % 100)
+    context.init(domain_id=int(os.environ['ROS_DOMAIN_ID']))
     result = Graph(context)
     try:
         yield result
     finally:
         result.close()
         context.try_shutdown()
+
+
+@pytest.fixture
+def diagnostics(graph: Graph) -> Diagnostics:
+    return Diagnostics(graph)
+
+
+@pytest.fixture
+def person(graph: Graph) -> Person:
+    return Person(graph)
 
 
 @pytest.fixture

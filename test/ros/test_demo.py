@@ -11,23 +11,12 @@ import pytest
 from al_questioner.bags import read_bag
 from al_questioner.cli import main
 from al_questioner.imitation.bags import read_demonstrations
-from checkout import ROOT
+from al_questioner.questioning import STRATEGIES
+from shared.checkout import ROOT
 
 CROPS = ROOT.parent / 'shared' / 'data' / 'tabletop_rgbd' / 'crops' / 'rgbd-dataset'
 SMALL = ['--task', 'prepare_lunch', '--budget', '6', '--turns', '7', '--seed', '4']
 PAPER = ['--task', 'prepare_lunch', '--budget', '25', '--turns', '40', '--seed', '7']
-STRATEGIES = [
-    'u_sampling',
-    'dt_iros',
-    'dt_task',
-    'dt_task_env',
-    'value_per_cost',
-    'u_sampling_fsq',
-    'random_fsq',
-    'farthest_fsq',
-    'rarest_demo',
-    'expert',
-]
 
 
 def play(processes: Any, folder: Path, *arguments: str) -> dict[str, object]:
@@ -48,11 +37,8 @@ def test_three_processes_play_the_offline_episode(processes: Any, tmp_path: Path
     graph = play(processes, tmp_path / 'graph', *SMALL, '--strategy', 'dt_task_env')
     assert graph['queries']
     assert graph == play_offline(tmp_path, *SMALL, '--strategy', 'dt_task_env')
-    assert {path.name for path in (tmp_path / 'graph' / 'logs').iterdir()} == {
-        'learner.log',
-        'perception.log',
-        'teacher.log',
-    }
+    logs = [path.stem for path in (tmp_path / 'graph' / 'logs').glob('*.log')]
+    assert sorted(logs) == ['learner', 'perception', 'teacher']
 
 
 @pytest.mark.slow
@@ -82,19 +68,16 @@ def test_real_crops_are_learnt_through_the_graph(processes: Any, tmp_path: Path)
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize('strategy', STRATEGIES)
+@pytest.mark.parametrize('strategy', [name for name in STRATEGIES if name != 'human'])
 def test_every_strategy_asks_the_same_with_and_without_ros(processes: Any, tmp_path: Path, strategy: str) -> None:
     """Some strategy would behave otherwise on the robot, over a whole episode of the paper's length."""
     graph = play(processes, tmp_path / 'graph', *PAPER, '--strategy', strategy)
     assert graph == play_offline(tmp_path, *PAPER, '--strategy', strategy)
 
 
-def test_an_unusable_namespace_is_named(tmp_path: Path, capfd: pytest.CaptureFixture[str]) -> None:
+def test_an_unusable_namespace_is_named(tmp_path: Path, refusal: Any) -> None:
     """A mistyped namespace would end in warnings of the middleware."""
-    assert main(['demo', *SMALL, '--out', str(tmp_path), '--namespace', 'not a namespace']) == 2
-    error = capfd.readouterr().err
-    assert 'namespace' in error
-    assert error.count('\n') == 1
+    assert 'namespace' in refusal('demo', *SMALL, '--out', tmp_path, '--namespace', 'not a namespace')
 
 
 @pytest.mark.slow
@@ -107,11 +90,3 @@ def test_a_recorded_demo_is_a_demonstration(processes: Any, tmp_path: Path) -> N
     assert len(demonstration.steps) == 8
     assert {topic.name.rpartition('/')[0] for topic in read_bag(bag).topics} == {'/demo'}
     assert [query.turn for query in demonstration.queries] == [query['turn'] for query in episode['queries']]
-
-
-@pytest.mark.slow
-def test_a_demo_overwrites_no_recording(processes: Any, tmp_path: Path) -> None:
-    """A demonstration cannot be given twice."""
-    done = processes.run('demo', *SMALL, '--out', str(tmp_path / 'out'), '--record', str(tmp_path))
-    assert done.returncode == 2
-    assert done.stderr == f'demo: --record: {tmp_path} exists already; a bag is never overwritten\n'

@@ -29,7 +29,7 @@ from al_questioner.ros.nodes.perception import PerceptionNode
 from al_questioner.ros.nodes.recorder import RecorderNode
 from al_questioner.ros.nodes.replayer import ReplayNode
 from al_questioner.ros.nodes.teacher import TeacherNode
-from checkout import ROOT
+from shared.checkout import ROOT
 
 DOCUMENTS = (ROOT / 'README.md', ROOT / 'CONTRIBUTING.md', *sorted((ROOT / 'docs').rglob('*.md')))
 DEADLINE = 90.0
@@ -148,10 +148,8 @@ def arguments_of(line: str) -> tuple[str, list[str], list[str]]:
 
 def make_node(executable: str, own: list[str], **arguments: Any) -> QuestionerNode | None:
     """The node of an executable; None for one that is none, whose arguments are parsed alone."""
-    if executable == 'learner':
-        return LearnerNode(**arguments)
-    if executable == 'perception':
-        return PerceptionNode(**arguments)
+    if executable in ('learner', 'perception'):
+        return {'learner': LearnerNode, 'perception': PerceptionNode}[executable](**arguments)
     if executable == 'teacher':
         return TeacherNode(lambda session, ended: ended.wait(), **arguments)
     if executable == 'record' and not own:

@@ -7,38 +7,30 @@ import sys
 from pathlib import Path
 from typing import Any
 
-from diagnostic_msgs.msg import DiagnosticArray
 from std_msgs.msg import String
 
 from al_questioner.messages import documents
 from al_questioner.ros import qos
 from al_questioner.ros.nodes.learner import LearnerNode
-from checkout import ROOT
+from shared.checkout import ROOT
 
 EXAMPLES = ROOT / 'docs' / 'examples'
 DEADLINE = 90.0
 
 
-def test_a_robots_own_perception_teaches_the_learner(graph: Any, processes: Any) -> None:
+def test_a_robots_own_perception_teaches_the_learner(graph: Any, processes: Any, diagnostics: Any) -> None:
     """The example that users copy would not work, or be asked about the same still things because of its noise."""
     states = graph.listen('learner_state')
-    diagnostics = graph.listen('diagnostics', DiagnosticArray, qos.DIAGNOSTICS, '/diagnostics')
-    remap = ['--ros-args', '-r', f'__ns:=/{graph.namespace}']
-    processes.start('own_perception', [sys.executable, str(EXAMPLES / 'own_perception.py'), *remap])
-    task = str(EXAMPLES / 'blobs.yaml')
-    processes.start('person', [sys.executable, str(Path(__file__).with_name('person.py')), *remap])
-    graph.start(LearnerNode, task=task, strategy='random_fsq')
-    graph.wait_for(lambda: states and states[-1]['done'], 'the end of the episode')
-    assert states[-1]['spent'] == 6
-    asked = [query['object_id'] for query in states[-1]['queries'] if query['kind'] == 'label']
+    processes.namespace = graph.namespace
+    for script in (EXAMPLES / 'own_perception.py', Path(__file__).with_name('person.py')):
+        processes.node(script.stem, program=[sys.executable, str(script)])
+    graph.start(LearnerNode, task=str(EXAMPLES / 'blobs.yaml'), strategy='random_fsq')
+    state = graph.wait_for_end(states)
+    assert state['spent'] == 6
+    asked = [query['object_id'] for query in state['queries'] if query['kind'] == 'label']
     assert sorted(asked) == [1, 2, 3, 4]
-
-    def noise() -> str:
-        latest = diagnostics[-1].status if diagnostics else []
-        return {value.key: value.value for status in latest for value in status.values}.get('view noise', '')
-
     # They are told once a second, and the episode may be shorter.
-    graph.wait_for(lambda: 'the noisiest is size_width' in noise(), 'the noise on /diagnostics')
+    graph.wait_for(lambda: 'the noisiest is size_width' in diagnostics.values.get('view noise', ''), 'the noise')
 
 
 def test_who_answers_by_hand_is_told_everything_once(graph: Any, processes: Any, tmp_path: Path) -> None:
@@ -48,8 +40,8 @@ def test_who_answers_by_hand_is_told_everything_once(graph: Any, processes: Any,
     typed = tmp_path / 'typed'
     os.mkfifo(typed)
     keyboard = os.open(typed, os.O_RDWR)
-    example = [sys.executable, '-u', str(EXAMPLES / 'answer_by_hand.py')]
-    process = processes.start('by_hand', [*example, '--ros-args', '-r', f'__ns:=/{graph.namespace}'], typed)
+    processes.namespace = graph.namespace
+    process = processes.node('by_hand', typed, [sys.executable, '-u', str(EXAMPLES / 'answer_by_hand.py')])
 
     def ask(number: int) -> None:
         question = {'query_id': f'q{number}', 'kind': 'label', 'text': f'What is object {number}?'}

@@ -109,12 +109,15 @@ def test_a_flood_of_garbage_answers_is_refused(graph: Any) -> None:
     assert [(record['turn'], record['groups']) for record in states[0]['queries']] == [(1, ['colour', 'size'])]
 
 
+def parsed(text: str) -> Any:
+    with contextlib.suppress(ValueError, RecursionError):
+        return json.loads(text)
+    return None
+
+
 def means_something(text: str, query: Any, answer: dict[str, Any]) -> bool:
     """Whether chance has made an answer that must be taken."""
-    try:
-        document = json.loads(text)
-    except (ValueError, RecursionError):
-        document = None
+    document = parsed(text)
     if text.lstrip().startswith('{'):
         if not isinstance(document, dict):
             return False
@@ -191,10 +194,7 @@ def test_a_flood_of_garbage_turns_is_refused(graph: Any) -> None:
     }  # fmt: skip
     begin, rng, sent = callback_of(perception, 'turn'), np.random.default_rng(2), 0
     for text in texts(turn, rng, MESSAGES // 2):
-        try:
-            document = json.loads(text)
-        except (ValueError, RecursionError):
-            document = {}
+        document = parsed(text)
         decisive = ('schema', 'turn', 'stamp')
         sensible = isinstance(document, dict) and all(document.get(name) == turn[name] for name in decisive)
         # A learner that knows of no simulated world says null.

@@ -2,10 +2,7 @@
 
 from __future__ import annotations
 
-import os
 import random
-import signal
-import subprocess
 import time
 from collections.abc import Iterable
 from pathlib import Path
@@ -14,15 +11,15 @@ from typing import Any
 import pytest
 
 from al_questioner.bags import BagError, deserialize, read_bag, repair
-from al_questioner.bags.storages import storage_files
-from al_questioner.event_log.events import AnswerAccepted, decoded
+from al_questioner.event_log.encoding import decoded
+from al_questioner.event_log.events import AnswerAccepted
 from al_questioner.event_log.log import read_log
 from al_questioner.messages import documents
 from al_questioner.ros import qos
 from al_questioner.ros.nodes.learner import LearnerNode
-from al_questioner.simulation import ScriptedTeacher, WorldSpec, episode_settings, load_task, run_episode
+from shared.bags import wait_for_content
+from shared.offline import offline_queries
 
-DEADLINE = 90.0
 WORLD = {'task': 'prepare_lunch', 'seed': 4}
 RATES = {'wrong_rate': 0.1, 'unknown_rate': 0.1}
 
@@ -34,39 +31,26 @@ class Others:
         bags: of the recorders, in order.
     """
 
-    def __init__(self, graph: Any, folder: Path) -> None:
+    def __init__(self, graph: Any, processes: Any, folder: Path) -> None:
         self.bags: list[Path] = []
-        self._graph, self._folder = graph, folder
-        self._running: dict[str, subprocess.Popen[bytes]] = {}
-        self._started = 0
+        self._processes, self._folder = processes, folder
+        processes.namespace = graph.namespace
 
     def start(self, *names: str, delay: float = 0.02) -> None:
         """Start some, with a teacher that thinks for `delay` seconds."""
         for name in names:
-            self._started += 1
             parameters: dict[str, Any] = {**WORLD}
             if name == 'record':
                 self.bags.append(self._folder / f'bag-{len(self.bags)}')
                 parameters = {'bag': str(self.bags[-1])}
             elif name == 'teacher':
                 parameters |= {**RATES, 'delay': delay}
-            log = self._folder / f'{self._started}-{name}.log'
-            self._running[name] = self._graph.start_process(name, log, **parameters)
+            self._processes.node(name, **parameters)
 
     def kill(self, names: Iterable[str]) -> None:
         for name in names:
-            process = self._running[name]
-            assert process.poll() is None, f'{name} had ended by itself'
-            os.killpg(process.pid, signal.SIGKILL)
-            process.wait()
-
-
-def wait_for_content(bag: Path, content: bytes) -> None:
-    """Wait until something that was recorded is on the disk."""
-    end = time.monotonic() + DEADLINE
-    while not (bag.is_dir() and any(content in file.read_bytes() for file in storage_files(bag))):
-        assert time.monotonic() < end, f'{bag} never held {content!r}'
-        time.sleep(0.05)
+            assert self._processes.is_running(name), f'{name} had ended by itself'
+            self._processes.kill(name)
 
 
 def turns_in(bag: Path) -> list[int]:
@@ -82,24 +66,18 @@ def start_learner(graph: Any, session: Path, budget: float, turns: int) -> Any:
 
 def check(state: dict[str, Any], session: Path, budget: float, turns: int) -> None:
     """The episode ended as it does when nobody is killed, and every answer counted once."""
-    task = load_task(WORLD['task'])
-    offline = run_episode(
-        WorldSpec(task, 4, 4),
-        episode_settings(task, 'u_sampling_fsq', budget, turns),
-        ScriptedTeacher(task.symbols, task.relevant_groups, 4, **RATES),
-    )
-    assert state['queries'] == [documents.record_members(record) for record in offline.queries]
+    assert state['queries'] == offline_queries('u_sampling_fsq', budget, turns, teacher=RATES)
     events, damage = decoded(read_log(session))
     assert damage is None
     told = [event.answer.query_id for event in events if isinstance(event, AnswerAccepted)]
     assert told == [f'q{number}' for number in range(1, len(told) + 1)]
 
 
-def test_whoever_is_killed_comes_back_and_the_same_is_asked(graph: Any, tmp_path: Path) -> None:
+def test_whoever_is_killed_comes_back_and_the_same_is_asked(graph: Any, processes: Any, tmp_path: Path) -> None:
     """The robot's driver, or the teacher's laptop, would end the episode, or change what is learnt."""
     states = graph.listen('learner_state')
     learner = start_learner(graph, tmp_path / 'log', 9.0, 14)
-    others = Others(graph, tmp_path)
+    others = Others(graph, processes, tmp_path)
     others.start('record', 'perception')
     wait_for_content(others.bags[0], b'al_questioner/turn/1')
     # Whose answers to the other queries would take longer than it lives.
@@ -108,8 +86,7 @@ def test_whoever_is_killed_comes_back_and_the_same_is_asked(graph: Any, tmp_path
     others.kill(('perception', 'teacher', 'record'))
     assert not states[-1]['done']
     others.start('teacher', 'record', 'perception')
-    graph.wait_for(lambda: states[-1]['done'], 'the end of the episode')
-    check(states[-1], tmp_path / 'log', 9.0, 14)
+    check(graph.wait_for_end(states), tmp_path / 'log', 9.0, 14)
     assert not learner._failure
     repair(others.bags[0])
     recorded = turns_in(others.bags[0])
@@ -118,11 +95,11 @@ def test_whoever_is_killed_comes_back_and_the_same_is_asked(graph: Any, tmp_path
 
 @pytest.mark.slow
 @pytest.mark.timeout(3600)
-def test_nodes_killed_at_random_moments_come_back(graph: Any, tmp_path: Path) -> None:
+def test_nodes_killed_at_random_moments_come_back(graph: Any, processes: Any, tmp_path: Path) -> None:
     """There would be a moment at which the death of a node costs an answer, or ends the episode."""
     draw, kills, episodes = random.Random(1), 0, 0
     states = graph.listen('learner_state', profile=qos.RECORDED_LATCHED)
-    others = Others(graph, tmp_path)
+    others = Others(graph, processes, tmp_path)
     others.start('record', 'perception', 'teacher')
     while kills < 200:
         session, names = tmp_path / f'log-{episodes}', ['perception', 'teacher', 'record']
@@ -138,8 +115,7 @@ def test_nodes_killed_at_random_moments_come_back(graph: Any, tmp_path: Path) ->
             kills += len(some)
             time.sleep(draw.choice((0, draw.uniform(0, 0.5))))
             others.start(*draw.sample(some, len(some)))
-        graph.wait_for(lambda: states and states[-1]['done'], 'the end of the episode')
-        check(states[-1], session, 25.0, 40)
+        check(graph.wait_for_end(states), session, 25.0, 40)
         assert not learner._failure
         graph.stop(learner)
         states.clear()

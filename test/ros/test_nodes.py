@@ -2,74 +2,42 @@
 
 from __future__ import annotations
 
-import json
 import threading
-from collections import Counter, deque
+from collections import Counter
 from typing import Any
 
 import numpy as np
 import pytest
 from builtin_interfaces.msg import Time
-from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus
+from diagnostic_msgs.msg import DiagnosticStatus
 from rclpy.node import Node
 from sensor_msgs.msg import Image, PointCloud2
 from std_msgs.msg import Header, String
 from visualization_msgs.msg import Marker, MarkerArray
 
-from al_questioner.domain import DECISION_FEATURES, random_stream
+from al_questioner.domain import DECISION_FEATURES, Action, Query, QueryKind, random_stream
 from al_questioner.messages.clouds import decision_of_cloud, scene_of_cloud
-from al_questioner.messages.documents import write
+from al_questioner.messages.documents import query_members, write
 from al_questioner.questioning import STRATEGIES, Episode
 from al_questioner.ros import qos
 from al_questioner.ros.nodes.learner import LearnerNode
 from al_questioner.ros.nodes.perception import PerceptionNode
 from al_questioner.ros.nodes.teacher import TeacherNode
-from al_questioner.simulation import PerceivedWorld, ScriptedTeacher, WorldSpec, episode_settings, load_task
-from al_questioner.simulation import turns as play
+from al_questioner.simulation import PerceivedWorld, WorldSpec, episode_settings, load_task
 from al_questioner.simulation.kitchen.table_image import draw_scene
+from shared.offline import offline_queries
 
 TASK = 'prepare_lunch'
 SYMBOLS = ('main_dish', 'snack', 'fruit', 'beverage')
 DEADLINE = 60.0
 
 
-def is_over(states: list[dict[str, Any]]) -> bool:
-    return bool(states) and states[-1]['done']
-
-
-def offline_queries(
-    strategy: str,
-    budget: float,
-    turns: int,
-    task_name: str = TASK,
-    seed: int = 4,
-    repeat_shown: bool = False,
-    **kernel: Any,
-) -> list[tuple[Any, ...]]:
-    task = load_task(task_name)
-    episode = Episode(episode_settings(task, strategy, budget, turns, **kernel), random_stream(seed, 'learner'))
-    # Turn by turn, as `run_episode` does, without the held-out images on which it measures accuracy.
-    world = PerceivedWorld(WorldSpec(task, seed, seed).open())
-    teacher = ScriptedTeacher(task.symbols, task.relevant_groups, seed, repeat_shown=repeat_shown)
-    deque(play(episode, world, teacher), maxlen=0)
-    return [(r.turn, r.kind.value, r.object_id, r.symbol, r.cost, r.outcome.value) for r in episode.records]
-
-
-def asked_in(state: dict[str, Any]) -> list[tuple[Any, ...]]:
-    members = ('turn', 'kind', 'object_id', 'symbol', 'cost', 'outcome')
-    return [tuple(query[member] for member in members) for query in state['queries']]
-
-
 @pytest.mark.parametrize('strategy', [name for name in STRATEGIES if name != 'human'])
 def test_graph_asks_what_an_offline_run_asks(graph: Any, strategy: str) -> None:
     """What is found offline would say nothing about the robot."""
-    states = graph.listen('learner_state')
-    graph.start_robot(strategy=strategy, budget=8.0, turns=14)
-    graph.start(TeacherNode, **graph.world)
-    graph.wait_for(lambda: is_over(states), 'the end of the episode')
-    asked = asked_in(states[-1])
-    assert asked == offline_queries(strategy, 8.0, 14)
-    assert states[-1]['spent'] <= 8.0
+    state = graph.play(strategy=strategy, budget=8.0, turns=14)
+    assert state['queries'] == offline_queries(strategy, 8.0, 14)
+    assert state['spent'] <= 8.0
 
 
 def test_the_teacher_shows_what_is_known_if_told_to(graph: Any) -> None:
@@ -77,9 +45,8 @@ def test_the_teacher_shows_what_is_known_if_told_to(graph: Any) -> None:
     states = graph.listen('learner_state')
     graph.start_robot(strategy='rarest_demo', budget=40.0, turns=14)
     graph.start(TeacherNode, **graph.world, repeat_shown=True)
-    graph.wait_for(lambda: is_over(states), 'the end of the episode')
-    asked = asked_in(states[-1])
-    assert asked == offline_queries('rarest_demo', 40.0, 14, repeat_shown=True)
+    asked = graph.wait_for_end(states)['queries']
+    assert asked == offline_queries('rarest_demo', 40.0, 14, teacher={'repeat_shown': True})
     assert asked != offline_queries('rarest_demo', 40.0, 14)
 
 
@@ -89,8 +56,7 @@ def test_tuning_learner_asks_what_an_offline_run_asks_and_tells_its_kernel(graph
     kernel = {'amplitude': 4.0}
     graph.start_robot(strategy='u_sampling', budget=8.0, turns=12, tune_every=2, **kernel)
     graph.start(TeacherNode, **graph.world)
-    graph.wait_for(lambda: is_over(states), 'the end of the episode')
-    asked = asked_in(states[-1])
+    asked = graph.wait_for_end(states)['queries']
     assert asked == offline_queries('u_sampling', 8.0, 12, tune_every=2, **kernel)
     assert asked != offline_queries('u_sampling', 8.0, 12, **kernel)
     graph.wait_for(lambda: episodes, 'what the episode is about')
@@ -174,12 +140,8 @@ def test_the_turn_does_not_wait_for_the_picture(graph: Any, monkeypatch: pytest.
 
 def test_last_markers_show_what_was_believed_in_the_end(graph: Any) -> None:
     """People would see a question that nobody asks any more, or beliefs from before the last answer."""
-    states = graph.listen('learner_state')
     arrays = graph.listen('scene_markers', MarkerArray)
-    graph.start_robot()
-    graph.start(TeacherNode, **graph.world)
-    graph.wait_for(lambda: is_over(states), 'the end of the episode')
-    beliefs = states[-1]['beliefs']
+    beliefs = graph.play()['beliefs']
     expected = {f'{i}: {max(q, key=q.get)} {max(q.values()):.0%}' for i, q in beliefs.items()}
 
     def shown() -> set[str]:
@@ -194,25 +156,28 @@ def test_last_markers_show_what_was_believed_in_the_end(graph: Any) -> None:
 
 def test_late_nodes_catch_up(graph: Any) -> None:
     """The order in which nodes are started would matter."""
-    states = graph.listen('learner_state')
-    queries = graph.listen('query')
-    turns = graph.listen('turn')
+    states, queries, turns = map(graph.listen, ('learner_state', 'query', 'turn'))
     graph.start(LearnerNode, **graph.episode)
     graph.wait_for(lambda: turns, 'the first turn')
     graph.start(PerceptionNode, **graph.world)
     graph.wait_for(lambda: queries, 'the first query')
     graph.start(TeacherNode, **graph.world)
-    graph.wait_for(lambda: is_over(states), 'the end of the episode')
+    graph.wait_for_end(states)
 
 
-def test_a_teacher_of_another_world_does_not_answer(graph: Any) -> None:
-    """A teacher who looks at another table would teach wrong labels, and nobody would notice."""
-    diagnostics = graph.listen('diagnostics', DiagnosticArray, qos.DIAGNOSTICS, '/diagnostics')
-    answers = graph.listen('answer', profile=qos.EVENTS)
-    graph.start_robot()
-    graph.start(TeacherNode, task=TASK, seed=5)
+def test_nodes_of_another_world_do_not_answer(graph: Any, diagnostics: Any) -> None:
+    """One who looks at another table would teach wrong labels, or show what the teacher does not know."""
+    answers, clouds = graph.listen('answer', profile=qos.EVENTS), graph.listen('objects', PointCloud2)
     reason = 'the learner has seed 4, this node 5'
-    graph.wait_for(lambda: any(reason in s.message for array in diagnostics for s in array.status), reason)
+    graph.start(PerceptionNode, task=TASK, seed=5)
+    graph.start(LearnerNode, **graph.episode)
+    diagnostics.wait_for(reason)
+    assert not clouds
+    graph.stop(graph.nodes[0])
+    graph.start(PerceptionNode, **graph.world)
+    teacher = graph.start(TeacherNode, task=TASK, seed=5)
+    name = teacher.get_fully_qualified_name().lstrip('/')
+    graph.wait_for(lambda: any(reason in s.message and s.name == name for s in diagnostics.statuses), reason)
     assert not answers
 
 
@@ -222,7 +187,7 @@ def test_a_second_learner_takes_no_scene_of_the_first(graph: Any) -> None:
     episode = {**graph.episode, 'strategy': 'farthest_fsq', 'turns': 12}
 
     def is_over_for(learner: LearnerNode) -> bool:
-        return is_over(states) and states[-1]['episode_id'] == learner.episode_id
+        return states and states[-1]['done'] and states[-1]['episode_id'] == learner.episode_id
 
     graph.start(PerceptionNode, **graph.world)
     graph.start(TeacherNode, **graph.world)
@@ -237,17 +202,13 @@ def test_a_second_learner_takes_no_scene_of_the_first(graph: Any) -> None:
 
 @pytest.mark.parametrize('is_over', [False, True])
 def test_another_learner_on_the_same_topics_is_noticed(
-    graph: Any, monkeypatch: pytest.MonkeyPatch, is_over: bool
+    graph: Any, diagnostics: Any, monkeypatch: pytest.MonkeyPatch, is_over: bool
 ) -> None:
     """Nobody would know why two robots mistake each other, or why a teacher says that all is over."""
     ended = []
     monkeypatch.setattr(graph.context, 'try_shutdown', lambda: ended.append(True))
-    heard = graph.listen('/diagnostics', DiagnosticArray, qos.DIAGNOSTICS)
     states, queries = graph.listen('learner_state'), graph.listen('query')
-
-    def is_a_concern() -> bool:
-        return any('another learner publishes turn' in status.message for array in heard for status in array.status)
-
+    concern = 'another learner publishes turn'
     graph.start_robot(turns=1, budget=0.0 if is_over else 6.0)
     graph.nodes[-1]._yields = True
     if is_over:
@@ -255,9 +216,9 @@ def test_another_learner_on_the_same_topics_is_noticed(
     else:
         graph.wait_for(lambda: queries, 'a question of the first learner')
     assert not ended
-    assert not is_a_concern()
+    assert not diagnostics.tell(concern)
     graph.start(LearnerNode, **graph.episode)
-    graph.wait_for(lambda: ended if is_over else is_a_concern(), 'that the first learner notices')
+    graph.wait_for(lambda: ended if is_over else diagnostics.tell(concern), 'that the first learner notices')
     assert bool(ended) == is_over
 
 
@@ -266,19 +227,17 @@ def test_turns_are_paced(graph: Any) -> None:
     turns = graph.listen('turn')
     states = graph.listen('learner_state')
     graph.start_robot(budget=0.0, turns=4, turn_period=0.2)
-    graph.wait_for(lambda: is_over(states) and turns and turns[-1]['turn'] == 4, 'the last turn and its end')
+    graph.wait_for_end(states)
+    graph.wait_for(lambda: turns and turns[-1]['turn'] == 4, 'the last turn')
     stamps = {turn['turn']: turn['stamp']['sec'] + turn['stamp']['nanosec'] / 1e9 for turn in turns}
     assert stamps[4] - stamps[min(stamps)] >= 0.2 * (4 - min(stamps)) - 0.01
 
 
 def test_an_acknowledged_answer_is_not_repeated(graph: Any) -> None:
     """Every answer would be said for ever, and each time refused."""
-    states = graph.listen('learner_state')
     acks = graph.listen('answer_ack', profile=qos.EVENTS)
-    graph.start_robot(turns=6)
-    teacher = graph.start(TeacherNode, **graph.world)
-    graph.wait_for(lambda: is_over(states), 'the end of the episode')
-    graph.wait_for(lambda: teacher.unacknowledged is None, 'the last acknowledgement')
+    graph.play(turns=6)
+    graph.wait_for(lambda: graph.nodes[-1].unacknowledged is None, 'the last acknowledgement')
     assert all(ack['accepted'] for ack in acks)
 
 
@@ -311,9 +270,8 @@ def test_largest_object_id_passes_through(graph: Any) -> None:
     assert 2**32 - 2 in {action.object_id for action in decision.candidates}
 
 
-def test_scenes_older_than_the_turn_are_reported(graph: Any) -> None:
+def test_scenes_older_than_the_turn_are_reported(graph: Any, diagnostics: Any) -> None:
     """A camera whose clock is behind would be ignored in silence."""
-    diagnostics = graph.listen('diagnostics', DiagnosticArray, qos.DIAGNOSTICS, '/diagnostics')
     turns = graph.listen('turn')
     eyes = graph.ears.create_publisher(PointCloud2, 'objects', qos.LATCHED)
     graph.start(LearnerNode, **graph.episode)
@@ -321,21 +279,10 @@ def test_scenes_older_than_the_turn_are_reported(graph: Any) -> None:
 
     def reported(stamp: Time, reason: str) -> bool:
         eyes.publish(PointCloud2(header=Header(stamp=stamp)))
-        return any(reason in s.message for array in diagnostics for s in array.status)
+        return diagnostics.tell(reason)
 
     graph.wait_for(lambda: reported(Time(sec=1), 'is the clock of their sender behind?'), 'a warning')
     graph.wait_for(lambda: reported(Time(), 'the stamp of the cloud is 0'), 'a warning that it has no stamp')
-
-
-def test_nodes_of_other_worlds_do_not_answer(graph: Any) -> None:
-    """Perception with another seed would show a scene that the teacher does not know."""
-    diagnostics = graph.listen('diagnostics', DiagnosticArray, qos.DIAGNOSTICS, '/diagnostics')
-    clouds = graph.listen('objects', PointCloud2)
-    graph.start(PerceptionNode, task=TASK, seed=5)
-    graph.start(LearnerNode, **graph.episode)
-    reason = 'the learner has seed 4, this node 5'
-    graph.wait_for(lambda: any(reason in s.message for array in diagnostics for s in array.status), reason)
-    assert not clouds
 
 
 def test_two_robots_in_two_namespaces_do_not_hear_each_other(graph: Any) -> None:
@@ -352,11 +299,10 @@ def test_two_robots_in_two_namespaces_do_not_hear_each_other(graph: Any) -> None
         world = {'task': task, 'seed': seed}
         for make, parameters in ((PerceptionNode, world), (TeacherNode, world), (LearnerNode, graph.episode | world)):
             nodes.append(graph.start(make, namespace=namespace, **parameters))
-    for robot in robots:
-        graph.wait_for(lambda robot=robot: is_over(heard[robot]['learner_state']), f'the end of the episode of {robot}')
     for robot, (task, seed) in robots.items():
-        offline = offline_queries('random_fsq', 6.0, 8, task_name=task, seed=seed)
-        assert asked_in(heard[robot]['learner_state'][-1]) == offline
+        state = graph.wait_for_end(heard[robot]['learner_state'])
+        assert state['queries'] == offline_queries('random_fsq', 6.0, 8, task=task, seed=seed)
+    for robot in robots:
         said = [document for kind in kinds for document in heard[robot][kind]]
         assert len({document['episode_id'] for document in said}) == 1
     # Whatever a node had heard of the other robot's world or episode, it would have refused.
@@ -368,8 +314,7 @@ def test_erring_teacher_with_delay_ends_the_episode(graph: Any) -> None:
     states = graph.listen('learner_state')
     graph.start_robot(strategy='rarest_demo')
     graph.start(TeacherNode, **graph.world, wrong_rate=0.3, unknown_rate=0.6, delay=0.02)
-    graph.wait_for(lambda: is_over(states), 'the end of the episode')
-    assert 'unknown' in {query['outcome'] for query in states[-1]['queries']}
+    assert 'unknown' in {query['outcome'] for query in graph.wait_for_end(states)['queries']}
 
 
 def test_lost_answers_are_repeated(graph: Any) -> None:
@@ -377,18 +322,10 @@ def test_lost_answers_are_repeated(graph: Any) -> None:
     answers = graph.listen('answer', profile=qos.EVENTS)
     mouth = graph.ears.create_publisher(String, 'query', qos.LATCHED)
     graph.start(TeacherNode, **graph.world)
-    members = {'query_id': 'q1', 'turn': 1, 'kind': 'feature_subset', 'object_id': None, 'symbol': None}
-    members |= {
-        'choices': ['colour'],
-        'cost': 2,
-        'budget_left': 3,
-        'turns_left': 4,
-        'model_version': 0,
-        'text': 'What?',
-    }
-    mouth.publish(String(data=json.dumps({'schema': 'al_questioner/query/1', 'episode_id': 'e', **members})))
+    query = Query('q1', 1, Action(QueryKind.FEATURE_SUBSET), ('colour',), 2, 3, 4, 0, 'What?')
+    mouth.publish(String(data=write('query', 'e', query_members(query))))
     graph.wait_for(lambda: len(answers) >= 3, 'the third time of the same answer')
-    assert len({json.dumps(each) for each in answers}) == 1
+    assert all(each == answers[0] for each in answers)
 
 
 def test_scene_of_the_graph_is_the_scene_offline(graph: Any) -> None:
@@ -404,32 +341,27 @@ def test_scene_of_the_graph_is_the_scene_offline(graph: Any) -> None:
     assert episode.ask(seen).query is not None
 
 
-def test_nothing_is_amiss_in_an_episode_among_ourselves(graph: Any) -> None:
+def test_nothing_is_amiss_in_an_episode_among_ourselves(graph: Any, diagnostics: Any) -> None:
     """A warning that means nothing would teach people to overlook those that do."""
-    states = graph.listen('learner_state')
-    heard = graph.listen('/diagnostics', DiagnosticArray, qos.DIAGNOSTICS)
-    graph.start_robot(turns=12, turn_period=0.2)
-    graph.start(TeacherNode, **graph.world)
-    graph.wait_for(lambda: is_over(states), 'the end of the episode')
+    graph.play(turns=12, turn_period=0.2)
 
     def names() -> set[str]:
-        return {status.name.rsplit('/', 1)[-1] for array in heard for status in array.status}
+        return {status.name.rsplit('/', 1)[-1] for status in diagnostics.statuses}
 
     graph.wait_for(lambda: names() == {'perception', 'learner', 'teacher'}, 'the diagnostics of all')
-    assert [s.message for array in heard for s in array.status if s.level != DiagnosticStatus.OK] == []
+    assert [status.message for status in diagnostics.statuses if status.level != DiagnosticStatus.OK] == []
 
 
 def test_a_node_that_waits_in_vain_names_the_topic_and_who_publishes_there(
-    graph: Any, monkeypatch: pytest.MonkeyPatch
+    graph: Any, diagnostics: Any, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     """Nobody would know what is missing, or under which name."""
     monkeypatch.setattr('al_questioner.ros.node.SECONDS_FOR_PUBLISHER', 0.0)
     monkeypatch.setattr('al_questioner.ros.nodes.learner.SECONDS_FOR_OBJECTS', 0.0)
-    diagnostics = graph.listen('/diagnostics', DiagnosticArray, qos.DIAGNOSTICS)
 
     def says(node: Node, end: str) -> bool:
         name = node.get_fully_qualified_name().lstrip('/')
-        found = [status for array in diagnostics for status in array.status if status.name == name]
+        found = [status for status in diagnostics.statuses if status.name == name]
         return bool(found) and found[-1].level == DiagnosticStatus.WARN and found[-1].message.endswith(end)
 
     topic = f'/{graph.namespace}/'

@@ -3,9 +3,9 @@
 from __future__ import annotations
 
 import pytest
-from virtual_time import VirtualTime
 
 from al_questioner.ros.one_shot_timer import OneShotTimer
+from shared.virtual_time import VirtualTime
 
 
 @pytest.fixture

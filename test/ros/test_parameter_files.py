@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-import subprocess
 import sys
+from functools import partial
 from pathlib import Path
 from types import SimpleNamespace
 from typing import Any
@@ -11,7 +11,6 @@ from typing import Any
 import pytest
 import yaml
 
-from al_questioner.cli import main
 from al_questioner.ros.parameter_files import addresses, tell_what_has_no_effect, with_doubts
 
 
@@ -32,22 +31,10 @@ def test_names_in_files_stand_for_the_nodes_that_ros_takes_them_for(pattern: str
     assert [name for name in ('/learner', '/robot/learner', '/a/b/learner') if addresses(pattern, name)] == taken
 
 
-class Logger:
-    """Keeps what is said."""
-
-    def __init__(self) -> None:
-        self.said: list[tuple[str, str]] = []
-
-    def info(self, line: str) -> None:
-        self.said.append(('info', line))
-
-    def warning(self, line: str) -> None:
-        self.said.append(('warning', line))
-
-
 def said_to(name: str, arguments: list[str], **overrides: Any) -> list[tuple[str, str]]:
     """What is logged by a node of this name, which declares no parameter."""
-    logger = Logger()
+    said: list[tuple[str, str]] = []
+    logger = SimpleNamespace(**{level: partial(lambda *one: said.append(one), level) for level in ('info', 'warning')})
     node = SimpleNamespace(
         get_logger=lambda: logger,
         get_name=lambda: name.rsplit('/', 1)[-1],
@@ -56,7 +43,7 @@ def said_to(name: str, arguments: list[str], **overrides: Any) -> list[tuple[str
         _parameter_overrides={key: SimpleNamespace(value=value) for key, value in overrides.items()},
     )
     tell_what_has_no_effect(node, arguments)
-    return logger.said
+    return said
 
 
 @pytest.mark.parametrize(
@@ -92,20 +79,9 @@ def test_a_file_for_others_is_named(tmp_path: Path, content: dict[str, Any], lev
 
 def test_parameters_and_overrides_for_others_are_named() -> None:
     """`-p lerner:budget:=3` would be ignored in silence, and so an override of what this node does not have."""
-    arguments = [
-        '--ros-args',
-        '-p',
-        'lerner:budget:=3',
-        '-p',
-        'budget:=3',
-        '-p',
-        'learner:text:=a:b',
-        '--',
-        '-p',
-        'x:y:=1',
-    ]
+    arguments = ['--ros-args', '-p', 'lerner:budget:=3', '-p', 'budget:=3', '-p', 'learner:text:=a:b']
     override = 'qos_overrides./objects.publisher.depth'
-    assert said_to('/learner', arguments, **{override: 3}) == [
+    assert said_to('/learner', [*arguments, '--', '-p', 'x:y:=1'], **{override: 3}) == [
         ('warning', '-p lerner:budget:=3 sets parameters of /lerner: this node is /learner and takes none of these'),
         ('warning', f'parameter {override} has no effect on /learner, which has no such end'),
     ]
@@ -166,25 +142,20 @@ def test_a_refused_value_comes_with_the_line_that_ros_took_otherwise(tmp_path: P
         ('session: y', 'parameter session must be of type str, not True; '),
     ],
 )
-def test_a_node_names_the_line_of_what_it_refuses(
-    tmp_path: Path, capfd: pytest.CaptureFixture[str], line: str, refused: str
-) -> None:
+def test_a_node_names_the_line_of_what_it_refuses(tmp_path: Path, refusal: Any, line: str, refused: str) -> None:
     """Whoever has ten lines of parameters would have to guess which one it is."""
     path = tmp_path / 'params.yaml'
     path.write_text(f'learner:\n  ros__parameters:\n    turns: 3\n    {line}\n    turns: 3\n')
-    assert main(['learner', '--ros-args', '--params-file', str(path)]) == 2
-    error = capfd.readouterr().err
+    error = refusal('learner', '--ros-args', '--params-file', path)
     assert error.startswith(f'learner: {refused}')
     assert f'{path}, line 4: ' in error
     assert f"{path}, line 5: key 'turns' occurs twice" in error
-    assert error.count('\n') == 1
 
 
 @pytest.mark.parametrize(('content', 'found'), [('', 'nothing'), ('# later', 'nothing'), ('seed', 'str')])
-def test_a_file_without_parameters_is_refused(tmp_path: Path, content: str, found: str) -> None:
+def test_a_file_without_parameters_is_refused(tmp_path: Path, refusal: Any, content: str, found: str) -> None:
     """The node would run at its defaults: ROS takes such a file for one that sets nothing."""
     path = tmp_path / 'params.yaml'
     path.write_text(content)
-    command = [sys.executable, '-m', 'al_questioner', 'perception', '--ros-args', '--params-file', str(path)]
-    done = subprocess.run(command, capture_output=True, text=True, check=False)
-    assert (done.returncode, done.stderr) == (2, f'perception: {path}: expected a mapping of settings, found {found}\n')
+    error = refusal('perception', '--ros-args', '--params-file', path)
+    assert error == f'perception: {path}: expected a mapping of settings, found {found}'

@@ -9,12 +9,13 @@ import pytest
 from rcl_interfaces.srv import SetParameters
 from rclpy.parameter import Parameter
 
-from al_questioner.domain import InputError
+from al_questioner.domain import InputError, Setting
+from al_questioner.ros.node_arguments import help_text
 from al_questioner.ros.nodes.learner import LearnerNode
 from al_questioner.ros.nodes.perception import PerceptionNode
 from al_questioner.ros.nodes.recorder import RecorderNode
 from al_questioner.ros.nodes.teacher import TeacherNode
-from al_questioner.ros.setting import Setting, help_text
+from al_questioner.ros.parameters import checked
 from al_questioner.ros.settings import (
     PERCEPTION_SETTINGS,
     RECORDER_SETTINGS,
@@ -26,7 +27,6 @@ from al_questioner.simulation import load_task
 from al_questioner.support.configuration import config_dir, read_yaml
 
 TASK = 'prepare_lunch'
-EPISODE = {'task': TASK, 'seed': 4, 'budget': 6.0, 'turns': 8, 'strategy': 'random_fsq'}
 FILES = sorted((config_dir() / 'params').glob('*.yaml'))
 
 
@@ -55,38 +55,38 @@ def test_costs_of_a_task_are_the_learners_defaults(tmp_path: Path) -> None:
     }  # fmt: skip
 
 
-@pytest.mark.parametrize(
-    ('value', 'taken'), [(1, 1.0), (0.5, 0.5), (0, 0.0), (2, None), (-0.1, None), (float('nan'), None), ('1', None)]
-)
-def test_numbers_are_checked_and_integers_taken_for_floats(value: object, taken: float | None) -> None:
-    """`-p budget:=25` would be refused, or nonsense be taken."""
-    setting = Setting('share', 0.1, 'a share', lower=0.0, upper=1.0)
-    if taken is None:
-        with pytest.raises(InputError, match='parameter share'):
-            setting.checked(value)
-    else:
-        assert setting.checked(value) == taken
-        assert isinstance(setting.checked(value), float)
+SHARE = Setting('share', 0.1, 'a share', lower=0.0, upper=1.0)
+TOLERANCE = Setting('view_tolerance', 'auto', 'a change', lower=0.0, word='auto')
 
 
 @pytest.mark.parametrize(
-    ('value', 'taken'), [('auto', 'auto'), (1, 1.0), (0.5, 0.5), ('automatic', None), (-0.1, None), (True, None)]
+    ('setting', 'value', 'taken'),
+    [
+        *((SHARE, value, float(value)) for value in (1, 0.5, 0)),
+        *((TOLERANCE, value, taken) for value, taken in (('auto', 'auto'), (1, 1.0), (0.5, 0.5))),
+    ],
 )
-def test_a_number_can_have_a_word_in_its_place(value: object, taken: object) -> None:
-    """`view_tolerance:=auto` would be refused, or a misspelt word be taken."""
-    setting = Setting('view_tolerance', 'auto', 'a change', lower=0.0, word='auto')
-    if taken is None:
-        with pytest.raises(InputError, match='parameter view_tolerance'):
-            setting.checked(value)
-    else:
-        assert setting.checked(value) == taken
+def test_integers_are_taken_for_floats_and_words_where_there_may_be_one(
+    setting: Setting, value: object, taken: object
+) -> None:
+    """`-p budget:=25` or `view_tolerance:=auto` would be refused."""
+    assert checked(setting, value) == taken
+    assert type(checked(setting, value)) is type(taken)
 
 
-@pytest.mark.parametrize(('default', 'value'), [(3, True), (3, 2.0), ('a', 3), (False, 1)])
-def test_other_types_are_refused(default: object, value: object) -> None:
-    """A truth value would be taken for a number, or a number for a name."""
-    with pytest.raises(InputError, match='must be of type'):
-        Setting('thing', default, 'a thing').checked(value)
+@pytest.mark.parametrize(
+    ('setting', 'value', 'reason'),
+    [(SHARE, value, 'parameter share') for value in (2, -0.1, float('nan'), '1')]
+    + [(TOLERANCE, value, 'parameter view_tolerance') for value in ('automatic', -0.1, True)]
+    + [
+        (Setting('thing', default, 'a thing'), value, 'must be of type')
+        for default, value in ((3, True), (3, 2.0), ('a', 3), (False, 1))
+    ],
+)
+def test_other_values_are_refused(setting: Setting, value: object, reason: str) -> None:
+    """Nonsense or a misspelt word would be taken, a truth value for a number, or a number for a name."""
+    with pytest.raises(InputError, match=reason):
+        checked(setting, value)
 
 
 def test_help_names_every_parameter() -> None:
@@ -124,9 +124,9 @@ def test_misspelt_parameters_are_refused(graph: Any) -> None:
         ({'weights_file': '/no/such/file.yaml'}, 'no/such/file'),
         ({'amplitude': 0.0}, 'amplitude must lie in'),
         ({'length_scale': 1e200}, r'length_scale must lie in \[0, 1000\] standard deviations, not 1e\+200'),
-        ({'length_scale': 1e-200}, r'length_scale must lie in \[0.001, 1000\], not 1e-200'),
+        ({'length_scale': 1e-200}, r'length_scale must lie in \[0.001, 1000\] standard deviations, not 1e-200'),
         ({'budget': 1e308}, r'budget must lie in \[0, 1e\+12\], not 1e\+308'),
-        ({'cost_label': 1e308}, r'the cost of a label query must lie in \[0, 1e\+12\]'),
+        ({'cost_label': 1e308}, r'parameter cost_label must lie in \[0, 1e\+12\], not 1e\+308'),
         ({'tune_every': -1}, 'tune_every must lie in'),
         ({'tune_every': 2.5}, 'tune_every must be of type int'),
     ],
@@ -134,13 +134,13 @@ def test_misspelt_parameters_are_refused(graph: Any) -> None:
 def test_parameters_that_cannot_be_used_are_named(graph: Any, parameters: dict[str, Any], reason: str) -> None:
     """An episode with other settings than those asked for would be played."""
     with pytest.raises(InputError, match=reason) as caught:
-        graph.start(LearnerNode, **{**EPISODE, **parameters})
+        graph.start(LearnerNode, **{**graph.episode, **parameters})
     assert '\n' not in str(caught.value)
 
 
 def test_parameters_are_described_and_fixed(graph: Any) -> None:
     """`ros2 param describe` would tell nothing, or a change in flight would be taken and ignored."""
-    learner = graph.start(LearnerNode, **{**EPISODE, 'budget': 6})
+    learner = graph.start(LearnerNode, **{**graph.episode, 'budget': 6})
     for name in ('budget', 'turns', 'strategy', 'turn_period', 'task', 'seed'):
         descriptor = learner.describe_parameter(name)
         assert descriptor.description

@@ -8,8 +8,6 @@ from typing import Any
 
 import pytest
 
-from al_questioner.cli import main
-
 DEADLINE = 90.0
 
 
@@ -37,13 +35,10 @@ def test_nodes_end_cleanly_when_interrupted(processes: Any, name: str, interrupt
     ],
 )
 def test_unusable_parameters_end_with_status_2_and_one_line(
-    name: str, parameter: str, reason: str, capfd: pytest.CaptureFixture[str]
+    name: str, parameter: str, reason: str, refusal: Any
 ) -> None:
     """A mistyped parameter would end in a traceback, or be ignored."""
-    assert main([name, '--ros-args', '-p', parameter]) == 2
-    error = capfd.readouterr().err
-    assert reason in error
-    assert error.count('\n') == 1
+    assert reason in refusal(name, '--ros-args', '-p', parameter)
 
 
 def test_the_status_of_a_process_is_that_of_its_executable(processes: Any) -> None:

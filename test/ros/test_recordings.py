@@ -13,14 +13,22 @@ from typing import Any
 import pytest
 
 from al_questioner.bags import read_bag
-from al_questioner.bags.storages import storage_files
 from al_questioner.cli import main
 from al_questioner.imitation.bags import read_demonstrations
 from al_questioner.ros.nodes.learner import LearnerNode
 from al_questioner.ros.nodes.recorder import RecorderNode
-from checkout import ROOT
+from shared.bags import wait_for_content
+from shared.checkout import ROOT
 
 DEADLINE = 90.0
+WORLD = {'task': 'prepare_lunch', 'seed': 4, 'wait_for_recorder': True}
+
+
+def record(processes: Any, bag: Path, **parameters: object) -> subprocess.Popen[bytes]:
+    """A recorder that is ready."""
+    recorder = processes.node('record', bag=str(bag), **parameters)
+    processes.wait_for_log('record', 'recording to')
+    return recorder
 
 
 @pytest.mark.slow
@@ -28,12 +36,10 @@ def test_a_person_shows_how_to_ask(processes: Any, tmp_path: Path) -> None:
     """A person's way of asking could not be recorded, or not be learnt from."""
     bag, typed, out = tmp_path / 'bag', tmp_path / 'typed', tmp_path / 'w.yaml'
     typed.write_text('f\n3\nbeverage\n\nno such question\n5\n')
-    recorder = processes.node('record', bag=str(bag), until_done=True)
-    processes.wait_for_log('record', 'recording to')
-    world = {'task': 'prepare_lunch', 'seed': 4, 'wait_for_recorder': True}
-    processes.node('perception', **world)
-    processes.node('teacher', **world)
-    learner = processes.node('learner', typed, **world, strategy='human', budget=9.0, turns=5)
+    recorder = record(processes, bag, until_done=True)
+    for name in ('perception', 'teacher'):
+        processes.node(name, **WORLD)
+    processes.node('learner', typed, **WORLD, strategy='human', budget=9.0, turns=5)
     assert recorder.wait(DEADLINE) == 0, processes.log('record')
     assert 'is no question' in processes.log('learner')
     (demonstration,) = read_demonstrations([bag])
@@ -43,8 +49,7 @@ def test_a_person_shows_how_to_ask(processes: Any, tmp_path: Path) -> None:
     trained = processes.run('train_weights', str(bag), '--method', 'choice', '--out', str(out))
     assert trained.returncode == 0, trained.stderr
     assert processes.run('replay', str(bag), '--check').returncode == 0
-    os.killpg(learner.pid, signal.SIGKILL)
-    learner.wait()
+    processes.kill('learner')
     # Nobody is left to choose: the learner says so, and lives.
     processes.node('learner', task='prepare_lunch', seed=4, strategy='human')
     processes.wait_for_log('learner', 'the input has ended')
@@ -54,13 +59,10 @@ def test_a_demonstration_with_a_task_file_of_ones_own_can_be_learnt_from(
     graph: Any, processes: Any, tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
     """The bag names the task alone, which nobody else knows: on a robot of one's own no weights could be learnt."""
-    examples = ROOT / 'docs' / 'examples'
-    own = [sys.executable, str(examples / 'own_perception.py'), '--ros-args', '-r', f'__ns:=/{graph.namespace}']
-    processes.start('own_perception', own)
-    person = [sys.executable, str(Path(__file__).with_name('person.py')), *own[2:]]
-    processes.start('person', person)
-    task = str(examples / 'blobs.yaml')
-    graph.start(LearnerNode, task=task, strategy='expert', wait_for_recorder=True)
+    processes.namespace, examples = graph.namespace, ROOT / 'docs' / 'examples'
+    for script in (examples / 'own_perception.py', Path(__file__).with_name('person.py')):
+        processes.node(script.stem, program=[sys.executable, str(script)])
+    graph.start(LearnerNode, task=str(examples / 'blobs.yaml'), strategy='expert', wait_for_recorder=True)
     recorder = graph.start(RecorderNode, bag=str(tmp_path / 'b'), until_done=True)
     graph.wait_for(lambda: recorder.done, 'the end of the recording')
     graph.stop(recorder)
@@ -78,17 +80,14 @@ def test_a_demonstration_with_a_task_file_of_ones_own_can_be_learnt_from(
 def test_a_killed_recorder_loses_no_more_than_its_last_second(processes: Any, tmp_path: Path) -> None:
     """Half an hour of a person's time would be gone."""
     bag = tmp_path / 'bag'
-    recorder = processes.node('record', bag=str(bag))
-    processes.wait_for_log('record', 'recording to')
-    world = {'task': 'prepare_lunch', 'seed': 4, 'wait_for_recorder': True}
-    processes.node('perception', **world)
-    processes.node('teacher', **world)
-    processes.node('learner', **world, strategy='expert', budget=9.0, turns=12, turn_period=0.1)
+    record(processes, bag)
+    for name in ('perception', 'teacher'):
+        processes.node(name, **WORLD)
+    processes.node('learner', **WORLD, strategy='expert', budget=9.0, turns=12, turn_period=0.1)
     processes.wait_for_log('learner', 'turn 4:')
     # Longer than the time between two writes to the disk, so that turn 4 must be there.
     time.sleep(1.0)
-    os.killpg(recorder.pid, signal.SIGKILL)
-    recorder.wait()
+    processes.kill('record')
     repaired = processes.run('record', '--repair', str(bag))
     assert repaired.returncode == 0, repaired.stderr
     assert 'messages kept' in repaired.stdout
@@ -128,8 +127,7 @@ def test_a_recording_that_is_ended_is_whole(
 
 def test_a_recording_that_is_ended_before_its_episode_says_so(processes: Any, tmp_path: Path) -> None:
     """A script that waits for a whole episode would go on with a part of it."""
-    recorder = processes.node('record', bag=str(tmp_path / 'bag'), until_done=True)
-    processes.wait_for_log('record', 'recording to')
+    recorder = record(processes, tmp_path / 'bag', until_done=True)
     os.killpg(recorder.pid, signal.SIGINT)
     assert recorder.wait(DEADLINE) == 1
     assert processes.log('record').splitlines()[-1].startswith('record: ended before the episode was over')
@@ -141,16 +139,14 @@ def test_a_recording_that_is_killed_is_repaired_without_ros(
 ) -> None:
     """A demonstration with a person would be lost with the battery of the robot."""
     bag = tmp_path / 'bag'
-    recorder = processes.node('record', bag=str(bag), storage=storage)
+    processes.node('record', bag=str(bag), storage=storage)
     graph.start(LearnerNode, namespace=processes.namespace, task='prepare_lunch')
     processes.wait_for_log('record', 'from turn 1 on')
     wait_for_content(bag, b'al_questioner/turn/1')
-    os.killpg(recorder.pid, signal.SIGKILL)
-    recorder.wait()
+    processes.kill('record')
     no_ros = "import sys; sys.modules['rclpy'] = None; from al_questioner.cli import main; sys.exit(main(sys.argv[1:]))"
     command = [sys.executable, '-c', no_ros, 'record', '--repair', str(bag)]
-    environment = {**os.environ, 'PYTHONPATH': str(ROOT)}
-    done = subprocess.run(command, env=environment, capture_output=True, text=True, timeout=DEADLINE, check=False)
+    done = subprocess.run(command, capture_output=True, text=True, timeout=DEADLINE, check=False)
     assert done.returncode == 0, done.stderr
     topics = [message.topic for message in read_bag(bag).messages]
     # A turn that nobody serves is said again now and then.
@@ -158,14 +154,6 @@ def test_a_recording_that_is_killed_is_repaired_without_ros(
     assert f'{len(topics)} messages kept' in done.stdout
     assert main(['record', '--repair', str(bag)]) == 0
     assert f'is whole: {len(topics)} messages' in capsys.readouterr().out
-
-
-def wait_for_content(bag: Path, content: bytes) -> None:
-    """Wait until a bag's file of messages, not its journal, has this on the disk."""
-    end = time.monotonic() + DEADLINE
-    while not any(content in file.read_bytes() for file in storage_files(bag)):
-        assert time.monotonic() < end, f'{bag} never held {content!r}'
-        time.sleep(0.05)
 
 
 @pytest.mark.parametrize(
@@ -180,10 +168,7 @@ def wait_for_content(bag: Path, content: bytes) -> None:
     ],
 )
 def test_unusable_input_of_record_ends_with_status_2_and_one_line(
-    arguments: list[str], reason: str, capfd: pytest.CaptureFixture[str]
+    arguments: list[str], reason: str, refusal: Any
 ) -> None:
     """A mistyped path would end in a traceback."""
-    assert main(['record', *arguments]) == 2
-    error = capfd.readouterr().err
-    assert reason in error
-    assert error.count('\n') == 1
+    assert reason in refusal('record', *arguments)

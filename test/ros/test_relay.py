@@ -15,16 +15,16 @@ from rclpy.qos import QoSProfile
 from sensor_msgs.msg import PointCloud2
 from std_msgs.msg import String
 
-from al_questioner.event_log.events import AnswerAccepted, decoded
+from al_questioner.event_log.encoding import decoded
+from al_questioner.event_log.events import AnswerAccepted
 from al_questioner.event_log.log import read_log
-from al_questioner.messages import documents
 from al_questioner.ros import qos
 from al_questioner.ros.node import QuestionerNode
 from al_questioner.ros.nodes.learner import LearnerNode
 from al_questioner.ros.nodes.perception import PerceptionNode
 from al_questioner.ros.nodes.teacher import TeacherNode
 from al_questioner.ros.retransmitter import BackOff
-from al_questioner.simulation import ScriptedTeacher, WorldSpec, episode_settings, load_task, run_episode
+from shared.offline import offline_queries
 
 SHARE = 0.2
 """Of the messages, for each of the four things that can happen to one."""
@@ -96,12 +96,8 @@ def test_a_bad_line_changes_no_label(graph: Any, tmp_path: Path, monkeypatch: py
     """A lost question would stall the robot for ever, and a late answer be taken for one to another question."""
     monkeypatch.setattr('al_questioner.ros.nodes.learner.PATIENT', QUICK)
     monkeypatch.setattr('al_questioner.ros.answer_sender.PERSISTENT', QUICK)
-    task, rates = load_task('prepare_lunch'), {'wrong_rate': 0.1, 'unknown_rate': 0.2}
-    settings = episode_settings(task, 'u_sampling_fsq', 9.0, 10)
-    teacher = ScriptedTeacher(task.symbols, task.relevant_groups, seed, **rates)
-    offline = run_episode(WorldSpec(task, seed, seed), settings, teacher)
-    expected = [documents.record_members(record) for record in offline.queries]
-
+    rates = {'wrong_rate': 0.1, 'unknown_rate': 0.2}
+    expected = offline_queries('u_sampling_fsq', 9.0, 10, seed=seed, teacher=rates)
     world = {'task': 'prepare_lunch', 'seed': seed}
     states = graph.listen('learner_state', topic='watcher/learner_state')
     relay = graph.start(lambda **arguments: Relay(LINES, seed, **arguments))
@@ -109,12 +105,10 @@ def test_a_bad_line_changes_no_label(graph: Any, tmp_path: Path, monkeypatch: py
     graph.start(TeacherNode, namespace=f'{graph.namespace}/teacher', **world, **rates)
     graph.start(
         LearnerNode, namespace=f'{graph.namespace}/learner', **world, session=str(tmp_path / 'log'),
-        strategy=settings.strategy, budget=settings.budget, turns=settings.turns,
+        strategy='u_sampling_fsq', budget=9.0, turns=10,
     )  # fmt: skip
     graph.wait_for(lambda: any(state['done'] for state in states), 'the end of the episode')
-
-    (last,) = [state for state in states if state['done']][:1]
-    assert last['queries'] == expected
+    assert next(state['queries'] for state in states if state['done']) == expected
     events, damage = decoded(read_log(tmp_path / 'log'))
     assert damage is None
     told = [event.answer.query_id for event in events if isinstance(event, AnswerAccepted)]

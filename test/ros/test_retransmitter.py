@@ -3,9 +3,9 @@
 from __future__ import annotations
 
 import pytest
-from virtual_time import VirtualTime
 
 from al_questioner.ros.retransmitter import BackOff, Retransmitter
+from shared.virtual_time import VirtualTime
 
 
 @pytest.fixture
@@ -27,20 +27,20 @@ def test_it_is_said_ever_more_rarely_until_it_is_heard(
     time: VirtualTime, said: list, retransmitter: Retransmitter[str]
 ) -> None:
     """A question would be asked once, or fill the topic, or be asked after it was answered."""
-    retransmitter.say('why?')
+    retransmitter.send('why?')
     time.pass_until(12.0)
     assert said == [(at, 'why?') for at in (0.0, 1.0, 3.0, 7.0, 11.0)]
     retransmitter.stop()
     time.pass_until(100.0)
     assert len(said) == 5
-    assert retransmitter.said is None
+    assert retransmitter.message is None
 
 
 def test_the_next_thing_begins_anew(time: VirtualTime, said: list, retransmitter: Retransmitter[str]) -> None:
     """After one long wait every further question would be repeated rarely, or the old one go on."""
-    retransmitter.say('why?')
+    retransmitter.send('why?')
     time.pass_until(8.0)
-    retransmitter.say('how?')
+    retransmitter.send('how?')
     time.pass_until(11.5)
     assert said[4:] == [(8.0, 'how?'), (9.0, 'how?'), (11.0, 'how?')]
     time.pass_until(100.0)
@@ -49,7 +49,7 @@ def test_the_next_thing_begins_anew(time: VirtualTime, said: list, retransmitter
 
 def test_a_delay_is_kept(time: VirtualTime, said: list, retransmitter: Retransmitter[str]) -> None:
     """A teacher who takes time to think would answer at once."""
-    retransmitter.say('because', delay=2.5)
+    retransmitter.send('because', delay=2.5)
     time.pass_until(4.0)
     assert said == [(2.5, 'because'), (3.5, 'because')]
 
@@ -57,7 +57,7 @@ def test_a_delay_is_kept(time: VirtualTime, said: list, retransmitter: Retransmi
 def test_quick_talk_leaves_no_timers_behind(time: VirtualTime, said: list, retransmitter: Retransmitter[str]) -> None:
     """A long episode would fill the memory with times at which nothing is to be done."""
     for turn in range(1000):
-        retransmitter.say(str(turn))
+        retransmitter.send(str(turn))
         retransmitter.stop()
         time.now += 0.001
     assert time.waiting == 0

@@ -3,84 +3,67 @@
 from __future__ import annotations
 
 import contextlib
-import os
 import random
-import signal
-import subprocess
+import sys
 import time
-from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
 
 import pytest
 
-from al_questioner.event_log.events import ActionChosen, AnswerAccepted, EpisodeStarted, decoded
-from al_questioner.event_log.log import KILL_VARIABLE, SessionLogError, read_log
+from al_questioner.event_log.encoding import decoded
+from al_questioner.event_log.events import ActionChosen, AnswerAccepted, EpisodeStarted
+from al_questioner.event_log.log import SessionLogError, read_log
 from al_questioner.ros import qos
 from al_questioner.ros.nodes.perception import PerceptionNode
 from al_questioner.ros.nodes.teacher import TeacherNode
+from shared.checkout import ROOT
 
-DEADLINE = 90.0
+LEARNER = ROOT / 'test' / 'shared' / 'killed_learner.py'
+OVER = 'the episode is over'
 EPISODE = {'task': 'prepare_lunch', 'seed': 4, 'budget': 7.0, 'turns': 6, 'strategy': 'random_fsq', 'tune_every': 2}
 WRITE_POINTS = 4 * (1 + 6 + 6 + 3)
 """Four for each of: the episode, a scene with its decision, an answer, a tuning; asking in every turn."""
+
+LONGEST_LIFE = 0.4
+"""Seconds that a learner lives at most after it is up, where it is killed at random."""
 
 
 class Learners:
     """Learner processes, one after the other, beside a perception and a teacher that stay."""
 
-    def __init__(self, graph: Any, folder: Path) -> None:
-        self.graph, self.folder = graph, folder
+    def __init__(self, graph: Any, processes: Any) -> None:
         self.acks = graph.listen('answer_ack', profile=qos.EVENTS)
-        self._number = 0
-        self._process: subprocess.Popen[bytes] | None = None
+        self._processes = processes
+        processes.namespace = graph.namespace
         graph.start(PerceptionNode, **graph.world)
         graph.start(TeacherNode, **graph.world)
 
     def start(self, session: Path, kill_at: int = 0) -> None:
-        self._number += 1
-        kill_variable = {KILL_VARIABLE: str(kill_at)}
-        self._process = self.graph.start_process(
-            'learner', self.log_path, kill_variable, **EPISODE, session=str(session)
-        )
-
-    @property
-    def log_path(self) -> Path:
-        return self.folder / f'{self._number}.log'
+        program = [sys.executable, str(LEARNER), str(kill_at)]
+        self._processes.node('learner', program=program, **EPISODE, session=str(session))
 
     def wait_for(self, text: str) -> bool:
-        """Wait until the learner prints something; False if it was killed before."""
-        end = time.monotonic() + DEADLINE
-        while text not in self.log_path.read_text():
-            assert self._process is not None
-            status = self._process.poll()
-            if status == -signal.SIGKILL:
-                return text in self.log_path.read_text()
-            assert status is None, self.log_path.read_text()
-            assert time.monotonic() < end, f'never printed {text!r}: {self.log_path.read_text()}'
-            time.sleep(0.02)
-        return True
+        """Wait until the learner prints something; false if it was killed before."""
+        return self._processes.wait_for_log('learner', text, may_be_killed=True)
 
     def kill(self) -> None:
-        if self._process is not None:
-            with contextlib.suppress(ProcessLookupError):
-                os.killpg(self._process.pid, signal.SIGKILL)
-            self._process.wait()
+        self._processes.kill('learner')
+
+    @property
+    def is_over(self) -> bool:
+        return OVER in self._processes.log('learner')
 
     def finish(self, session: Path) -> None:
         """Have a learner go on to the end."""
         self.start(session)
-        assert self.wait_for('the episode is over')
+        assert self.wait_for(OVER)
         self.kill()
 
 
 @pytest.fixture
-def learners(graph: Any, tmp_path: Path) -> Iterator[Learners]:
-    result = Learners(graph, tmp_path)
-    try:
-        yield result
-    finally:
-        result.kill()
+def learners(graph: Any, processes: Any) -> Learners:
+    return Learners(graph, processes)
 
 
 def decisions(session: Path) -> list[tuple[Any, ...]]:
@@ -90,6 +73,14 @@ def decisions(session: Path) -> list[tuple[Any, ...]]:
     asked = [(event.turn, event.action, event.query) for event in found if isinstance(event, ActionChosen)]
     said = [(event.answer.query_id, event.answer.content) for event in found if isinstance(event, AnswerAccepted)]
     return [*asked, *said]
+
+
+def events_in(session: Path) -> int:
+    """How many events are in a log; 0 before there is one."""
+    try:
+        return len(read_log(session).events)
+    except SessionLogError:
+        return 0
 
 
 def check_acknowledged(learners: Learners, session: Path) -> None:
@@ -107,7 +98,7 @@ def check_acknowledged(learners: Learners, session: Path) -> None:
 def kill_and_go_on(learners: Learners, session: Path, point: int) -> bool:
     """Kill a learner at a write point and have another one go on; False if the first one was over before."""
     learners.start(session, kill_at=point)
-    was_over = learners.wait_for('the episode is over')
+    was_over = learners.wait_for(OVER)
     learners.kill()
     with contextlib.suppress(SessionLogError):
         check_acknowledged(learners, session)
@@ -141,17 +132,20 @@ def test_a_learner_killed_at_every_write_point_is_gone_on_with(learners: Learner
 def test_learners_killed_at_random_moments_are_gone_on_with(learners: Learners, tmp_path: Path) -> None:
     """What no list of write points foresees would cost an answer."""
     learners.finish(tmp_path / 'whole')
-    draw, kills, episodes = random.Random(1), 0, 0
+    draw, kills, episodes, longest = random.Random(1), 0, 0, LONGEST_LIFE
     while kills < 200:
         session = tmp_path / f'random-{episodes}'
-        over = False
+        over, written = False, 0
         while not over:
             learners.start(session)
             learners.wait_for('is up')
-            time.sleep(draw.uniform(0, 0.4))
+            time.sleep(draw.uniform(0, longest))
             learners.kill()
             kills += 1
-            over = 'the episode is over' in learners.log_path.read_text()
+            before, written = written, events_in(session)
+            # On a busy machine no learner would live for long enough to write anything.
+            longest = LONGEST_LIFE if written > before else 2 * longest
+            over = learners.is_over
         learners.finish(session)
         check_acknowledged(learners, session)
         assert decisions(session) == decisions(tmp_path / 'whole')

@@ -2,56 +2,20 @@
 
 from __future__ import annotations
 
-import json
 from pathlib import Path
 from typing import Any
 
 import pytest
-from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus
+from diagnostic_msgs.msg import DiagnosticStatus
 from std_msgs.msg import String
 
-from al_questioner.event_log.events import AnswerAccepted, InputRejected, LateAnswerKept, decoded
+from al_questioner.event_log.encoding import decoded
+from al_questioner.event_log.events import AnswerAccepted, InputRejected, LateAnswerKept
 from al_questioner.event_log.log import SessionLogError, read_log
 from al_questioner.messages.stamps import stamp_of
-from al_questioner.ros import qos
 from al_questioner.ros.nodes.learner import LearnerNode
 from al_questioner.ros.nodes.perception import PerceptionNode
-from al_questioner.ros.nodes.teacher import TeacherNode
-
-
-class Person:
-    """Somebody who answers by documents, and hears what becomes of them."""
-
-    def __init__(self, graph: Any) -> None:
-        self.graph = graph
-        self.queries = graph.listen('query')
-        self.acks = graph.listen('answer_ack', profile=qos.EVENTS)
-        self.states = graph.listen('learner_state')
-        self.turns = graph.listen('turn')
-        self.mouth = graph.ears.create_publisher(String, 'answer', qos.EVENTS)
-
-    def query(self, number: int) -> dict[str, Any]:
-        self.graph.wait_for(lambda: self.queries and self.queries[-1]['query_id'] == f'q{number}', f'query {number}')
-        return self.queries[-1]
-
-    def says(self, query: dict[str, Any], content: Any, **changes: Any) -> dict[str, Any]:
-        outcome = 'skip' if content is None else 'answered'
-        document = {
-            'schema': 'al_questioner/answer/1',
-            'episode_id': query['episode_id'],
-            'query_id': query['query_id'],
-            'answer_id': 'a1',
-            'teacher_id': 'anna',
-            'outcome': outcome,
-            'content': content,
-            **changes,
-        }
-        before = len(self.acks)
-        self.graph.wait_for(lambda: self.mouth.get_subscription_count(), 'a learner that listens')
-        self.mouth.publish(String(data=json.dumps(document)))
-        self.graph.wait_for(lambda: len(self.acks) > before, 'an acknowledgement')
-        return self.acks[-1]
-
+from shared.offline import offline_queries
 
 EPISODE = {'task': 'prepare_lunch', 'seed': 4, 'budget': 6.0, 'turns': 5, 'strategy': 'u_sampling'}
 
@@ -62,36 +26,33 @@ def told(folder: Path, kind: type = AnswerAccepted) -> list[Any]:
     return [event for event in found if isinstance(event, kind)]
 
 
-def test_an_acknowledged_answer_is_on_the_disk(graph: Any, tmp_path: Path) -> None:
+def test_an_acknowledged_answer_is_on_the_disk(graph: Any, person: Any, tmp_path: Path) -> None:
     """An answer would be lost whose teacher was told that it was taken."""
-    person = Person(graph)
-    graph.start(PerceptionNode, **graph.world)
-    graph.start(LearnerNode, **EPISODE, session=str(tmp_path / 'log'))
+    graph.start_robot(**EPISODE, session=str(tmp_path / 'log'))
     query = person.query(1)
-    assert not person.says(query, 'pudding')['accepted']
-    assert person.says(query, 'snack')['accepted']
+    assert not person.answers(query, 'pudding')['accepted']
+    assert person.answers(query, 'snack')['accepted']
     assert [event.answer.content for event in told(tmp_path / 'log')] == ['snack']
     assert [event.reason[:13] for event in told(tmp_path / 'log', InputRejected)] == ['unknown label']
 
 
-def test_a_new_learner_goes_on_where_the_last_one_ended(graph: Any, tmp_path: Path) -> None:
+def test_a_new_learner_goes_on_where_the_last_one_ended(graph: Any, person: Any, tmp_path: Path) -> None:
     """After a crash the episode would begin anew, or the pending question be lost or asked again as another one."""
-    person = Person(graph)
     graph.start(PerceptionNode, **graph.world)
     parameters = {**EPISODE, 'session': str(tmp_path / 'log')}
     learner = graph.start(LearnerNode, **parameters)
-    assert person.says(person.query(1), 'snack')['accepted']
+    assert person.answers(person.query(1), 'snack')['accepted']
     pending = person.query(2)
     graph.wait_for(lambda: person.turns and person.turns[-1]['turn'] == 2, 'both turns')
     graph.stop(learner)
     asked, begun = len(person.queries), len(person.turns)
     learner = graph.start(LearnerNode, **parameters)
     graph.wait_for(lambda: len(person.queries) > asked and len(person.turns) > begun, 'the question once more')
-    graph.wait_for(lambda: learner._session.is_ready, 'a learner that takes answers')
+    graph.wait_for(lambda: learner._durable.is_ready, 'a learner that takes answers')
     assert person.queries[-1] == pending
     assert person.turns[begun] == person.turns[begun - 1]
-    assert person.says(person.queries[0], 'snack')['reason'] == 'already taken'
-    assert person.says(pending, 'fruit')['accepted']
+    assert person.answers(person.queries[0], 'snack')['reason'] == 'already taken'
+    assert person.answers(pending, 'fruit')['accepted']
     person.query(3)
     graph.wait_for(lambda: person.states and len(person.states[-1]['queries']) == 2, 'two answers')
     assert person.states[-1]['episode_id'] == pending['episode_id']
@@ -99,17 +60,16 @@ def test_a_new_learner_goes_on_where_the_last_one_ended(graph: Any, tmp_path: Pa
     assert stamps == sorted(stamps)
 
 
-def test_a_learner_that_ended_between_turns_goes_on(graph: Any, tmp_path: Path) -> None:
+def test_a_learner_that_ended_between_turns_goes_on(graph: Any, person: Any, tmp_path: Path) -> None:
     """A learner that is stopped between two turns would wait for ever."""
-    person = Person(graph)
     graph.start(PerceptionNode, **graph.world)
     parameters = {**EPISODE, 'turns': 2, 'session': str(tmp_path / 'log')}
     learner = graph.start(LearnerNode, **parameters, turn_period=3000.0)
-    assert person.says(person.query(1), 'snack')['accepted']
+    assert person.answers(person.query(1), 'snack')['accepted']
     graph.wait_for(lambda: person.states, 'the end of turn 1')
     graph.stop(learner)
     learner = graph.start(LearnerNode, **parameters)
-    assert person.says(person.query(2), 'snack')['accepted']
+    assert person.answers(person.query(2), 'snack')['accepted']
     graph.wait_for(lambda: person.states[-1]['done'], 'the end')
     graph.stop(learner)
     before = len(person.states)
@@ -120,16 +80,14 @@ def test_a_learner_that_ended_between_turns_goes_on(graph: Any, tmp_path: Path) 
     assert {turn['turn'] for turn in person.turns} == {1, 2}
 
 
-def test_a_late_answer_is_refused_and_kept(graph: Any, tmp_path: Path) -> None:
+def test_a_late_answer_is_refused_and_kept(graph: Any, person: Any, tmp_path: Path) -> None:
     """The second of two teachers would label what is asked about now with what was asked before."""
-    person = Person(graph)
-    graph.start(PerceptionNode, **graph.world)
-    graph.start(LearnerNode, **EPISODE, session=str(tmp_path / 'log'))
+    graph.start_robot(**EPISODE, session=str(tmp_path / 'log'))
     query = person.query(1)
-    person.says(query, 'snack')
+    person.answers(query, 'snack')
     person.query(2)
     for _ in range(2):
-        ack = person.says(query, 'fruit', answer_id='b1', teacher_id='bert')
+        ack = person.answers(query, 'fruit', answer_id='b1', teacher_id='bert')
         assert (ack['accepted'], ack['answer_id']) == (False, 'b1')
         assert "query 'q1' was answered already, by 'a1'" in ack['reason']
     graph.wait_for(
@@ -142,58 +100,53 @@ def test_a_late_answer_is_refused_and_kept(graph: Any, tmp_path: Path) -> None:
 
 
 @pytest.mark.parametrize('with_log', [True, False])
-def test_a_correction_changes_what_is_known_and_not_what_is_asked(graph: Any, tmp_path: Path, with_log: bool) -> None:
+def test_a_correction_changes_what_is_known_and_not_what_is_asked(
+    graph: Any, person: Any, tmp_path: Path, with_log: bool
+) -> None:
     """A person who was wrong could not take it back."""
-    person = Person(graph)
-    graph.start(PerceptionNode, **graph.world)
-    graph.start(LearnerNode, **EPISODE, session=str(tmp_path / 'log') if with_log else '')
+    graph.start_robot(**EPISODE, session=str(tmp_path / 'log') if with_log else '')
     query = person.query(1)
-    person.says(query, 'snack')
+    person.answers(query, 'snack')
     person.query(2)
     graph.wait_for(lambda: person.states and person.states[-1]['turn'] == 1, 'the end of turn 1')
     for reason in ('', 'already taken'):
-        ack = person.says(query, 'fruit', answer_id='a2', replaces='a1')
+        ack = person.answers(query, 'fruit', answer_id='a2', replaces='a1')
         assert (ack['accepted'], ack['reason']) == (True, reason)
     graph.wait_for(lambda: person.states[-1]['labels']['fruit'] == 1, 'what is known now')
     assert person.states[-1]['turn'] == 1
     assert person.states[-1]['labels']['snack'] == 0
     assert person.states[-1]['spent'] == 1.0
-    assert person.says(query, None, answer_id='a3', replaces='a2')['accepted']
+    assert person.answers(query, None, outcome='skip', answer_id='a3', replaces='a2')['accepted']
     graph.wait_for(lambda: person.states[-1]['queries'][0]['outcome'] == 'skip', 'nothing known')
     assert sum(person.states[-1]['labels'].values()) == 0
-    ack = person.says(query, 'fruit', answer_id='a4', replaces='a9')
+    ack = person.answers(query, 'fruit', answer_id='a4', replaces='a9')
     assert (ack['accepted'], ack['reason']) == (False, "no answer 'a9' to query 'q1' was taken")
     assert {query['query_id'] for query in person.queries} == {'q1', 'q2'}
-    assert person.says(person.queries[-1], 'snack')['accepted']
+    assert person.answers(person.queries[-1], 'snack')['accepted']
 
 
-def test_a_disk_that_takes_no_more_stops_the_questions(graph: Any, tmp_path: Path) -> None:
+def test_a_disk_that_takes_no_more_stops_the_questions(
+    graph: Any, person: Any, diagnostics: Any, tmp_path: Path
+) -> None:
     """An answer would be acknowledged that is nowhere, and nobody would know why nothing goes on."""
-    person = Person(graph)
-    diagnostics = graph.listen('diagnostics', DiagnosticArray, qos.DIAGNOSTICS, '/diagnostics')
     graph.start(PerceptionNode, **graph.world)
     parameters = {**EPISODE, 'session': str(tmp_path / 'log')}
     learner = graph.start(LearnerNode, **parameters)
-    person.says(person.query(1), 'snack')
+    person.answers(person.query(1), 'snack')
     query = person.query(2)
-    learner._session._log._database.execute('PRAGMA query_only=1')
+    learner._durable._log._storage._database.execute('PRAGMA query_only=1')
     acks = len(person.acks)
     person.mouth.publish(String(data='snack'))
-
-    def shown() -> bool:
-        statuses = [status for array in diagnostics for status in array.status]
-        return any(s.level == DiagnosticStatus.ERROR and 'session log cannot be written' in s.message for s in statuses)
-
-    graph.wait_for(shown, 'an error on /diagnostics')
+    diagnostics.wait_for('session log cannot be written', DiagnosticStatus.ERROR)
     assert len(person.acks) == acks
     assert {query['query_id'] for query in person.queries} == {'q1', 'q2'}
-    assert learner._question.said is None
+    assert learner._question.message is None
     graph.stop(learner)
     asked = len(person.queries)
     learner = graph.start(LearnerNode, **parameters)
     graph.wait_for(lambda: len(person.queries) > asked, 'the question once more')
-    graph.wait_for(lambda: learner._session.is_ready, 'a learner that takes answers')
-    assert person.says(query, 'snack')['accepted']
+    graph.wait_for(lambda: learner._durable.is_ready, 'a learner that takes answers')
+    assert person.answers(query, 'snack')['accepted']
     assert len(told(tmp_path / 'log')) == 2
 
 
@@ -201,7 +154,7 @@ def test_a_session_belongs_to_one_learner_and_one_episode(graph: Any, tmp_path: 
     """Two learners, or two episodes, would be mixed in one log."""
     parameters = {**EPISODE, 'session': str(tmp_path / 'log')}
     learner = graph.start(LearnerNode, **parameters)
-    graph.wait_for(lambda: learner._session.is_ready, 'a learner that has begun')
+    graph.wait_for(lambda: learner._durable.is_ready, 'a learner that has begun')
     with pytest.raises(SessionLogError, match='another process is using this session'):
         graph.start(LearnerNode, **parameters)
     graph.stop(learner)
@@ -212,13 +165,5 @@ def test_a_session_belongs_to_one_learner_and_one_episode(graph: Any, tmp_path: 
 
 def test_the_scripted_teacher_and_a_session_play_the_episode(graph: Any, tmp_path: Path) -> None:
     """The log would change what is asked."""
-    states = graph.listen('learner_state')
-    graph.start(PerceptionNode, **graph.world)
-    graph.start(TeacherNode, **graph.world)
-    first = graph.start(LearnerNode, **graph.episode)
-    graph.wait_for(lambda: states and states[-1]['done'], 'the end')
-    queries = states[-1]['queries']
-    graph.stop(first)
-    second = graph.start(LearnerNode, **graph.episode, session=str(tmp_path / 'log'))
-    graph.wait_for(lambda: states[-1]['episode_id'] == second.episode_id and states[-1]['done'], 'the end')
-    assert states[-1]['queries'] == queries
+    queries = graph.play(session=str(tmp_path / 'log'))['queries']
+    assert queries == offline_queries('random_fsq', 6.0, 8)

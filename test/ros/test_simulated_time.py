@@ -10,15 +10,13 @@ from typing import Any
 
 import pytest
 from builtin_interfaces.msg import Time
-from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus
+from diagnostic_msgs.msg import DiagnosticStatus
 from rclpy.qos import QoSProfile
 from rosgraph_msgs.msg import Clock
 from sensor_msgs.msg import PointCloud2
-from std_msgs.msg import String
 
 from al_questioner.bags import read_bag
 from al_questioner.bags.playback import Playback
-from al_questioner.messages import documents
 from al_questioner.messages.clouds import cloud_of_scene
 from al_questioner.messages.stamps import SECOND, stamp_of
 from al_questioner.ros import qos
@@ -28,17 +26,10 @@ from al_questioner.ros.nodes.replayer import ReplayNode
 from al_questioner.ros.nodes.teacher import TeacherNode
 from al_questioner.ros.running import Spinner
 from al_questioner.ros.types import CLOUD_TYPES, header
-from al_questioner.simulation import (
-    PerceivedWorld,
-    ScriptedTeacher,
-    WorldSpec,
-    episode_settings,
-    load_task,
-    run_episode,
-)
-from checkout import ROOT
+from al_questioner.simulation import PerceivedWorld, WorldSpec, load_task
+from shared.bags import SHIPPED
+from shared.offline import offline_queries
 
-BAG = ROOT / 'bags' / 'expert_0'
 SIMULATED = {'use_sim_time': True}
 
 
@@ -91,22 +82,18 @@ def test_a_jumping_clock_changes_nothing_that_is_asked(graph: Any, jumping: None
     graph.start(PerceptionNode, **graph.world, **SIMULATED)
     graph.start(TeacherNode, **graph.world, **SIMULATED)
     graph.start(LearnerNode, **graph.episode, **SIMULATED, turn_period=0.02)
-    graph.wait_for(lambda: states and states[-1]['done'], 'the end of the episode')
-    task = load_task('prepare_lunch')
-    settings = episode_settings(task, 'random_fsq', 6.0, 8)
-    offline = run_episode(WorldSpec(task, 4, 4), settings, ScriptedTeacher(task.symbols, task.relevant_groups, 4))
-    assert states[-1]['queries'] == [documents.record_members(record) for record in offline.queries]
+    assert graph.wait_for_end(states)['queries'] == offline_queries('random_fsq', 6.0, 8)
     stamps = {turn['turn']: stamp_of(turn['stamp']) for turn in turns}
     grown = [stamps[turn] for turn in sorted(stamps)]
     assert grown == sorted(set(grown))
 
 
-def test_a_camera_is_seen_again_after_its_clock_went_back(graph: Any, clock: SimulatedClock) -> None:
+def test_a_camera_is_seen_again_after_its_clock_went_back(
+    graph: Any, person: Any, diagnostics: Any, clock: SimulatedClock
+) -> None:
     """The robot would look at nothing until the clock has caught up, and not say why."""
-    queries, turns = graph.listen('query'), graph.listen('turn')
-    heard = graph.listen('diagnostics', DiagnosticArray, qos.DIAGNOSTICS, '/diagnostics')
+    queries, turns = person.queries, person.turns
     eyes = graph.ears.create_publisher(PointCloud2, 'objects', qos.LATCHED)
-    mouth = graph.ears.create_publisher(String, 'answer', qos.EVENTS)
     scene = PerceivedWorld(WorldSpec(load_task('prepare_lunch'), 4, 4).open()).scene(1)
 
     def look(seconds: float) -> None:
@@ -117,30 +104,29 @@ def test_a_camera_is_seen_again_after_its_clock_went_back(graph: Any, clock: Sim
     clock.set(learner, 1000.0)
     graph.wait_for(lambda: eyes.get_subscription_count(), 'a learner that looks')
     look(1000.0)
-    graph.wait_for(lambda: queries, 'the first question')
-    mouth.publish(String(data='snack'))
+    person.query(1)
+    assert person.says('snack')['accepted']
     graph.wait_for(lambda: turns[-1]['turn'] == 2, 'the second turn')
     clock.set(learner, 10.0)
 
     def reported() -> bool:
         look(999.0)
-        return any('our clock has gone back' in status.message for array in heard for status in array.status)
+        return diagnostics.tell('our clock has gone back')
 
     graph.wait_for(reported, 'a reason on /diagnostics')
     assert {query['query_id'] for query in queries} == {'q1'}
     clock.set(learner, 10.2)
     look(10.1)
-    graph.wait_for(lambda: queries[-1]['query_id'] == 'q2', 'the second question')
+    person.query(2)
     stamps = [stamp_of(turn['stamp']) for turn in turns]
     assert stamps == sorted(stamps)
     assert learner.counts().keys() == {'refused on objects'}
 
 
-def test_a_bag_that_loops_is_seen_in_every_round(graph: Any) -> None:
+def test_a_bag_that_loops_is_seen_in_every_round(graph: Any, diagnostics: Any) -> None:
     """A learner that is tried out on a looping bag would stop at the end of the first round."""
     states = graph.listen('learner_state')
-    heard = graph.listen('diagnostics', DiagnosticArray, qos.DIAGNOSTICS, '/diagnostics')
-    bag = read_bag(BAG)
+    bag = read_bag(SHIPPED)
     span = (bag.messages[-1].stamp - bag.messages[0].stamp) / SECOND
     playback = Playback(bag.messages, rate=span / 0.5, loop=True)
     graph.start(
@@ -152,8 +138,8 @@ def test_a_bag_that_loops_is_seen_in_every_round(graph: Any) -> None:
         **{**graph.episode, **SIMULATED, 'seed': 0, 'strategy': 'u_sampling', 'turns': 5, 'turn_period': 0.4},
     )
     graph.start(TeacherNode, task='prepare_lunch', seed=0)
-    graph.wait_for(lambda: states and states[-1]['done'], 'the end of the episode')
-    assert not [s.message for array in heard for s in array.status if s.level == DiagnosticStatus.ERROR]
+    graph.wait_for_end(states)
+    assert not diagnostics.tell('', DiagnosticStatus.ERROR)
 
 
 def test_a_time_before_the_beginning_of_time_ends_no_node(graph: Any) -> None:

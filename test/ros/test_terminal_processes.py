@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import os
 import re
 import signal
 import subprocess
@@ -13,17 +12,9 @@ from typing import Any
 
 import pytest
 
-from checkout import ROOT
-
 DEADLINE = 120
 EPISODE = {'strategy': 'random_fsq', 'budget': 5.0, 'turns': 6}
 OVER = 'The episode is over: 5 of 5 spent on 4 questions.'
-
-
-def environment() -> dict[str, str]:
-    """Of a child: this checkout, and topics that stay on this machine."""
-    path = os.pathsep.join(filter(None, (str(ROOT), os.environ.get('PYTHONPATH'))))
-    return {**os.environ, 'PYTHONPATH': path}
 
 
 def teacher(namespace: str, **parameters: object) -> list[str]:
@@ -40,14 +31,12 @@ def test_a_person_teaches_at_a_terminal_quits_and_comes_back(
     graph.start_robot(**EPISODE)
 
     def open_one(**options: Any) -> Any:
-        return open_terminal(teacher(graph.namespace, teacher_id='anna'), environment=environment(), **options)
+        return open_terminal(teacher(graph.namespace, teacher_id='anna'), **options)
 
     terminal = open_one()
     terminal.wait_for('Which properties matter')
-    terminal.press('1 \r')
-    terminal.wait_for('tick what matters')
-    terminal.press('12\r')
-    terminal.wait_for('Noted: what matters is colour, size.')
+    terminal.press('1 \r', until='tick what matters')
+    terminal.press('12\r', until='Noted: what matters is colour, size.')
     asked = terminal.wait_for(lambda text: re.search(r'What is object (\d+)\?.*\[\1\].*q quit', text, re.DOTALL))
     (object_id,) = re.findall(r'What is object (\d+)\?', asked)
     terminal.wait_for('▀')
@@ -57,20 +46,14 @@ def test_a_person_teaches_at_a_terminal_quits_and_comes_back(
     terminal = open_one(columns=60)
     terminal.wait_for(lambda text: f'What is object {object_id}?' in text and 'what matters is colour' in text)
     # What was said before this program began can be taken back, too.
-    terminal.press('z')
-    terminal.wait_for('Correction of: what matters is colour, size')
-    terminal.press('z')
-    terminal.wait_for(f'What is object {object_id}?')
-    terminal.press('f')
-    terminal.wait_for(f'Noted: object {object_id} is fruit.')
+    terminal.press('z', until='Correction of: what matters is colour, size')
+    terminal.press('z', until=f'What is object {object_id}?')
+    terminal.press('f', until=f'Noted: object {object_id} is fruit.')
     for key, noted in (('?', 'you do not know'), ('n', 'The episode is over')):
         terminal.wait_for('[a] snack')
-        terminal.press(key)
-        terminal.wait_for(noted)
-    terminal.press('z')
-    terminal.wait_for('Correction of: object')
-    terminal.press('b')
-    terminal.wait_for('is beverage instead')
+        terminal.press(key, until=noted)
+    terminal.press('z', until='Correction of: object')
+    terminal.press('b', until='is beverage instead')
     terminal.press('q')
     assert terminal.status() == 0
     assert OVER in ' '.join(terminal.text.split())
@@ -91,7 +74,6 @@ def test_a_script_teaches_through_a_pipe(graph: Any) -> None:
     graph.start_robot(**EPISODE)
     done = subprocess.run(
         teacher(graph.namespace, teacher_id='script'),
-        env=environment(),
         input='pudding\ncolour,size\nfruit\n?\nskip\n',
         capture_output=True,
         text=True,
@@ -109,7 +91,7 @@ def test_a_script_teaches_through_a_pipe(graph: Any) -> None:
 @pytest.mark.parametrize('number', [signal.SIGINT, pytest.param(signal.SIGTERM, marks=pytest.mark.slow)])
 def test_a_signal_gives_the_terminal_back(open_terminal: Callable[..., Any], number: signal.Signals) -> None:
     """A shell would stay without echo when a launch file or a supervisor ends the node."""
-    terminal = open_terminal(teacher(f'test_{uuid.uuid4().hex[:12]}'), environment=environment())
+    terminal = open_terminal(teacher(f'test_{uuid.uuid4().hex[:12]}'))
     before = terminal.local_modes()
     terminal.wait_for('Waiting for a robot that asks')
     assert terminal.local_modes() != before

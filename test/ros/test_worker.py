@@ -13,7 +13,6 @@ def test_a_failing_job_is_told_and_the_next_one_runs() -> None:
     """One unexpected error would leave a node that hears and never answers."""
     errors: list[Exception] = []
     done: list[int] = []
-    finished = threading.Event()
     worker = Worker('test', errors.append)
 
     def fail() -> None:
@@ -22,9 +21,7 @@ def test_a_failing_job_is_told_and_the_next_one_runs() -> None:
     worker.submit(lambda: done.append(1))
     worker.submit(fail)
     worker.submit(lambda: done.append(2))
-    worker.submit(finished.set)
-    assert finished.wait(30)
-    worker.stop()
+    worker.finish()
     assert done == [1, 2]
     assert [str(error) for error in errors] == ["'unexpected'"]
 
@@ -33,7 +30,7 @@ def test_a_failing_job_is_told_and_the_next_one_runs() -> None:
 def test_of_what_waits_for_a_busy_worker_the_newest_is_kept(most: int, kept: list[int]) -> None:
     """Beside a fast camera the memory would fill with clouds that are old by the time that they are looked at."""
     handled: list[int] = []
-    begun, may_go_on, finished = threading.Event(), threading.Event(), threading.Event()
+    begun, may_go_on = threading.Event(), threading.Event()
     worker = Worker('test', lambda error: None)
 
     def handle(message: int) -> None:
@@ -47,9 +44,7 @@ def test_of_what_waits_for_a_busy_worker_the_newest_is_kept(most: int, kept: lis
     for message in range(1, 10):
         put(message)
     may_go_on.set()
-    worker.submit(finished.set)
-    assert finished.wait(30)
-    worker.stop()
+    worker.finish()
     assert handled == kept
 
 

@@ -9,23 +9,10 @@ import pytest
 
 from al_questioner.domain import random_stream
 from al_questioner.questioning import Episode
-from al_questioner.simulation import (
-    Evaluation,
-    ScriptedTeacher,
-    WorldSpec,
-    accuracy,
-    episode_settings,
-    load_task,
-    run_episode,
-)
+from al_questioner.simulation import Evaluation, accuracy, episode_settings, run_episode
+from shared.lunches import CHOICE, TASK, teacher
 
-TASK = load_task('prepare_lunch')
-CHOICE = WorldSpec(TASK, 4, 4)
 SYMBOLS = ('a', 'b')
-
-
-def teacher(**rates: float | bool) -> ScriptedTeacher:
-    return ScriptedTeacher(TASK.symbols, TASK.relevant_groups, 4, **rates)
 
 
 @pytest.mark.parametrize(

@@ -2,16 +2,13 @@
 
 from __future__ import annotations
 
-import numpy as np
+from unittest.mock import Mock
+
 import pytest
-from numpy.typing import NDArray
 
-from al_questioner.domain import View
 from al_questioner.perception import perceive, view_features
-from al_questioner.simulation import PerceivedWorld, WorldSpec, load_task
-
-TASK = load_task('prepare_lunch')
-CHOICE = WorldSpec(TASK, 4, 4)
+from al_questioner.simulation import PerceivedWorld
+from shared.lunches import CHOICE
 
 
 def test_scene_that_stays_is_perceived_once() -> None:
@@ -25,16 +22,11 @@ def test_scene_that_stays_is_perceived_once() -> None:
 
 def test_view_that_comes_back_is_measured_once(monkeypatch: pytest.MonkeyPatch) -> None:
     """Scenes draw on a pool: half of what a long episode measures it has measured before."""
-    measured: list[View] = []
-
-    def counting(view: View) -> NDArray[np.float32]:
-        measured.append(view)
-        return view_features(view)
-
+    counting = Mock(wraps=view_features)
     monkeypatch.setattr('al_questioner.simulation.perceived_world.view_features', counting)
     world = PerceivedWorld(CHOICE.open())
     turns = [1, *world.change_turns(150)]
     seen = [observation.view for turn in turns for observation in world.observations(turn)]
     for turn in turns:
         world.scene(turn)
-    assert len(measured) == len(set(seen)) < len(seen)
+    assert counting.call_count == len(set(seen)) < len(seen)

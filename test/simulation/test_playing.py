@@ -6,33 +6,11 @@ from collections.abc import Mapping
 
 import pytest
 
-from al_questioner.domain import (
-    AMPLITUDE,
-    DECISION_FEATURES,
-    VALUE_FEATURES,
-    Answer,
-    Costs,
-    EpisodeSettings,
-    Query,
-    QueryKind,
-)
+from al_questioner.domain import AMPLITUDE, DECISION_FEATURES, Answer, Costs, EpisodeSettings, Query, QueryKind
 from al_questioner.questioning import STRATEGIES
-from al_questioner.simulation import (
-    EpisodeResult,
-    PerceivedWorld,
-    ScriptedTeacher,
-    WorldSpec,
-    episode_settings,
-    load_task,
-    run_episode,
-)
-
-TASK = load_task('prepare_lunch')
-CHOICE = WorldSpec(TASK, 4, 4)
-
-
-def teacher(**rates: float | bool) -> ScriptedTeacher:
-    return ScriptedTeacher(TASK.symbols, TASK.relevant_groups, 4, **rates)
+from al_questioner.questioning.strategies.value_per_cost import VALUE_FEATURES
+from al_questioner.simulation import EpisodeResult, PerceivedWorld, WorldSpec, episode_settings, load_task, run_episode
+from shared.lunches import CHOICE, TASK, teacher
 
 
 def repeats(result: EpisodeResult) -> int:
@@ -75,7 +53,7 @@ def test_playing_tunes_at_the_turns_that_are_due() -> None:
     assert plain.accuracy == never_due.accuracy
     assert plain.kernel == never_due.kernel
     assert often.accuracy != plain.accuracy
-    assert often.kernel.amplitude != plain.kernel.amplitude == AMPLITUDE
+    assert often.kernel.amplitude != plain.kernel.amplitude == AMPLITUDE.default
 
 
 def test_episodes_on_an_open_world_are_those_on_a_new_one() -> None:

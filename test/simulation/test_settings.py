@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
+import re
+from pathlib import Path
+
 import pytest
 
 from al_questioner.domain import SettingsError
-from al_questioner.simulation import episode_settings, load_task
-
-TASK = load_task('prepare_lunch')
+from al_questioner.simulation import episode_settings
+from shared.lunches import TASK
 
 
 def test_settings_come_from_the_task_unless_given() -> None:
@@ -17,6 +19,15 @@ def test_settings_come_from_the_task_unless_given() -> None:
     assert settings.change_interval == TASK.scenes.change_interval
     assert episode_settings(TASK, budget=0).budget == 0
     assert set(episode_settings(TASK, 'dt_iros').weights) == {'discriminability', 'class_uniformity'}
+
+
+def test_a_name_that_the_strategy_does_not_declare_is_refused_with_its_file(tmp_path: Path) -> None:
+    """A misspelt weight would have no effect, and nobody know where it stands."""
+    path = tmp_path / 'mine.yaml'
+    path.write_text('weights: {discriminability: 1, class_unifromity: 1}')
+    reason = f"{path}: strategy dt_iros does not use 'class_unifromity'; it uses discriminability, class_uniformity"
+    with pytest.raises(SettingsError, match=re.escape(reason)):
+        episode_settings(TASK, 'dt_iros', weights_file=str(path))
 
 
 def test_weights_for_a_strategy_without_any_are_refused() -> None:

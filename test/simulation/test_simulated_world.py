@@ -9,6 +9,7 @@ from collections import Counter
 from collections.abc import Iterable
 from dataclasses import replace
 from pathlib import Path
+from unittest.mock import Mock
 
 import numpy as np
 import pytest
@@ -32,10 +33,6 @@ def digest(observations: Iterable[Observation]) -> str:
 def plausible(successes: int, trials: int, share: float) -> bool:
     """Whether the count is compatible with the share: exact binomial test, one false alarm in a million."""
     return bool(binomtest(successes, trials, share).pvalue > 1e-6)
-
-
-def no_rendering(*_: object) -> None:
-    raise RuntimeError('rendered')
 
 
 def test_same_seed_same_bytes_other_seed_others(small: Task) -> None:
@@ -81,7 +78,7 @@ def test_an_unchanged_scene_is_the_identical_objects(small: Task) -> None:
 
 def test_truth_renders_nothing(kitchen: Task, monkeypatch: pytest.MonkeyPatch) -> None:
     """The teacher runs in a process of its own; it must not pay for images it never shows."""
-    monkeypatch.setattr(pool, 'render', no_rendering)
+    monkeypatch.setattr(pool, 'render', Mock(side_effect=RuntimeError('rendered')))
     world = SimulatedWorld(kitchen, 1)
     assert len(world.truth(200)) == kitchen.scenes.objects
     assert len(world.test_labels()) == kitchen.scenes.test_size

@@ -8,31 +8,24 @@ from pathlib import Path
 from typing import Any
 
 import pytest
-import yaml
 
 from al_questioner.domain import Costs, InputError
 from al_questioner.simulation import Task, episode_settings, load_task, make_world
-from checkout import ROOT
+from shared.task_files import task_content, write_task
 
+SYMBOLS = ('main_dish', 'snack', 'fruit', 'beverage')
 SIMULATED = ('prepare_lunch', 'pack_lunchbox', 'kitchen_table')
 
 
-def _content(name: str = 'kitchen_table') -> dict[str, Any]:
-    path = ROOT / 'config' / 'tasks' / f'{name}.yaml'
-    content: dict[str, Any] = yaml.safe_load(path.read_text(encoding='utf-8'))
-    return content
-
-
-def _write(folder: Path, content: Any) -> str:
-    path = folder / 'mine.yaml'
-    path.write_text(yaml.safe_dump(content), encoding='utf-8')
-    return str(path)
+def _own(folder: Path, **content: object) -> Task:
+    """A task of fruit and snacks unless other symbols are told."""
+    return load_task(write_task(folder, {'symbols': ['fruit', 'snack'], **content}))
 
 
 @pytest.mark.parametrize('name', SIMULATED)
 def test_shipped_tasks_state_every_parameter(name: str) -> None:
     """A parameter that only the code knows cannot be found by a user who wants to change it."""
-    content, task = _content(name), load_task(name)
+    content, task = task_content(name), load_task(name)
     assert task.name == name
     for section in ('episode', 'scenes', 'appearance', 'camera', 'sensors'):
         assert set(content[section]) == set(getattr(task, section).__dataclass_fields__), section
@@ -51,7 +44,7 @@ def test_the_worlds_of_the_issue_are_as_specified() -> None:
 @pytest.mark.parametrize('more', [{}, {'description': None, 'relevant_groups': []}, {'description': ''}], ids=str)
 def test_a_task_of_ones_own_needs_symbols_alone(tmp_path: Path, more: dict[str, Any]) -> None:
     """A person who teaches would have to write down what nobody reads."""
-    task = load_task(_write(tmp_path, {'symbols': ['fruit', 'snack'], **more}))
+    task = _own(tmp_path, **more)
     assert (task.name, task.description, task.relevant_groups) == ('mine', '', ())
     assert task.class_frequencies == {'fruit': 0.5, 'snack': 0.5}
     assert task.episode.costs == Costs()
@@ -69,7 +62,7 @@ def test_a_task_of_ones_own_needs_symbols_alone(tmp_path: Path, more: dict[str, 
 )
 def test_costs_of_a_task_are_those_of_its_episodes(tmp_path: Path, content: dict[str, Any]) -> None:
     """Whoever states what a question costs would be asked at other prices."""
-    task = load_task(_write(tmp_path, {'symbols': ['fruit', 'snack'], **content}))
+    task = _own(tmp_path, **content)
     expected = Costs() if 'turns' in content.get('episode', {}) else Costs(label=0.5, skip=0)
     assert episode_settings(task).costs == task.episode.costs == expected
     assert episode_settings(task, costs=Costs(3, 3, 3)).costs == Costs(3, 3, 3)
@@ -78,17 +71,14 @@ def test_costs_of_a_task_are_those_of_its_episodes(tmp_path: Path, content: dict
 @pytest.mark.parametrize('section', ['episode', 'costs', 'scenes', 'appearance', 'camera', 'sensors', 'variety'])
 def test_a_section_that_is_left_empty_has_the_defaults(tmp_path: Path, section: str) -> None:
     """Whoever deletes the lines below a key would be told that nothing is no mapping."""
-    content: dict[str, Any] = {'symbols': ['fruit', 'snack'], 'description': None}
-    assert load_task(_write(tmp_path, {**content, section: None})) == load_task(_write(tmp_path, content))
+    assert _own(tmp_path, description=None, **{section: None}) == _own(tmp_path, description=None)
 
 
 def test_empty_costs_are_not_stated_twice(tmp_path: Path) -> None:
     """The costs beside an empty key would be refused."""
-    content = {'symbols': ['fruit', 'snack'], 'episode': {'costs': None, 'budget': 9}, 'costs': {'label': 3}}
-    task = load_task(_write(tmp_path, content))
+    task = _own(tmp_path, episode={'costs': None, 'budget': 9}, costs={'label': 3})
     assert (task.episode.costs, task.episode.budget) == (Costs(label=3), 9)
-    content = {'symbols': ['fruit', 'snack'], 'episode': {'costs': {'label': 3}}, 'costs': None}
-    assert load_task(_write(tmp_path, content)).episode.costs == Costs(label=3)
+    assert _own(tmp_path, episode={'costs': {'label': 3}}, costs=None).episode.costs == Costs(label=3)
 
 
 def test_a_slip_in_a_task_has_a_suggestion(tmp_path: Path) -> None:
@@ -100,8 +90,8 @@ def test_a_slip_in_a_task_has_a_suggestion(tmp_path: Path) -> None:
         ({'scenes': {'turnover': 'objects'}}, "unknown 'objects'; known: state, object; did you mean object?"),
     ):
         with pytest.raises(InputError, match=re.escape(hint)):
-            load_task(_write(tmp_path, {'symbols': ['fruit', 'snack'], **more}))
-    task = load_task(_write(tmp_path, {'symbols': ['fruit', 'snack'], 'appearance': {'catalogue': 'pack_lunchbx'}}))
+            _own(tmp_path, **more)
+    task = _own(tmp_path, appearance={'catalogue': 'pack_lunchbx'})
     with pytest.raises(InputError, match=r"unknown catalogue 'pack_lunchbx'; known: .*; did you mean pack_lunchbox\?"):
         make_world(task, 1)
     with pytest.raises(InputError, match=r"unknown task 'kitchen_tabel'; known: .*; did you mean kitchen_table\?"):
@@ -116,15 +106,10 @@ def test_words_that_refer_to_a_symbol_may_be_decomposed(tmp_path: Path) -> None:
         'scenes': {'class_frequencies': {'Fru\u0308chte': 0.5, 'snack': 0.5}},
         'dataset': {'categories': {'a\u0308pfel': 'Fru\u0308chte', 'bar': 'snack'}},
     }
-    task = load_task(_write(tmp_path, content))
+    task = _own(tmp_path, **content)
     assert task.class_frequencies == {'Früchte': 0.5, 'snack': 0.5}
     assert task.dataset is not None
     assert task.dataset.categories == {'äpfel': 'Früchte', 'bar': 'snack'}
-
-
-def test_unknown_task_lists_the_known_ones() -> None:
-    with pytest.raises(InputError, match=r"unknown task 'dinner'; known: .*kitchen_table.*prepare_lunch"):
-        load_task('dinner')
 
 
 @pytest.mark.parametrize(
@@ -140,12 +125,7 @@ def test_unknown_task_lists_the_known_ones() -> None:
         ('scenes', 'turnover', 'wind', r"scenes: turnover: unknown 'wind'; known: state, object"),
         ('scenes', 'turnover', ['state'], r'scenes: turnover: unknown'),
         ('scenes', 'class_frequencies', {'fruit': 1}, r'class_frequencies: expected one share for each of main_dish'),
-        (
-            'scenes',
-            'class_frequencies',
-            {'main_dish': 0.5, 'snack': 0.5, 'fruit': 0.5, 'beverage': 0.5},
-            r'class_frequencies: the shares sum to 2, expected 1',
-        ),
+        ('scenes', 'class_frequencies', dict.fromkeys(SYMBOLS, 0.5), r'frequencies: the shares sum to 2, expected 1'),
         ('scenes', 'training_size', 20, r'training_size is below the number of objects'),
         ('scenes', 'table_m', [1.4], r'table_m: expected \[width, depth\], found \[1.4\]'),
         ('camera', 'distance_m', [1.2, 0.9], r'distance_m: the lowest value 1.2 is above the highest 0.9'),
@@ -182,29 +162,24 @@ def test_unknown_task_lists_the_known_ones() -> None:
 def test_bad_values_are_named_with_file_and_key(
     tmp_path: Path, section: str | None, key: str, value: Any, message: str
 ) -> None:
-    content = _content()
+    content = task_content('kitchen_table')
     (content if section is None else content[section])[key] = value
     if key == 'symbols':
         content['scenes']['class_frequencies'] = {}
     with pytest.raises(InputError, match=message) as caught:
-        load_task(_write(tmp_path, content))
+        load_task(write_task(tmp_path, content))
     assert '\n' not in str(caught.value)
 
 
 def test_a_missing_key_is_named(tmp_path: Path) -> None:
-    content = _content()
-    del content['symbols']
     with pytest.raises(InputError, match=r"mine.yaml: key 'symbols' is missing"):
-        load_task(_write(tmp_path, content))
+        load_task(write_task(tmp_path, {'description': 'of nothing'}))
 
 
 @pytest.mark.parametrize(
     ('dataset', 'message'),
     [
-        (
-            {'categories': {'apple': 'fruit', 'ball': 'toy'}},
-            r"categories: ball: unknown symbol 'toy'; known: fruit, snack",
-        ),
+        ({'categories': {'apple': 'fruit', 'ball': 'toy'}}, r"ball: unknown symbol 'toy'; known: fruit, snack"),
         ({'categories': {'apple': 'fruit', 'ball': 'none'}}, r"no category for the symbol 'snack'"),
         (
             {'categories': {'apple': 'fruit', 'bar': 'snack'}, 'weights_kg': {'pear': 0.1}},
@@ -213,9 +188,8 @@ def test_a_missing_key_is_named(tmp_path: Path) -> None:
     ],
 )
 def test_a_dataset_section_must_fit_the_symbols(tmp_path: Path, dataset: dict[str, Any], message: str) -> None:
-    content = {'description': 'd', 'symbols': ['fruit', 'snack'], 'relevant_groups': ['colour'], 'source': 'dataset'}
     with pytest.raises(InputError, match=message):
-        load_task(_write(tmp_path, {**content, 'dataset': dataset}))
+        _own(tmp_path, description='d', relevant_groups=['colour'], source='dataset', dataset=dataset)
 
 
 def test_source_and_dataset_directory_must_agree(kitchen: Task, tmp_path: Path) -> None:
@@ -227,16 +201,15 @@ def test_source_and_dataset_directory_must_agree(kitchen: Task, tmp_path: Path) 
 
 def test_where_no_catalogue_is_named_the_error_says_what_to_do(tmp_path: Path) -> None:
     """A roboticist would look for a catalogue that they never asked for."""
-    content = {'symbols': ['fruit', 'screwdriver'], 'scenes': {'clutter_share': 0.5}}
+    task = _own(tmp_path, symbols=['fruit', 'screwdriver'], scenes={'clutter_share': 0.5})
     with pytest.raises(InputError, match=r"no simulated thing is a 'screwdriver'.*`objects`.*--dry-run") as caught:
-        make_world(load_task(_write(tmp_path, content)), 1)
+        make_world(task, 1)
     assert 'pack_lunchbox' not in str(caught.value)
 
 
 def test_where_no_catalogue_is_named_one_that_fits_is_taken(tmp_path: Path) -> None:
     """A task with clutter would be refused although there is some."""
-    content = {'symbols': ['fruit', 'snack'], 'scenes': {'clutter_share': 0.5}}
-    world = make_world(load_task(_write(tmp_path, content)), 1)
+    world = make_world(_own(tmp_path, scenes={'clutter_share': 0.5}), 1)
     assert set(world.training_labels()) == {'fruit', 'snack', 'none'}
 
 

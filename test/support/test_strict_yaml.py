@@ -89,6 +89,8 @@ def test_a_word_that_the_versions_of_yaml_read_differently_is_refused(tmp_path: 
         (b'a: 1\n---\nb: 2', ', line 2: not valid YAML'),
         (b'a: 1\nb: \0', ', line 2: not valid YAML'),
         (b'a: 1\nb: \xff', ', line 2: not valid YAML'),
+        (b'a: [', 'not valid YAML'),
+        (b'\xff\xfe\xff', 'not valid YAML'),
         (b'a: "\\0"', ', line 1: a text holds no NUL'),
         (b'a: "\\ud800"', ', line 1: a text holds no NUL, and no half of a character'),
         (b'[a]: 3', ', line 1: expected a name as key'),

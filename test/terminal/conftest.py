@@ -91,6 +91,12 @@ class Person:
         self.dialogue.ask(query)
         return self.dialogue.board()
 
+    def answered(self, query: Query, word: str = 'fruit') -> ViewState:
+        """What is shown once this is asked, answered, and the answer taken."""
+        self.asked(query)
+        self.dialogue.say(word)
+        return self.taken()
+
     def taken(self, accepted: bool = True, reason: str = '') -> ViewState:
         """What is shown once the learner has said whether it takes the last answer."""
         self.dialogue.acknowledge(self.sent[-1][1].answer_id, accepted, reason)
@@ -105,14 +111,5 @@ def person() -> Person:
 @pytest.fixture(scope='session')
 def made() -> SimpleNamespace:
     """The helpers above; test modules cannot import from each other in pytest's importlib mode."""
-    return SimpleNamespace(
-        Person=Person,
-        QUERIES=QUERIES,
-        demonstration=demonstration,
-        feature_subset=feature_subset,
-        label=label,
-        many_objects=many_objects,
-        picture_of=picture_of,
-        record=record,
-        scene_of=scene_of,
-    )
+    helpers = (Person, demonstration, feature_subset, label, many_objects, picture_of, record, scene_of)
+    return SimpleNamespace(QUERIES=QUERIES, **{helper.__name__: helper for helper in helpers})

@@ -50,9 +50,7 @@ def test_a_refused_answer_is_asked_for_again_with_the_reason(person: Any, made: 
 
 def test_the_last_answer_is_taken_back_by_one_that_names_it(person: Any, made: Any) -> None:
     """A wrong answer would stay in what the robot knows."""
-    person.asked(made.label(1))
-    person.dialogue.say('fruit')
-    person.taken()
+    person.answered(made.label(1))
     person.asked(made.label(2, object_id=12))
     person.dialogue.undo()
     view_state = person.dialogue.board()
@@ -72,9 +70,7 @@ def test_the_last_answer_is_taken_back_by_one_that_names_it(person: Any, made: A
 
 def test_a_correction_that_is_refused_leaves_the_question_that_is_open(person: Any, made: Any) -> None:
     """A learner that takes no corrections would hold the person in one for ever."""
-    person.asked(made.label(1))
-    person.dialogue.say('fruit')
-    person.taken()
+    person.answered(made.label(1))
     person.asked(made.label(2))
     person.dialogue.undo()
     person.dialogue.say('snack')
@@ -85,9 +81,7 @@ def test_a_correction_that_is_refused_leaves_the_question_that_is_open(person: A
 
 def test_to_take_back_twice_leaves_the_answer_as_it_was(person: Any, made: Any) -> None:
     """Whoever presses undo by mistake would have to answer anew."""
-    person.asked(made.label(1))
-    person.dialogue.say('fruit')
-    person.taken()
+    person.answered(made.label(1))
     person.dialogue.undo()
     person.dialogue.undo()
     assert person.dialogue.board().phase is Phase.THINKING
@@ -126,9 +120,7 @@ def test_the_episode_is_over_when_the_learner_says_so(person: Any, made: Any) ->
 
 def test_another_episode_forgets_what_was_asked_in_the_last(person: Any, made: Any) -> None:
     """An answer to the first question of one episode would be given to that of the next."""
-    person.asked(made.label(1))
-    person.dialogue.say('fruit')
-    person.taken()
+    person.answered(made.label(1))
     person.dialogue.enter('another')
     assert person.dialogue.board().phase is Phase.THINKING
     with pytest.raises(AnswerError, match='nothing to take back'):
@@ -158,9 +150,7 @@ def test_a_picture_of_what_lay_there_before_is_not_shown(person: Any, made: Any)
 
 def test_a_correction_shows_what_was_there_when_it_was_asked(person: Any, made: Any) -> None:
     """The person would correct an answer by looking at another thing."""
-    person.asked(made.label(1))
-    person.dialogue.say('fruit')
-    person.taken()
+    person.answered(made.label(1))
     person.dialogue.look(made.scene_of({20: (0.5, 0.5)}), 2)
     person.dialogue.undo()
     assert person.dialogue.board().prompt.scene.object_ids == (1, 7, 12)

@@ -13,24 +13,7 @@ from al_questioner.questioning import read_plain_answer
 from al_questioner.terminal.commands import Explain, Say, Wish, read_line
 from al_questioner.terminal.keypad import COMMANDS, Pad, letters, press
 
-KEYS = [
-    *COMMANDS,
-    'enter',
-    'backspace',
-    'escape',
-    'up',
-    'down',
-    'left',
-    'right',
-    'tab',
-    ' ',
-    ':',
-    '1',
-    '7',
-    'f',
-    'é',
-    'f1',
-]
+KEYS = [*COMMANDS, 'enter', 'backspace', 'escape', 'up', 'down', 'left', 'right', 'tab', 'f1', *' :17fé']
 
 
 def pressed(view_state: Any, *keys: str) -> list[object]:
@@ -43,15 +26,18 @@ def pressed(view_state: Any, *keys: str) -> list[object]:
     return found
 
 
+def explained(view_state: Any, key: str, text: str) -> Explain:
+    """What a key alone brings: an explanation with this text."""
+    (command,) = pressed(view_state, key)
+    assert isinstance(command, Explain)
+    assert text in command.text
+    return command
+
+
 def test_a_symbol_has_the_first_free_letter_of_its_name() -> None:
     """People could not guess the keys, or one key would have two meanings."""
-    assert letters(['snack', 'fruit', 'salad', 'frog', 'nnn']) == {
-        'snack': 'a',
-        'fruit': 'f',
-        'salad': 'l',
-        'frog': 'r',
-        'nnn': 'b',
-    }
+    keys = {'snack': 'a', 'fruit': 'f', 'salad': 'l', 'frog': 'r', 'nnn': 'b'}
+    assert letters(list(keys)) == keys
 
 
 def test_no_key_says_another_name_than_the_one_that_begins_with_it() -> None:
@@ -75,12 +61,10 @@ def test_the_first_letter_of_a_name_is_a_command_only_if_it_is_pressed_twice(
 ) -> None:
     """Whoever presses s for a screwdriver would skip the question, pay for it, and not know why."""
     view_state = person.asked(made.label(1, symbols=symbols))
-    (explained,) = pressed(view_state, key)
-    assert isinstance(explained, Explain)
-    assert alike in explained.text
-    assert pressed(view_state, key, key) == [explained, command]
-    assert pressed(view_state, key, 'c', key) == [explained, Say('cup'), explained]
-    assert pressed(view_state, key, 'h', key) == [explained, Wish.HELP, explained]
+    why = explained(view_state, key, alike)
+    assert pressed(view_state, key, key) == [why, command]
+    assert pressed(view_state, key, 'c', key) == [why, Say('cup'), why]
+    assert pressed(view_state, key, 'h', key) == [why, Wish.HELP, why]
     # Where numbers are asked for, no name is said by a letter.
     assert pressed(person.asked(made.demonstration(2)), key) == [command]
 
@@ -94,29 +78,24 @@ def test_the_first_letter_of_a_group_is_a_command_only_if_it_is_pressed_twice(
 ) -> None:
     """Whoever presses s for size would skip the question, and q for quality would end the conversation."""
     view_state = person.asked(made.feature_subset(1, ('colour', group)))
-    (explained,) = pressed(view_state, key)
-    assert isinstance(explained, Explain)
-    assert f'for {group} press 2' in explained.text
-    assert pressed(view_state, key, key) == [explained, command]
-    assert pressed(view_state, key, '2', 'enter') == [explained, Say(group)]
-    assert pressed(view_state, '1', key, key) == [explained, command]
+    why = explained(view_state, key, f'for {group} press 2')
+    assert pressed(view_state, key, key) == [why, command]
+    assert pressed(view_state, key, '2', 'enter') == [why, Say(group)]
+    assert pressed(view_state, '1', key, key) == [why, command]
     assert pressed(view_state, 'q') == [Wish.QUIT]
 
 
 def test_a_group_beyond_the_digits_is_ticked_otherwise(person: Any, made: Any) -> None:
     """There is no key 10."""
     view_state = person.asked(made.feature_subset(1, (*'abcdefgij', 'size')))
-    (explained,) = pressed(view_state, 's')
-    assert isinstance(explained, Explain)
-    assert 'for size use arrows and space' in explained.text
+    explained(view_state, 's', 'for size use arrows and space')
 
 
 def test_a_capital_is_no_choice_where_another_symbol_begins_so(person: Any, made: Any) -> None:
     """Whoever begins to spell A1 would say a."""
     view_state = person.asked(made.label(1, symbols=('a', 'A1')))
-    (explained,) = pressed(view_state, 'A')
-    assert isinstance(explained, Explain)
-    assert explained.text == '"A" could mean two things: for a press a, for A1 press 1'
+    text = '"A" could mean two things: for a press a, for A1 press 1'
+    assert explained(view_state, 'A', text).text == text
     assert pressed(view_state, 'a', '1') == [Say('a'), Say('A1')]
     assert pressed(person.asked(made.label(2, symbols=('Apple', 'Ape'))), 'A', 'a') == [Say('Apple'), Say('Apple')]
     assert pressed(person.asked(made.label(3, symbols=('a', 'b1'))), 'A') == [Say('a')]

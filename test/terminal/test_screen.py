@@ -16,18 +16,9 @@ from al_questioner.terminal.keypad import Pad, about, press
 from al_questioner.terminal.screen import screen
 from al_questioner.terminal.sentences import farewell, question_line
 
-TERMINALS = [
-    Capabilities(width, height, colors, monochrome, unicode)
-    for width, height in ((80, 24), (40, 24), (80, 8), (20, 5), (200, 60), (1, 1))
-    for colors, monochrome, unicode in (
-        (None, False, True),
-        (None, False, False),
-        ('standard', True, True),
-        ('256', False, True),
-        ('truecolor', False, True),
-        ('truecolor', False, False),
-    )
-]
+SIZES = ((80, 24), (40, 24), (80, 8), (20, 5), (200, 60), (1, 1))
+COLOURS = ((None, False), ('standard', True), ('256', False), ('truecolor', False))
+TERMINALS = [Capabilities(*size, *colours, unicode=u) for size in SIZES for colours in COLOURS for u in (True, False)]
 ATTRIBUTES = re.compile(r'\x1b\[[0-9;]*m')
 
 
@@ -43,12 +34,8 @@ def test_every_screen_fits_its_terminal(made: Any, kind: str, capabilities: Capa
     person.dialogue.look(made.many_objects(60), 1)
     person.progress(3, *(made.record(turn) for turn in range(1, 4)))
     view_state = person.asked(made.QUERIES[kind](5))
-    for pad in (
-        Pad(),
-        Pad(about(view_state), '12'),
-        Pad(about(view_state), 'fru', in_words=True),
-        Pad(notice='long ' * 99),
-    ):
+    now = about(view_state)
+    for pad in (Pad(), Pad(now, '12'), Pad(now, 'fru', in_words=True), Pad(notice='long ' * 99)):
         for in_help in (False, True):
             lines = ATTRIBUTES.sub('', shown(view_state, capabilities, pad, in_help)).split('\n')
             assert len(lines) <= capabilities.height
@@ -152,9 +139,7 @@ def test_a_camera_whose_projection_is_unknown_is_not_cut_out(person: Any, made: 
 
 def test_a_correction_says_what_it_corrects(person: Any, made: Any) -> None:
     """The person would think that the robot asks the same thing again."""
-    person.asked(made.label(1))
-    person.dialogue.say('fruit')
-    person.taken()
+    person.answered(made.label(1))
     person.dialogue.undo()
     text = shown(person.dialogue.board(), Capabilities())
     assert 'Correction of: object 7 is fruit' in text
@@ -169,12 +154,8 @@ def test_the_map_stays_where_it_is_while_a_question_is_shown(made: Any, kind: st
     person = made.Person()
     person.dialogue.look(made.many_objects(20), 1)
     view_state = person.asked(made.QUERIES[kind](5))
-    pads = (
-        Pad(),
-        Pad(about(view_state), '1'),
-        Pad(notice='one line'),
-        Pad(notice='words ' * (capabilities.width // 4)),
-    )
+    long = Pad(notice='words ' * (capabilities.width // 4))
+    pads = (Pad(), Pad(about(view_state), '1'), Pad(notice='one line'), long)
     screens = [shown(view_state, capabilities, pad) for pad in pads]
     person.progress(4, *(made.record(turn) for turn in range(1, 5)))
     screens += [shown(person.dialogue.board(), capabilities, pad) for pad in pads]

@@ -48,11 +48,8 @@ def test_a_single_object_lies_in_the_middle(made: Any) -> None:
 
 def test_an_empty_table_is_an_empty_map(made: Any) -> None:
     """Who teaches would lose the terminal when the table is cleared."""
-    assert [line.plain for line in table_map(made.scene_of({}), 12, 3, None)] == [
-        '┌──────────┐',
-        '│          │',
-        '└──────────┘',
-    ]
+    lines = [line.plain for line in table_map(made.scene_of({}), 12, 3, None)]
+    assert lines == ['┌──────────┐', '│          │', '└──────────┘']
 
 
 def test_places_are_told_in_words(made: Any) -> None:

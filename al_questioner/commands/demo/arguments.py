@@ -6,37 +6,32 @@ import argparse
 from collections.abc import Sequence
 from pathlib import Path
 
-from al_questioner.domain import InputError
-from al_questioner.messages.schemas import LARGEST_TURN
-from al_questioner.questioning import STRATEGIES
-from al_questioner.support.arguments import LARGEST_SEED, REPEAT_SHOWN_HELP, Parser, number_within
+from al_questioner.domain import BUDGET, TUNE_EVERY, TURNS, InputError
+from al_questioner.questioning.strategies.names import STRATEGY
+from al_questioner.questioning.strategies.weights import WEIGHTS_FILE
+from al_questioner.ros.settings import TURN_PERIOD
+from al_questioner.simulation.scripted_teacher import REPEAT_SHOWN, UNKNOWN_RATE, WRONG_RATE
+from al_questioner.simulation.world_spec import DATASET, SAMPLE, SEED, TASK
+from al_questioner.support.arguments import DEFAULT, Parser, add_option
 from al_questioner.support.configuration import shipped_names
 
 
 def parser() -> Parser:
-    """The arguments of `demo`."""
+    """Make the parser of `demo`."""
     result = Parser(prog='demo', description='Play one learning episode, show how it goes, and draw how it went.')
-    tasks = ', '.join(shipped_names('tasks'))
-    task_help = f'{tasks}, or a YAML file (%(default)s)'
-    result.add_argument('--task', default='kitchen_table', help=task_help)
-    result.add_argument('--dataset', type=Path, help='root of a directory of RGB-D crops, for tasks that read one')
-    result.add_argument('--strategy', help=f"one of {', '.join(STRATEGIES)}, or of an installed package (the task's)")
-    result.add_argument('--weights-file', help='YAML file with weights of the decision features')
-    result.add_argument('--budget', type=float, help="query budget (the task's)")
-    turns = number_within(int, 1, LARGEST_TURN)
-    result.add_argument('--turns', type=turns, help="length of the episode (the task's)")
-    tune_every = number_within(int, 0, LARGEST_TURN)
-    tune_help = "turns from one re-optimisation of the models' kernel to the next, 0 for never (%(default)s)"
-    result.add_argument('--tune-every', type=tune_every, default=0, metavar='K', help=tune_help)
-    seed = number_within(int, 0, LARGEST_SEED)
-    result.add_argument('--seed', type=seed, default=0, help='seed of everything drawn at random (%(default)s)')
-    result.add_argument('--sample', type=seed, help='sample of observations to draw the scenes from (that of the seed)')
-    result.add_argument('--wrong-rate', type=float, default=0.0, help='share of wrong answers (%(default)s)')
-    result.add_argument('--unknown-rate', type=float, default=0.0, help='share of "I do not know" (%(default)s)')
-    result.add_argument('--repeat-shown', action='store_true', help=REPEAT_SHOWN_HELP)
-    period = number_within(float, 0, 3600)
-    period_help = 'least seconds from turn to turn, not offline (%(default)s)'
-    result.add_argument('--turn-period', type=period, default=0.0, help=period_help)
+    add_option(result, TASK, help=f'{", ".join(shipped_names("tasks"))}, or a YAML file ({DEFAULT})')
+    add_option(result, DATASET, type=Path, default=None, help=DATASET.description)
+    add_option(result, STRATEGY, "the task's")
+    add_option(result, WEIGHTS_FILE, 'those that ship', help='YAML file with weights of the strategy (those that ship)')
+    add_option(result, BUDGET, "the task's")
+    add_option(result, TURNS, "the task's")
+    add_option(result, TUNE_EVERY, metavar='K')
+    add_option(result, SEED)
+    add_option(result, SAMPLE, default=None, help=SAMPLE.description)
+    add_option(result, WRONG_RATE)
+    add_option(result, UNKNOWN_RATE)
+    add_option(result, REPEAT_SHOWN)
+    add_option(result, TURN_PERIOD, f'{DEFAULT}, not offline')
     result.add_argument('--out', type=Path, default=Path('out/demo'), help='folder for the pictures (%(default)s)')
     result.add_argument('--json', type=Path, metavar='FILE', help='write the episode as JSON')
     result.add_argument('--record', type=Path, metavar='BAG', help='record the episode into a new bag, not offline')
@@ -50,7 +45,7 @@ def parser() -> Parser:
 
 
 def parse(arguments: Sequence[str]) -> argparse.Namespace:
-    """What the arguments ask for.
+    """Parse the arguments.
 
     Raises:
         InputError: they do not go together, or a bag is there already.

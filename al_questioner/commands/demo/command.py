@@ -22,7 +22,7 @@ from al_questioner.simulation import (
     load_task,
     play,
 )
-from al_questioner.simulation.made_up import MadeUpWorld, made_up_scene
+from al_questioner.simulation.made_up_world import MadeUpWorld, made_up_scene
 from al_questioner.support.files import check_writable, make_folder, write_text
 
 PATIENCE = 30.0
@@ -133,17 +133,12 @@ def _play_graph(given: argparse.Namespace, evaluation: Evaluation, watch: TurnWa
             'perception': world,
             'teacher': {
                 **world,
-                'wrong_rate': given.wrong_rate,
-                'unknown_rate': given.unknown_rate,
-                'repeat_shown': given.repeat_shown,
+                **{name: getattr(given, name) for name in ('wrong_rate', 'unknown_rate', 'repeat_shown')},
             },
             'learner': {
                 **world,
-                'strategy': settings.strategy,
-                'budget': settings.budget,
-                'turns': settings.turns,
+                **{name: getattr(settings, name) for name in ('strategy', 'budget', 'turns', 'tune_every')},
                 'weights_file': given.weights_file or '',
-                'tune_every': settings.tune_every,
                 'turn_period': given.turn_period,
                 'episode_id': episode_id,
             },

@@ -86,7 +86,7 @@ def _timeline(result: EpisodeResult, world: PerceivedWorld) -> Figure:
 
 
 def _scene(result: EpisodeResult, world: PerceivedWorld) -> Figure:
-    """The scene in which most was asked, with the objects that were asked about or shown."""
+    """Draw the scene in which most was asked, with the objects that were asked about or shown."""
     turns = result.settings.turns
     starts = [1, *world.change_turns(turns)]
     ends = [*(turn - 1 for turn in starts[1:]), turns]

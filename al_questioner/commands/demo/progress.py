@@ -1,15 +1,13 @@
-"""What is asked and answered, live, above a bar that shows how far the episode is."""
+"""Questions and answers of an episode as they come, above a progress bar."""
 
 from __future__ import annotations
-
-from types import TracebackType
 
 from rich import progress as bars
 from rich.console import Console
 from rich.markup import escape
 
 from al_questioner.domain import NO_SYMBOL, Action, EpisodeSettings, Outcome, QueryKind, QueryRecord
-from al_questioner.questioning.candidates import question_text
+from al_questioner.questioning.question_wording import question_text
 from al_questioner.simulation import Task
 from al_questioner.support.text import number_of
 
@@ -39,9 +37,7 @@ class ProgressView:
         self._bar.start()
         return self
 
-    def __exit__(
-        self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
-    ) -> None:
+    def __exit__(self, *_: object) -> None:
         self._bar.stop()
 
     def after_turn(self, turn: int, record: QueryRecord | None, accuracy: float) -> None:
@@ -62,7 +58,7 @@ class ProgressView:
 
 
 def answer_text(record: QueryRecord) -> str:
-    """What the teacher said, in plain English."""
+    """Return the teacher's answer in plain English."""
     if record.outcome is Outcome.UNKNOWN:
         return 'I do not know.'
     if record.outcome is Outcome.SKIP:

@@ -51,13 +51,13 @@ def episode_document(result: EpisodeResult, teacher: ScriptedTeacher, world: Per
 
 
 def labels_told(result: EpisodeResult) -> dict[str, int]:
-    """How often the teacher named each symbol, and `none`; every symbol is there."""
+    """Count how often the teacher named each symbol, and `none`; every symbol is there."""
     told = Counter(record.symbol for record in result.queries if record.object_id is not None and record.symbol)
     return {symbol: told.pop(symbol, 0) for symbol in result.settings.symbols} | dict(told)
 
 
 def summary(result: EpisodeResult, views: str = 'images') -> Table:
-    """What a person wants to know at the end; `views` says what the test observations are."""
+    """Return the lines that a person reads at the end; `views` says what the test observations are."""
     settings = result.settings
     kinds = Counter(record.kind for record in result.queries)
     asked = ', '.join(f'{kinds[kind]} {kind.value.replace("_", " ")}' for kind in QueryKind if kinds[kind])

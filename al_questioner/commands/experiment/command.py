@@ -26,7 +26,7 @@ from al_questioner.experiments.running import run
 from al_questioner.experiments.statistics import mean_and_deviation
 from al_questioner.experiments.storing import Store
 from al_questioner.experiments.studies import STUDIES, Study, make_studies
-from al_questioner.questioning import FEATURE_SETS, Weights, make_strategy, read_weights
+from al_questioner.questioning import FEATURE_SETS, STRATEGIES, Weights, make_strategy, read_weights, weight_names
 from al_questioner.simulation import WorldSpec, load_task
 from al_questioner.support.files import write_text
 from al_questioner.support.text import number_of
@@ -89,20 +89,21 @@ def main(given: argparse.Namespace) -> int:
 
 
 def _strategy_of(weights: Weights, strategies: Sequence[str]) -> str:
-    """Which of the strategies that can be trained the weights are for.
+    """Return the strategy, of those that can be trained, that the weights are for.
 
     Raises:
         SettingsError: they are for none of these, or do not fit it.
     """
-    for name, feature_set in FEATURE_SETS.items():
-        if name in strategies and any(each in (*feature_set.names, *feature_set.constants) for each in weights.values):
+    for name in FEATURE_SETS:
+        declared = weight_names(STRATEGIES[name]) or ()
+        if name in strategies and any(each in declared for each in weights.values):
             make_strategy(name, weights.values)
             return name
     raise SettingsError('--weights-file holds no weights for any of the strategies')
 
 
 def _variant_stores(study: Study, given: argparse.Namespace) -> dict[str, Store]:
-    """Where the variants of a study are kept, by label."""
+    """Return the stores of a study's variants, by label."""
     folder = given.out / 'studies' / study.name
     names = {label: re.sub('[^a-z0-9.]+', '_', label.lower()).strip('_') for label in study.plans}
     return {label: Store(folder / names[label], plan, given.dataset) for label, plan in study.plans.items()}
@@ -123,20 +124,20 @@ def _check_worlds(plans: Sequence[Plan], given: argparse.Namespace) -> None:
 
 
 def _varied(given: argparse.Namespace) -> str:
-    """What the arguments change in the tasks and the teacher, in words."""
+    """Describe what the arguments change in the tasks and the teacher."""
     parts = {
         'the scene changes every {} turns': given.change_interval,
         'synchrony {}': given.synchrony,
         'share of wrong answers {}': given.wrong_rate or None,
         'share of questions without an answer {}': given.unknown_rate or None,
         'the teacher shows also what is known': given.repeat_shown or None,
-        'amplitude {:g}': given.amplitude if given.amplitude != AMPLITUDE else None,
+        'amplitude {:g}': given.amplitude if given.amplitude != AMPLITUDE.default else None,
     }
     return ', '.join(text.format(value) for text, value in parts.items() if value is not None)
 
 
 def _failures(failed: Sequence[Played]) -> list[str]:
-    """A line for each reason, with its first episode: a thousand may fail for one."""
+    """Return a line for each reason, with its first episode: a thousand episodes may fail for one reason."""
     by_reason: dict[str, list[Cell]] = {}
     for played in failed:
         by_reason.setdefault(played.error, []).append(played.cell)

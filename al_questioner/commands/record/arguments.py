@@ -17,7 +17,7 @@ usage: record --ros-args -p bag:=PATH ...
 
 
 def parse(arguments: Sequence[str]) -> argparse.Namespace:
-    """As `repair` the bag to make whole, or None, and as `ros` the ROS arguments of the recorder."""
+    """Parse the arguments: `repair` is the bag to repair, or None; `ros` holds the recorder's ROS arguments."""
     if arguments and arguments[0] == '--repair':
         if len(arguments) != 2:
             raise InputError(f'--repair takes one bag, not {len(arguments) - 1}')

@@ -6,15 +6,15 @@ import argparse
 from collections.abc import Sequence
 
 from al_questioner.domain import InputError
-from al_questioner.support.arguments import Parser, number_within
+from al_questioner.support.arguments import NumberWithin, Parser
 from al_questioner.support.configuration import named_bag
 
 KEYS = 'space: pause · right or n: a turn · s: a message · up, down: rate · q: quit'
-"""Of `replay`."""
+"""Help for the keys of `replay`."""
 
 
 def parser() -> Parser:
-    """The arguments of `replay`; ROS arguments may follow."""
+    """Make the parser of `replay`; ROS arguments may follow."""
     result = Parser(
         prog='replay',
         description='Play a bag on the topics it was recorded from, with its timing.',
@@ -25,11 +25,11 @@ def parser() -> Parser:
     result.add_argument('--rate', type=float, default=1.0, help='recorded seconds in a second (%(default)s)')
     result.add_argument('--loop', action='store_true', help='begin anew at the end')
     clock_help = 'publish the recorded time on /clock so often (0: not at all)'
-    result.add_argument('--clock', type=number_within(float, 0, 1000), default=0.0, metavar='HZ', help=clock_help)
+    result.add_argument('--clock', type=NumberWithin(float, 0, 1000), default=0.0, metavar='HZ', help=clock_help)
     result.add_argument('--start-paused', action='store_true', help='begin with a pause')
     wait_help = 'begin when somebody listens, or after so many seconds (%(default)s)'
     result.add_argument(
-        '--wait-for-subscribers', type=number_within(float, 0, 3600), default=5.0, metavar='SECONDS', help=wait_help
+        '--wait-for-subscribers', type=NumberWithin(float, 0, 3600), default=5.0, metavar='SECONDS', help=wait_help
     )
     perception_help = 'stand in for perception: show the scene of turn N when a live learner begins its turn N'
     result.add_argument('--as-perception', action='store_true', help=perception_help)
@@ -39,7 +39,7 @@ def parser() -> Parser:
 
 
 def parse(arguments: Sequence[str]) -> argparse.Namespace:
-    """What the arguments ask for, and as `ros` the ROS arguments.
+    """Parse the arguments; `ros` holds the ROS arguments.
 
     Raises:
         InputError: an option that means nothing beside another one, or there is no such bag.

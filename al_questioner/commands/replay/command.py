@@ -14,10 +14,10 @@ from rich.text import Text
 
 from al_questioner.bags import LeftOut, read_bag, read_episodes
 from al_questioner.bags.playback import STEP, Playback, without_steps_back
-from al_questioner.bags.rerun import first_divergence
 from al_questioner.bags.scenes import scenes_of
 from al_questioner.commands.replay.arguments import KEYS
 from al_questioner.domain import EpisodeError
+from al_questioner.event_log.replay import first_divergence
 from al_questioner.messages.stamps import SECOND
 from al_questioner.ros.message_classes import installed_part
 from al_questioner.support.text import number_of
@@ -83,16 +83,12 @@ def _run(
 ) -> Shown | None:
     """Spin a node until it is over, with its status at the bottom of a terminal; None if it was never made.
 
-    Args:
-        make: makes the node.
-        ros: arguments for ROS.
-        console: where to show the status, if it is a terminal.
-        status: what to show, given whether keys are read.
+    The status is told whether keys are read.
 
     Raises:
         InputError: the node must not go on.
     """
-    from al_questioner.ros.keys import Keys
+    from al_questioner.ros.keyboard import Keys
     from al_questioner.ros.running import Spinner
 
     node: Shown | None = None
@@ -125,12 +121,12 @@ def _check(path: Path, console: Console) -> int:
         EpisodeError: a decision differs, or something could not be checked; the text names the first difference.
     """
     left_out: list[LeftOut] = []
-    for session in read_episodes(path, left_out):
-        where = f'{path}: {session.episode_id}'
-        divergence = first_divergence(session)
+    for episode in read_episodes(path, left_out):
+        where = f'{path}: {episode.begun.episode_id}'
+        divergence = first_divergence(episode.begun, episode.events)
         if divergence is not None:
-            raise EpisodeError(f'{where}: turn {divergence.turn}: {divergence.what}')
-        played, of = session.decisions, session.settings.turns
+            raise EpisodeError(f'{where}: {divergence}')
+        played, of = episode.decisions, episode.begun.settings.turns
         checked = number_of(played, 'decision') if played == of else f'{played} of {number_of(of, "turn")}'
         console.print(f'{where}: {checked}, all as recorded', highlight=False, soft_wrap=True)
     for what, reason in left_out:

@@ -10,7 +10,7 @@ from al_questioner.support.arguments import Parser
 
 
 def parser() -> Parser:
-    """The arguments of `session`."""
+    """Make the parser of `session`."""
     result = Parser(
         prog='session',
         description="Show, check and export the log of a learner's session.",
@@ -26,5 +26,5 @@ def parser() -> Parser:
 
 
 def parse(arguments: Sequence[str]) -> argparse.Namespace:
-    """What the arguments ask for."""
+    """Parse the arguments."""
     return parser().parse_args(arguments)

@@ -23,35 +23,35 @@ def main(given: argparse.Namespace) -> int:
     """Show a session, and return 0 if its log is whole, 1 if it is damaged."""
     if given.json is not None:
         check_writable(given.json)
-    account = summarise_session(given.folder, read_log(given.folder))
+    summary = summarise_session(given.folder, read_log(given.folder))
     console = Console()
     if not console.is_terminal:
         # Through a pipe rich would take 80 columns for the width.
         console = Console(width=200)
-    _show(console, account)
+    _show(console, summary)
     if given.repair:
         was_damaged = repair_log(given.folder).damage is not None
         _say(console, f'{given.folder}: repaired' if was_damaged else f'{given.folder}: nothing to repair')
     written: list[Path] = []
     if given.json is not None:
-        write_text(given.json, json.dumps(session_document(account), indent=1) + '\n')
+        write_text(given.json, json.dumps(session_document(summary), indent=1) + '\n')
         written.append(given.json)
     if given.csv is not None:
-        written += write_tables(account, given.csv)
+        written += write_tables(summary, given.csv)
     if given.bag is not None:
         # Only now, as a robot may lack what bags need.
-        from al_questioner.bags.of_session import write_bag
+        from al_questioner.bags.from_session import write_bag
 
-        write_bag(account, given.bag)
+        write_bag(summary, given.bag)
         written.append(given.bag)
     for path in written:
         _say(console, f'  {path}')
-    return 0 if account.fault is None else 1
+    return 0 if summary.fault is None else 1
 
 
-def _show(console: Console, account: SessionSummary) -> None:
+def _show(console: Console, summary: SessionSummary) -> None:
     """Print what was asked and said, and whether the log is whole."""
-    begun, episode = account.begun, account.episode
+    begun, episode = summary.begun, summary.episode
     world = '' if begun.world is None else f'{begun.world["task"]} · '
     _say(console, f'{world}{begun.settings.strategy} · seed {begun.seed} · episode {begun.episode_id}')
     spent = f'{episode.spent:g} of {begun.settings.budget:g} spent'
@@ -59,18 +59,18 @@ def _show(console: Console, account: SessionSummary) -> None:
     table = Table(show_header=True)
     for column in ('turn', 'query', 'asked', 'said', 'by', 'answer', 'what became of it'):
         table.add_column(column)
-    for said in account.said:
+    for said in summary.said:
         table.add_row(*map(Text, _row(said)))
-    heard = {said.answer.query_id for said in account.said}
-    for query in (query for query in account.queries.values() if query.query_id not in heard):
+    heard = {said.answer.query_id for said in summary.said}
+    for query in (query for query in summary.queries.values() if query.query_id not in heard):
         status = 'pending' if query == episode.pending else 'unanswered, withdrawn'
         table.add_row(*map(Text, (str(query.turn), query.query_id, query.text, '', '', '', status)))
     if table.rows:
         console.print(table)
-    taken = sum(said.status != 'late' and said.answer.replaces is None for said in account.said)
-    corrections = sum(said.status != 'late' and said.answer.replaces is not None for said in account.said)
-    late = sum(said.status == 'late' for said in account.said)
-    refused = sum(refused.count for _, refused in account.refused)
+    taken = sum(said.status != 'late' and said.answer.replaces is None for said in summary.said)
+    corrections = sum(said.status != 'late' and said.answer.replaces is not None for said in summary.said)
+    late = sum(said.status == 'late' for said in summary.said)
+    refused = sum(refused.count for _, refused in summary.refused)
     counts = f'{taken} taken, {number_of(corrections, "correction")}, {late} late, {refused} refused'
     _say(console, f'answers: {counts}')
     for name, record in episode.teachers.items():
@@ -78,11 +78,11 @@ def _show(console: Console, account: SessionSummary) -> None:
         others = f'{record.corrected} corrected, {record.late} late'
         estimate = f'; labels right with an estimated {record.reliability:.0%}' if record.answered else ''
         _say(console, f'{name}: {told}, {others}{estimate}')
-    if account.fault is None:
-        _say(console, f'{account.folder}: whole, {len(account.events)} events; playing them gives the same decisions')
+    if summary.fault is None:
+        _say(console, f'{summary.folder}: whole, {len(summary.events)} events; playing them gives the same decisions')
     else:
-        recovered = f'recovered: {len(account.events)} events, {account.turns_over} whole turns'
-        _say(console, f'{account.folder}: DAMAGED: {account.fault}; {recovered}')
+        recovered = f'recovered: {len(summary.events)} events, {summary.turns_over} whole turns'
+        _say(console, f'{summary.folder}: DAMAGED: {summary.fault}; {recovered}')
 
 
 def _row(said: StatedAnswer) -> tuple[str, ...]:
@@ -99,7 +99,7 @@ def _row(said: StatedAnswer) -> tuple[str, ...]:
 
 
 def _said(answer: Answer) -> str:
-    """A content, or what was said in the place of one; a symbol that is called so is put in quotes."""
+    """Return a content, or the outcome in its place; a symbol of the same name is put in quotes."""
     content = spoken(answer.content)
     return quoted(content) if content in [outcome.value for outcome in Outcome] else content or answer.outcome.value
 

@@ -22,24 +22,15 @@ ANSWER_COLUMNS = (
     *('answer_id', 'teacher_id', 'outcome', 'content', 'replaces', 'status'),
 )
 TURN_COLUMNS = (
-    'turn',
-    'stamp',
-    'objects',
-    'kind',
-    'object_id',
-    'symbol',
-    'query_id',
-    'cost',
-    'outcome',
-    'groups',
-    'answered_in',
+    *('turn', 'stamp', 'objects', 'kind', 'object_id', 'symbol', 'query_id'),
+    *('cost', 'outcome', 'groups', 'answered_in'),
 )
 
 
-def session_document(account: SessionSummary) -> dict[str, Any]:
+def session_document(summary: SessionSummary) -> dict[str, Any]:
     """Return the JSON of an episode (docs/reference/documents.md), with accuracy only if its world is simulated."""
-    begun, records = account.begun, account.episode.records
-    accuracy, reason = measured_accuracy(account)
+    begun, records = summary.begun, summary.episode.records
+    accuracy, reason = measured_accuracy(summary)
     settings = settings_members(begun.settings)
     return {
         'task': None if begun.world is None else begun.world['task'],
@@ -57,25 +48,25 @@ def session_document(account: SessionSummary) -> dict[str, Any]:
         'dataset': None if begun.world is None else begun.world['dataset'],
         **settings,
         'view_tolerance': begun.view_tolerance,
-        'kernel': asdict(account.episode.concepts.kernel) if account.episode.turn else None,
-        'teachers': {name: asdict(record) for name, record in account.episode.teachers.items()},
-        'turns_over': account.turns_over,
-        'damage': account.fault,
+        'kernel': asdict(summary.episode.concepts.kernel) if summary.episode.turn else None,
+        'teachers': {name: asdict(record) for name, record in summary.episode.teachers.items()},
+        'turns_over': summary.turns_over,
+        'damage': summary.fault,
         'version': begun.version,
     }
 
 
-def measured_accuracy(account: SessionSummary) -> tuple[list[float], str | None]:
+def measured_accuracy(summary: SessionSummary) -> tuple[list[float], str | None]:
     """Accuracy on held-out observations after each turn that is over, with all corrections, or why it is not known."""
-    world = account.begun.world
+    world = summary.begun.world
     if world is None:
         return [], 'the world was not simulated'
     try:
         dataset = None if world['dataset'] is None else Path(world['dataset'])
         choice = WorldSpec(load_task(world['task']), world['seed'], world['sample'], dataset)
-        evaluation = Evaluation(choice, account.begun.settings)
-        by_turn = {record.turn: record for record in account.episode.records}
-        for seen in account.seen[: account.turns_over]:
+        evaluation = Evaluation(choice, summary.begun.settings)
+        by_turn = {record.turn: record for record in summary.episode.records}
+        for seen in summary.seen[: summary.turns_over]:
             if not evaluation.world.scene(seen.turn).equals(seen.scene):
                 return [], f'the scene of turn {seen.turn} is not that of the simulated world'
             evaluation.next_turn(by_turn.get(seen.turn))
@@ -84,20 +75,20 @@ def measured_accuracy(account: SessionSummary) -> tuple[list[float], str | None]
     return (list(evaluation.result().accuracy), None) if evaluation.turn else ([], 'no turn is over')
 
 
-def write_tables(account: SessionSummary, folder: Path) -> list[Path]:
+def write_tables(summary: SessionSummary, folder: Path) -> list[Path]:
     """Write `answers.csv`, all that was said, and `turns.csv`, what came of each turn.
 
     Raises:
         InputError: they cannot be written.
     """
     paths = [folder / 'answers.csv', folder / 'turns.csv']
-    _write(paths[0], ANSWER_COLUMNS, _answer_rows(account))
-    _write(paths[1], TURN_COLUMNS, _turn_rows(account))
+    _write(paths[0], ANSWER_COLUMNS, _answer_rows(summary))
+    _write(paths[1], TURN_COLUMNS, _turn_rows(summary))
     return paths
 
 
 def spoken(content: Content) -> str:
-    """A content in one cell; groups are parted by commas, those that hold one in quotes."""
+    """Return a content as one cell; groups are parted by commas, those that hold one in quotes."""
     if content is None:
         return ''
     return joined(content) if isinstance(content, tuple) else str(content)
@@ -108,14 +99,14 @@ def time_of(stamp: int) -> str:
     return datetime.fromtimestamp(stamp / 1e9, timezone.utc).isoformat(timespec='milliseconds')
 
 
-def _answer_rows(account: SessionSummary) -> list[list[object]]:
+def _answer_rows(summary: SessionSummary) -> list[list[object]]:
     rows: list[tuple[int, list[object]]] = []
-    for said in account.said:
+    for said in summary.said:
         answer = said.answer
         told = [answer.answer_id, answer.teacher_id, answer.outcome.value, spoken(answer.content)]
         asked = _asked(said.query) or [None, answer.query_id, None, None, None, None]
         rows.append((said.stamp, [time_of(said.stamp), *asked, *told, answer.replaces, said.status]))
-    for stamp, refused in account.refused:
+    for stamp, refused in summary.refused:
         unknown = [None] * 9
         rows.append((stamp, [time_of(stamp), *unknown, refused.text, None, f'refused: {refused.reason}']))
     return [row for _, row in sorted(rows, key=lambda row: row[0])]
@@ -128,32 +119,20 @@ def _asked(query: Query | None) -> list[object]:
     return [query.turn, query.query_id, action.kind.value, action.object_id, action.symbol, query.cost]
 
 
-def _turn_rows(account: SessionSummary) -> list[list[object]]:
-    records = {record.turn: record for record in account.episode.records}
-    queries = {query.turn: query for query in account.queries.values()}
+def _turn_rows(summary: SessionSummary) -> list[list[object]]:
+    records = {record.turn: record for record in summary.episode.records}
+    queries = {query.turn: query for query in summary.queries.values()}
     rows: list[list[object]] = []
-    for seen in account.seen:
+    for seen in summary.seen:
         query, record = queries.get(seen.turn), records.get(seen.turn)
         kind = 'no_query' if query is None else query.action.kind.value
         object_id, symbol = (None, None) if query is None else (query.action.object_id, query.action.symbol)
-        groups = '' if record is None else joined(record.groups)
+        came: list[object] = [None, None, '', None]
         if record is not None:
             object_id, symbol = record.object_id, record.symbol
-        rows.append(
-            [
-                seen.turn,
-                seen.stamp,
-                len(seen.scene),
-                kind,
-                object_id,
-                symbol,
-                query and query.query_id,
-                record and record.cost,
-                record and record.outcome.value,
-                groups,
-                record and record.answered_in,
-            ]
-        )
+            came = [record.cost, record.outcome.value, joined(record.groups), record.answered_in]
+        asked = [kind, object_id, symbol, query and query.query_id]
+        rows.append([seen.turn, seen.stamp, len(seen.scene), *asked, *came])
     return rows
 
 

@@ -13,11 +13,11 @@ from rich.table import Table
 
 from al_questioner.bags import digest
 from al_questioner.bags.storages import STORAGE_SUFFIXES
-from al_questioner.commands.train_weights.eagerness import FreePlay, tell_eagerness, warn_of_amplitudes
+from al_questioner.commands.train_weights.query_counts import FreePlay, tell_eagerness, warn_of_amplitudes
 from al_questioner.domain import InputError
 from al_questioner.imitation.assessment import predict_queries
 from al_questioner.imitation.bags import read_demonstrations
-from al_questioner.imitation.feature_matching import Iteration
+from al_questioner.imitation.max_entropy_irl import Iteration
 from al_questioner.imitation.settings import MatchingSettings, TrainingSettings
 from al_questioner.imitation.training import Training, train, validation_text, weights_document
 from al_questioner.questioning import FEATURE_SETS, read_weights
@@ -26,7 +26,7 @@ from al_questioner.support.files import check_writable, write_text
 from al_questioner.support.text import number_of
 
 ITERATIONS_OF_A_LINE = 5
-"""Where there is no terminal to show a bar."""
+"""Iterations between two lines of progress, without a terminal to show a bar."""
 
 
 def main(given: argparse.Namespace) -> int:
@@ -108,7 +108,7 @@ def _check_replaceable(out: Path) -> None:
 
 
 def _without_other_files(paths: Sequence[Path]) -> list[Path]:
-    """The paths without files that are no bags, such as a README that `bags/*` names too; all if nothing is left."""
+    """Drop files that are no bags, such as a README that `bags/*` names too; keep all if nothing is left."""
     kept = [path for path in paths if not path.is_file() or path.suffix in (*STORAGE_SUFFIXES.values(), '.bag')]
     return kept or list(paths)
 

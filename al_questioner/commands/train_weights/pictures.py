@@ -1,4 +1,4 @@
-"""What training looked like: how the gap closed, and when the expert and the learner asked what."""
+"""Pictures of a training: the gap of the feature counts, and the queries of expert and learner over time."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ from matplotlib.ticker import MaxNLocator
 
 from al_questioner.domain import QueryRecord
 from al_questioner.imitation.demonstration import Demonstration
-from al_questioner.imitation.feature_matching import WINDOW, mean_gaps
+from al_questioner.imitation.max_entropy_irl import WINDOW, mean_gaps
 from al_questioner.imitation.training import Training
 from al_questioner.support.plotting import (
     KIND_COLOURS,
@@ -29,13 +29,7 @@ from al_questioner.support.plotting import (
 def draw_training(
     training: Training, demonstrations: Sequence[Demonstration], learner: Sequence[Sequence[QueryRecord]], path: Path
 ) -> Path:
-    """Write a picture of the convergence, the weights, and the timelines.
-
-    Args:
-        training: what is drawn.
-        demonstrations: of the expert.
-        learner: what the learner asks in each one's place.
-        path: of the picture.
+    """Write a picture of the convergence, the weights, and the timelines: the expert's and the learner's.
 
     Raises:
         InputError: it cannot be written.

@@ -1,1 +1,1 @@
-"""The engine of the classifiers: Gaussian processes under the Laplace approximation, and look-ahead in them."""
+"""Engine of the classifiers: Gaussian processes under the Laplace approximation, and look-ahead in them."""

@@ -1,4 +1,4 @@
-"""Compilation of the loops that numpy would run in hundreds of small passes."""
+"""Compilation of loops that would be hundreds of small passes in numpy."""
 
 from __future__ import annotations
 
@@ -15,10 +15,10 @@ Function = TypeVar('Function', bound=Callable[..., Any])
 
 
 def compiled(function: Function) -> Function:
-    """A function compiled by numba at its first call, and kept on disk for the next process where that is possible.
+    """Return a function that numba compiles at the first call, and keeps on disk for the next process if possible.
 
-    Sums may be reordered, which lets them run in vector registers; infinities and NaN keep their meaning, as callers
-    rely on them to see an overflow. Other threads go on while it runs.
+    Sums may be reordered, so that they run in vector registers. Infinities and NaN keep their meaning, because callers
+    detect an overflow by them. Other threads can run at the same time.
     """
     options: dict[str, Any] = {'nogil': True, 'error_model': 'numpy', 'fastmath': {'reassoc', 'contract', 'nsz'}}
     try:
@@ -40,9 +40,9 @@ def _if_there_is_room(save: Callable[..., None]) -> Callable[..., None]:
 
 @cache
 def touch_packing_buffers() -> None:
-    """Have the linear algebra library use more of its buffers than small products do.
+    """Make the linear algebra library use more of its buffers than small products do.
 
-    OpenBLAS's kernels fetch data ahead of the packed matrices. Where that memory was never touched, each fetch ends
-    in a futile search for its page: a small product in single precision was measured to take three times as long.
+    OpenBLAS's kernels fetch data ahead of the packed matrices. If that memory was never touched, each fetch searches
+    for its page without result: a small product in single precision was measured to take three times as long.
     """
     blas.sgemm(1.0, *np.ones((2, 512, 512), np.float32))

@@ -1,8 +1,8 @@
 """Binary Gaussian process classification: Laplace approximation, logistic link, many problems solved at once.
 
 Equations and algorithms are those of Rasmussen and Williams, Gaussian Processes for Machine Learning (2006), chapter 3
-(below: R&W). A *problem* is a kernel matrix and a vector of targets. Problems that share a kernel name it by its index,
-their `owners` entry, so that |Y| classifiers on the same data hold one matrix between them.
+(below: R&W). A *problem* is a kernel matrix and a vector of targets. Each problem names its kernel by an index, its
+`owners` entry, so that |Y| classifiers on the same data share one matrix.
 """
 
 from __future__ import annotations
@@ -18,49 +18,52 @@ erf = late('scipy.special', 'erf')
 expit = late('scipy.special', 'expit')
 
 STEP_TOLERANCE = 1e-5
-"""Newton has converged once a full step moves no latent value by more; the next one would move it by the square."""
+"""Largest change of a latent value in the last full Newton step; the next step would be about its square."""
 
 MAX_NEWTON_STEPS = 100
 MAX_HALVINGS = 40
 
 SUFFICIENT_INCREASE = 1e-4
-"""Share of the increase that a step promises which it has to bring."""
+"""Smallest share of the predicted increase that a step must achieve."""
 
 LOGISTIC_SLOPES = np.array([0.41, 0.40, 0.37, 0.44, 0.39])
 LOGISTIC_COEFFICIENTS = np.array([-1854.8214151, 3516.89893646, 221.29346712, 128.12323805, -2010.49422654])
-"""The logistic function as a sum of five error functions: Williams and Barber, Bayesian Classification with Gaussian
-Processes (1998), appendix A, with the constants of scikit-learn."""
+"""Coefficients of the logistic function as a sum of five error functions.
+
+Source: Williams and Barber, Bayesian Classification with Gaussian Processes (1998), appendix A, with the constants of
+scikit-learn.
+"""
 
 MEAN_SLOPE = (0.4, 2.55)
 VARIANCE_SLOPE = (0.1225, 2.5)
 """Coefficients of bounds on the derivatives of the expected logistic function, as the five-term sum has them."""
 
 PROBABILITY_MARGIN = 1e-9
-"""The five-term sum leaves (0, 1) by rounding, up to 5e-13; probabilities are kept this far inside."""
+"""Smallest distance of a probability from 0 and 1; by rounding, the five-term sum exceeds (0, 1) by up to 5e-13."""
 
 
 def rbf_kernel(first: FloatArray, second: FloatArray, amplitude: float, length_scale: float) -> Array:
-    """Covariance amplitude * exp(-d^2 / (2 length_scale^2)) of every pair of rows.
+    """Return the covariance amplitude * exp(-d^2 / (2 length_scale^2)) of every pair of rows.
 
     Args:
         first: (n, m) points.
         second: (k, m) points.
         amplitude: variance of the process.
-        length_scale: in the unit of the points.
+        length_scale: length scale, in the unit of the points.
 
     Returns:
         (n, k) covariances.
     """
-    # Differences, not |a|^2 + |b|^2 - 2ab: rounding there would give duplicated points a distance.
+    # Differences, not |a|^2 + |b|^2 - 2ab: by its rounding, duplicated points would have a distance.
     squared = cdist(first, second, 'sqeuclidean')
     covariance: Array = amplitude * np.exp(squared * (-0.5 / length_scale**2))
     return covariance
 
 
 def find_modes(kernels: Array, owners: Index, targets: Array, start: Array) -> Array:
-    """Modes of the posteriors p(f | X, y), by Newton's method (R&W algorithm 3.1) with step halving.
+    """Return the modes of the posteriors p(f | X, y), by Newton's method (R&W algorithm 3.1) with step halving.
 
-    The log posterior is concave and every accepted step raises it, so the method converges from anywhere, also where
+    The log posterior is concave and every accepted step raises it, so the method converges from any start, even if
     the plain iteration would oscillate (large amplitudes, duplicated points with opposite targets).
 
     Args:
@@ -93,13 +96,13 @@ def find_modes(kernels: Array, owners: Index, targets: Array, start: Array) -> A
 def predict_probabilities(
     kernels: Array, owners: Index, targets: Array, modes: Array, cross: Array, amplitude: float
 ) -> Array:
-    """Averaged predictive probability of the positive class (R&W algorithm 3.2, equation 3.25).
+    """Return the averaged predictive probability of the positive class (R&W algorithm 3.2, equation 3.25).
 
     Args:
         kernels: (K, n, n) kernel matrices.
         owners: (H,) the kernel of each problem.
         targets: (H, n) 1 for a positive, 0 for a negative example.
-        modes: (H, n) what `find_modes` returned.
+        modes: (H, n) result of `find_modes`.
         cross: (K, n, k) covariances of the n training points with k test points.
         amplitude: prior variance of a test point.
 
@@ -115,7 +118,7 @@ def predict_probabilities(
 
 
 def well_conditioned(kernel: Array, root: Array) -> Array:
-    """B = I + W^1/2 K W^1/2 (R&W equation 3.26): its eigenvalues lie between 1 and 1 + n max(K) / 4.
+    """Return B = I + W^1/2 K W^1/2 (R&W equation 3.26): its eigenvalues lie between 1 and 1 + n max(K) / 4.
 
     Args:
         kernel: (H, n, n) K, or (n, n) for all.
@@ -131,7 +134,7 @@ def well_conditioned(kernel: Array, root: Array) -> Array:
 
 
 def _newton_step(kernel: Array, alpha: Array, latent: Array, targets: Array) -> tuple[Array, Array]:
-    """The full Newton step in K^-1 f and in f (R&W algorithm 3.1, lines 4 to 8)."""
+    """Return the full Newton step in K^-1 f and in f (R&W algorithm 3.1, lines 4 to 8)."""
     probability = expit(latent)
     curvature = probability * (1 - probability)
     root = np.sqrt(curvature)
@@ -143,16 +146,16 @@ def _newton_step(kernel: Array, alpha: Array, latent: Array, targets: Array) -> 
 
 
 def _step_lengths(alpha: Array, latent: Array, targets: Array, alpha_step: Array, latent_step: Array) -> Array:
-    """(H,) largest of 1, 1/2, 1/4 ... with which each problem's step raises its log posterior as it should.
+    """Return (H,) the largest of 1, 1/2, 1/4 ... with which each problem's step raises its log posterior enough.
 
-    That is by a share of what the slope promises (Armijo's rule): a step that gains nothing could be taken back by the
-    next, for ever.
+    Enough is a share of the increase that the slope predicts (Armijo's rule). Otherwise the next step could undo a step
+    that gains nothing, without end.
     """
     before = _log_posterior(alpha, latent, targets)
     p = expit(latent)
     # For Newton's step the slope is the step's squared length in the metric of the Hessian, K^-1 + W.
     slope = np.einsum('hn,hn->h', alpha_step + p * (1 - p) * latent_step, latent_step)
-    # A converged problem gains less than the rounding of its objective: that is no reason to halve.
+    # A converged problem gains less than the rounding of its objective; such a step is not halved.
     floor = before - 1e-12 * (1 + np.abs(before))
     length = np.ones(len(alpha))
     for _ in range(MAX_HALVINGS):
@@ -166,18 +169,18 @@ def _step_lengths(alpha: Array, latent: Array, targets: Array, alpha_step: Array
 
 
 def _log_posterior(alpha: Array, latent: Array, targets: Array) -> Array:
-    """(H,) log p(f | X, y) up to a constant (R&W equation 3.12)."""
+    """Return (H,) log p(f | X, y) up to a constant (R&W equation 3.12)."""
     log_prior: Array = -0.5 * np.einsum('hn,hn->h', alpha, latent)
     log_likelihood: Array = -np.logaddexp(0, (1 - 2 * targets) * latent).sum(axis=1)
     return log_prior + log_likelihood
 
 
 def expected_logistic(mean: Array, variance: Array) -> Array:
-    """Mean of the logistic function of normal variables, by the five-term approximation of Williams and Barber.
+    """Return the mean of the logistic function of normal variables, by the five terms of Williams and Barber.
 
     Args:
         mean: (...) means.
-        variance: (...) variances; rounding below 0 counts as 0.
+        variance: (...) variances; a value below 0, from rounding, counts as 0.
 
     Returns:
         (...) probabilities, inside (0, 1).

@@ -1,7 +1,7 @@
 """Amplitude and length scale of the kernel by marginal likelihood, one kernel for all classifiers.
 
 Equations and algorithms are those of Rasmussen and Williams, Gaussian Processes for Machine Learning (2006) (below:
-R&W). `docs/explanation/kernel_tuning.md` says why the bounds and the prior are what they are.
+R&W). `docs/explanation/kernel_tuning.md` gives the reasons for the bounds and the prior.
 """
 
 from __future__ import annotations
@@ -18,7 +18,7 @@ minimize = late('scipy.optimize', 'minimize')
 
 AMPLITUDE_FACTOR = 4.0
 LENGTH_SCALE_FACTOR = 2.0
-"""By how much a tuned value may differ, as a factor either way, from the one that was configured."""
+"""Largest factor, up or down, between a tuned value and the configured one."""
 
 PRIOR_DEVIATIONS = np.array([1.0, 0.25])
 """Standard deviations of log amplitude and log length scale in the normal prior around the configured kernel."""
@@ -30,7 +30,7 @@ class Kernel:
 
     Attributes:
         amplitude: variance of the process.
-        length_scale: in the unit of the points.
+        length_scale: length scale, in the unit of the points.
     """
 
     amplitude: float
@@ -38,15 +38,15 @@ class Kernel:
 
 
 def log_marginal_likelihood(squared_distances: Array, targets: Array, kernel: Kernel) -> tuple[float, Array]:
-    """Laplace's approximation of log p(y | X, kernel), summed over the classifiers, and its gradient.
+    """Return Laplace's approximation of log p(y | X, kernel), summed over the classifiers, and its gradient.
 
     The value is R&W equation 3.32, the gradient algorithm 5.1 for the logistic likelihood.
-    Everything is solved through B = I + W^1/2 K W^1/2, so that duplicated points do no harm.
+    Everything is solved through B = I + W^1/2 K W^1/2, so that duplicated points cause no error.
 
     Args:
         squared_distances: (n, n) between the training points.
         targets: (H, n) 1 for a positive, 0 for a negative example of each of H classifiers.
-        kernel: where.
+        kernel: the kernel at which to evaluate.
 
     Returns:
         The value, and (2,) its derivatives by log amplitude and by log length scale.
@@ -79,13 +79,13 @@ def log_marginal_likelihood(squared_distances: Array, targets: Array, kernel: Ke
 
 
 def tuned_kernel(points: Array, targets: Array, configured: Kernel) -> Kernel:
-    """The kernel of largest marginal likelihood times prior, within bounds around the configured one.
+    """Return the kernel of largest marginal likelihood times prior, within bounds around the configured one.
 
-    A pure function of the examples: the search starts at the configured kernel, not at the last result. It finds the
-    optimum that is reached from there by L-BFGS-B.
+    It depends on the examples only: the search starts at the configured kernel, not at the last result. It finds the
+    optimum that L-BFGS-B reaches from there.
 
     Args:
-        points: (n, m) training points; without any, nothing speaks against the configured kernel.
+        points: (n, m) training points; without any, the configured kernel is returned.
         targets: (H, n) 1 for a positive, 0 for a negative example of each of H classifiers.
         configured: centre of the prior and of the bounds, `AMPLITUDE_FACTOR` and `LENGTH_SCALE_FACTOR`.
     """

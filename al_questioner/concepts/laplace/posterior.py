@@ -1,4 +1,4 @@
-"""The Laplace posteriors of classifiers that share their examples, ready to be asked about points.
+"""Laplace posteriors of classifiers that share their examples, and their predictions at points.
 
 In the symbols of docs/explanation/look_ahead.md: K is the kernel matrix of the n examples, f the mode, p = logistic(f),
 t the targets, r = t - p the gradient of the log likelihood, W = diag(p (1 - p)), B = I + W^1/2 K W^1/2. At the mode
@@ -20,15 +20,15 @@ dpotrf = late('scipy.linalg.lapack', 'dpotrf')
 dpotri = late('scipy.linalg.lapack', 'dpotri')
 
 NEWTON_TOLERANCE = 1e-7
-"""Largest step from a mode that is taken for found; W is that of the point before the step."""
+"""Largest Newton step from a point that is accepted as the mode; W is that of the point before the step."""
 
 SMALLEST_ROOT = 1e-6
-"""Smallest W^1/2 that is told from 0: an example this certain moves no variance, and its inverse stays harmless."""
+"""Lower limit of W^1/2: an example this certain changes no variance, and the inverse stays finite."""
 
 
 @dataclass(frozen=True, eq=False)
 class Posterior:
-    """|Y| classifiers on n common examples, at their modes.
+    """Posterior of |Y| classifiers on n common examples, at their modes.
 
     Attributes:
         kernel: (n, n) K.
@@ -36,7 +36,7 @@ class Posterior:
         modes: (|Y|, n) f.
         root: (|Y|, n) diagonal of W^1/2.
         covariance: (|Y|, n, n) T = W^1/2 C W^1/2, with C = (K^-1 + W)^-1 the posterior covariance of the examples. It
-            is I - B^-1, which lies between 0 and I whatever the data are.
+            is I - B^-1, which lies between 0 and I for any data.
     """
 
     kernel: Array
@@ -47,17 +47,17 @@ class Posterior:
 
     @cached_property
     def single(self) -> Single:
-        """(|Y|, n, n) T in single precision."""
+        """Covariance T in single precision, (|Y|, n, n)."""
         return self.covariance.astype(np.float32)
 
     @property
     def gradient(self) -> Array:
-        """(|Y|, n) r = t - p."""
+        """Gradient r = t - p, (|Y|, n)."""
         gradient: Array = self.targets - expit(self.modes)
         return gradient
 
     def at(self, cross: Array) -> Marginals:
-        """What the classifiers believe at k points.
+        """Return the beliefs of the classifiers at k points.
 
         Args:
             cross: (n, k) covariances of the examples with the points.
@@ -85,15 +85,15 @@ class Marginals:
 
     @property
     def explained(self) -> Array:
-        """(|Y|, k) by how much the examples lower the variance (R&W equation 3.24)."""
+        """Decrease of the variance by the examples (R&W equation 3.24), (|Y|, k)."""
         explained: Array = np.einsum('ynk,ynk->yk', self.scaled, self.solved)
         return explained
 
     def covariance(self, points: Index, prior: Array) -> Array:
-        """Posterior covariance of some of the points with all of them.
+        """Return the posterior covariance of some of the points with all of them.
 
         Args:
-            points: (e,) which.
+            points: (e,) indices of the points.
             prior: (e, k) their prior covariance.
 
         Returns:
@@ -104,12 +104,12 @@ class Marginals:
 
 
 def laplace_posterior(kernel: Array, targets: Array, start: Array) -> Posterior:
-    """The posteriors of |Y| classifiers.
+    """Return the posteriors of |Y| classifiers.
 
     Args:
         kernel: (n, n) K.
         targets: (|Y|, n) 1 for a positive, 0 for a negative example.
-        start: (|Y|, n) first guess of f; the better it is, the less there is to do.
+        start: (|Y|, n) first guess of f; a better guess needs fewer steps.
 
     Raises:
         ArithmeticError: no convergence, which only input that is not finite or not a covariance can cause.
@@ -123,7 +123,7 @@ def laplace_posterior(kernel: Array, targets: Array, start: Array) -> Posterior:
 
 
 def _posterior_and_step(kernel: Array, targets: Array, modes: Array) -> tuple[Posterior, Array]:
-    """The posterior as it would be if the modes were right, and (|Y|, n) Newton's step (I + K W)^-1 (K r - f)."""
+    """Return the posterior as if the modes were right, and (|Y|, n) Newton's step (I + K W)^-1 (K r - f)."""
     p = expit(modes)
     root = np.maximum(np.sqrt(p * (1 - p)), SMALLEST_ROOT)
     covariance = np.empty((*root.shape, root.shape[1]))
@@ -135,7 +135,7 @@ def _posterior_and_step(kernel: Array, targets: Array, modes: Array) -> tuple[Po
 
 
 def _scaled_covariance(b: Array) -> Array:
-    """T = I - B^-1 from B, which is overwritten."""
+    """Return T = I - B^-1 from B, which is overwritten."""
     if len(b) == 0:
         return b
     # LAPACK is called directly: the wrappers' checks cost more than the factorisation of a few dozen examples.

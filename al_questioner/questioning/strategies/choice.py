@@ -1,4 +1,4 @@
-"""What a strategy is, and how it picks the best of its candidates."""
+"""The interface of a strategy, and tools to choose the best candidate."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ from al_questioner.questioning.turn_context import TurnContext
 TIE = 1e-9
 """Candidates within this relative distance of the best are equal: the rest is rounding."""
 NO_ANSWER = (Outcome.UNKNOWN, Outcome.SKIP)
-"""What somebody says who heard the question and leaves it open."""
+"""Outcomes of a query that the teacher heard and did not answer."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -25,7 +25,6 @@ class Choice:
     """A strategy's choice among the candidates of a turn.
 
     Attributes:
-        index: of the chosen candidate.
         utilities: (C,) value of each candidate; NaN for one that the strategy does not consider.
         features: (C, F) of the candidates, if the strategy tells them: the seven of `DECISION_FEATURES`, unless it is
             observed with others.
@@ -42,7 +41,7 @@ class Strategy(Protocol):
 
     @property
     def selector(self) -> Selector | None:
-        """How the learner selects features computationally where no teacher does; None if it does not."""
+        """Computational feature selection of the learner where no teacher names the features; None for none."""
         ...
 
     def choose(self, context: TurnContext, rng: np.random.Generator) -> Choice:
@@ -50,11 +49,19 @@ class Strategy(Protocol):
 
 
 StrategyFactory: TypeAlias = Callable[[Mapping[str, float]], Strategy]
-"""Makes a strategy from weights by decision feature, which are empty if none are given."""
+"""Makes a strategy from weights and constants by name, which are empty if none are given.
+
+It declares their names as its attribute `weight_names`, and is handed no others. One that declares none is handed all.
+"""
+
+
+def weight_names(factory: StrategyFactory) -> tuple[str, ...] | None:
+    """Return the names of the weights and constants that a strategy declares; None if it declares nothing."""
+    return getattr(factory, 'weight_names', None)
 
 
 def nothing_considered(context: TurnContext) -> NDArray[np.float64]:
-    """(C,) NaN."""
+    """Return (C,) utilities that are all NaN: no candidate is considered."""
     return np.full(len(context.candidates), np.nan)
 
 
@@ -72,17 +79,13 @@ def choose_best(
     rng: np.random.Generator,
     features: NDArray[np.float64] | None = None,
 ) -> Choice:
-    """The candidate of largest utility, ties broken at random; asking nothing if none is considered.
+    """Choose the candidate of largest utility, ties broken at random; ask nothing if none is considered.
 
     Whatever the strategy, what is settled is not considered. Expected utility knows nothing of that: an answer that
     teaches nothing leaves the beliefs as they were, so the same question would be the best again, and it does not tell
     asking something from asking something useful, so pointless questions would keep the non-query time low.
 
-    Args:
-        context: whose candidates they are.
-        utilities: (C,) NaN for candidates that are not considered.
-        rng: breaks the ties.
-        features: (C, F) handed on to the choice.
+    The (C,) utilities are NaN for candidates that are not considered; the (C, F) features are handed on to the choice.
     """
     settled = settled_actions(context)
     considered = np.where([action in settled for action in context.candidates], np.nan, utilities)
@@ -94,7 +97,7 @@ def choose_best(
 
 
 def settled_actions(context: TurnContext) -> set[Action]:
-    """The questions that it is pointless to put again.
+    """Return the questions that it is pointless to ask again.
 
     That is the feature subset query once it has been asked, or, if the teacher had no answer to it, asked twice; what
     the teacher did not know the name of, as long as it looks the same; what has one possible answer, which is known;
@@ -120,5 +123,5 @@ def rows_of(context: TurnContext, kind: QueryKind) -> NDArray[np.intp]:
 
 
 def has_asked(context: TurnContext, kind: QueryKind) -> bool:
-    """Whether a query of this kind was put to the teacher in this episode, whatever came of it."""
+    """Return whether the teacher was asked a query of this kind in this episode, whatever its outcome."""
     return any(record.kind is kind for record in context.history)

@@ -6,8 +6,6 @@ EU(a) = w . E[phi | a]: the expectation is taken once, whatever the weights.
 
 from __future__ import annotations
 
-from functools import lru_cache
-
 import numpy as np
 
 from al_questioner.concepts import ConceptLearner
@@ -28,24 +26,17 @@ def expected_features(context: TurnContext) -> Array:
     beliefs stay as they are.
     """
     expected = np.empty((len(context.candidates), len(DECISION_FEATURES)))
-    concepts = context.concepts
-    expected[:, :4] = _expected_task_features(concepts, concepts.model_version, context.scene, context.candidates)
+    concepts, scene, actions = context.concepts, context.scene, context.candidates
+    # Turns in which nothing is learnt, and whoever records what a strategy has computed, need the same once more.
+    expected[:, :4] = context.look_ahead.of(
+        (concepts, concepts.model_version, scene, actions), lambda: _expected_task_features(concepts, scene, actions)
+    )
     expected[:, 4:] = environment_features(context)
     return expected
 
 
-@lru_cache(maxsize=1)
-def _expected_task_features(
-    concepts: ConceptLearner, model_version: int, scene: Scene, actions: tuple[Action, ...]
-) -> Array:
-    """(C, 4) those of the learning task; a turn without a question changes none of them.
-
-    Args:
-        concepts: what the learner knows.
-        model_version: of these concepts, which tells it from what it was before.
-        scene: what is seen.
-        actions: the C candidates.
-    """
+def _expected_task_features(concepts: ConceptLearner, scene: Scene, actions: tuple[Action, ...]) -> Array:
+    """Return those of the learning task, (C, 4), of C candidates; a turn without a question changes none of them."""
     q = concepts.predict_proba(scene.features)
     positives = np.array(list(concepts.positives.values()))
     expected = np.empty((len(actions), 4))
@@ -82,25 +73,20 @@ def _after_instance_queries(concepts: ConceptLearner, scene: Scene, q: Array, po
 
 
 def task_features(q: Array, positives: Array) -> Array:
-    """The four learning-centric decision features of states.
+    """Return the (..., 4) learning-centric decision features of states, in the order of `DECISION_FEATURES`.
 
     Args:
-        q: (..., |X|, |Y|) beliefs.
+        q: (..., |X|, |Y|) beliefs; where there are no things, what is believed of them is 0.
         positives: (..., |Y|) numbers of positive examples; leading axes broadcast against those of `q`.
-
-    Returns:
-        (..., 4) in the order of `DECISION_FEATURES`; of what is believed of the things, 0 where there are none.
     """
+    uniformity, nothing = phi.class_uniformity(positives), np.zeros(q.shape[:-2])
     if q.shape[-2] == 0:
-        nothing = np.zeros(q.shape[:-2])
-        return _side_by_side(nothing, phi.class_uniformity(positives), nothing, nothing)
-    return _side_by_side(
-        phi.discriminability(q), phi.class_uniformity(positives), phi.instance_variation(q), phi.prediction_margin(q)
-    )
+        return _side_by_side(nothing, uniformity, nothing, nothing)
+    return _side_by_side(phi.discriminability(q), uniformity, phi.instance_variation(q), phi.prediction_margin(q))
 
 
 def environment_features(context: TurnContext) -> Array:
-    """(C, 3) budget consumption, remaining time and non-query time after each candidate."""
+    """Return (C, 3) budget consumption, remaining time and non-query time after each candidate."""
     kinds = [action.kind for action in context.candidates]
     spent = {kind: context.spent + context.costs.price(kind) for kind in QueryKind}
     idle = [context.non_query_turns + 1 if kind is QueryKind.NO_QUERY else 0 for kind in kinds]
@@ -112,7 +98,7 @@ def environment_features(context: TurnContext) -> Array:
 
 
 def _side_by_side(*parts: Array) -> Array:
-    """(..., number of parts) from parts whose shapes broadcast to (...)."""
+    """Stack parts whose shapes broadcast to (...) into (..., number of parts)."""
     table = np.empty((*np.broadcast_shapes(*(part.shape for part in parts)), len(parts)))
     for column, part in enumerate(parts):
         table[..., column] = part

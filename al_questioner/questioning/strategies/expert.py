@@ -1,4 +1,4 @@
-"""The scripted expert: how a person who knows what is scarce would ask (section 4.3 of the paper)."""
+"""Scripted expert, which asks like a person who knows which symbols are rare (section 4.3 of the paper)."""
 
 from __future__ import annotations
 
@@ -13,38 +13,38 @@ from al_questioner.questioning.strategies.expected_utility import expected_featu
 from al_questioner.questioning.turn_context import TurnContext
 
 LATEST_SUBSET_TURN = 5
-"""By the end of this turn the expert has asked which features matter."""
+"""Turn by whose end the expert has asked which features matter."""
 
 HEAD_START = 1.0
-"""Label queries by which it may run ahead of an even pace, at most; how many it does in a turn is drawn at random."""
+"""Largest lead of the expert over an even pace, in label queries; the lead in a turn is drawn at random."""
 
 MISSED = 2
-"""An example of a symbol without any is asked for once another symbol has so many."""
+"""Number of examples of one symbol from which a symbol without any is asked for."""
 
 
 class ScriptedExpert:
-    """What the paper says of its expert, an author, as rules; a little random.
+    """Strategy with the rules by which the paper's expert, an author, asked; a little random.
 
     - The feature subset query comes in one of the first five turns.
-    - The budget is spread evenly over the time, so that each change of the scene finds some left.
+    - The budget is spread evenly over the time, so that some is left at each change of the scene.
     - Nearly all other queries are for labels, the cheapest: of the unlabelled view most likely to be an example of the
       symbol with the fewest. A demonstration is asked for only if a symbol is still without one when others have two.
 
-    The choice carries the expected decision features of all candidates: it is a demonstration to learn from. The
-    utility is 1 for what the rules single out and 0 for all else.
+    The choice carries the expected decision features of all candidates, so it is a demonstration to learn from. The
+    utility is 1 for the candidates that the rules select and 0 for all others.
     """
 
     selector = None
 
     def choose(self, context: TurnContext, rng: np.random.Generator) -> Choice:
-        """What the rules say, ties broken at random; nothing if they say nothing."""
+        """Return the choice of the rules, with ties broken at random; no query if they select none."""
         preferred = self._preferred(context, rng)
         utilities = np.zeros(len(context.candidates))
         utilities[preferred if len(preferred) else rows_of(context, QueryKind.NO_QUERY)] = 1.0
         return choose_best(context, utilities, rng, expected_features(context))
 
     def _preferred(self, context: TurnContext, rng: np.random.Generator) -> NDArray[np.intp]:
-        """Rows of the candidates that the rules single out, of which one is taken; none if nothing is to be asked."""
+        """Return the rows of the candidates that the rules select, of which one is taken; none for no query."""
         subset = rows_of(context, QueryKind.FEATURE_SUBSET)
         if len(subset) and not has_asked(context, QueryKind.FEATURE_SUBSET):
             turns_left = LATEST_SUBSET_TURN - context.turn
@@ -69,24 +69,19 @@ class ScriptedExpert:
         return best
 
     def _due(self, context: TurnContext) -> float:
-        """What an even pace leaves to spend by the end of this turn, the price of the subset query set aside."""
+        """Return the amount that an even pace allows by the end of this turn, without the price of the subset query."""
         will_ask = is_open(QueryKind.FEATURE_SUBSET, context.scene)
         subset = min(context.costs.feature_subset, context.budget) if will_ask else 0.0
         spent = context.spent - (subset if has_asked(context, QueryKind.FEATURE_SUBSET) else 0.0)
         return (context.budget - subset) * context.turn / context.turns - spent
 
     def _missed_symbol(self, context: TurnContext, settled: set[Action]) -> int | None:
-        """Index of a symbol that still has no example when others have `MISSED`; not if it is not here to be shown."""
+        """Return the index of a symbol without examples when others have `MISSED`, unless the scene cannot show one."""
         counts = list(context.concepts.positives.values())
         if max(counts) < MISSED:
             return None
-        tried = {
-            record.symbol
-            for record in context.history
-            if record.kind is QueryKind.DEMONSTRATION and record.turn >= context.scene_turn
-        }
-        for index, (symbol, count) in enumerate(zip(context.symbols, counts, strict=True)):
-            is_settled = Action(QueryKind.DEMONSTRATION, symbol=symbol) in settled
-            if count == 0 and symbol not in tried and not is_settled:
-                return index
-        return None
+        here = [record for record in context.history if record.turn >= context.scene_turn]
+        tried = {record.symbol for record in here if record.kind is QueryKind.DEMONSTRATION}
+        tried |= {action.symbol for action in settled if action.kind is QueryKind.DEMONSTRATION}
+        missed = (index for index, symbol in enumerate(context.symbols) if not counts[index] and symbol not in tried)
+        return next(missed, None)

@@ -1,4 +1,4 @@
-"""`farthest_fsq`: labels that are spread over the feature space."""
+"""Strategy `farthest_fsq`: labels that are spread over the feature space."""
 
 from __future__ import annotations
 
@@ -10,8 +10,8 @@ from al_questioner.questioning.turn_context import TurnContext
 
 
 class Farthest(UnlabelledFirst):
-    """The view farthest from all labelled ones, in the chosen features."""
+    """Strategy that labels the view farthest from all labelled ones, in the chosen features."""
 
     def score(self, context: TurnContext) -> NDArray[np.float64]:
-        """(|X|,) distance to the nearest labelled view."""
+        """Return (|X|,) distances to the nearest labelled view."""
         return context.concepts.distance_to_labelled(context.scene)

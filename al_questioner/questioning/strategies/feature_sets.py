@@ -1,4 +1,4 @@
-"""What imitation can learn the weights of: the features of each strategy that has some to be learnt."""
+"""Features of each strategy whose weights imitation can learn."""
 
 from __future__ import annotations
 
@@ -10,10 +10,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from al_questioner.concepts import Selector
-from al_questioner.domain import DECISION_FEATURES, VALUE_CONSTANTS, VALUE_FEATURES
+from al_questioner.domain import DECISION_FEATURES
 from al_questioner.questioning.strategies.choice import Choice, Strategy
 from al_questioner.questioning.strategies.expected_utility import expected_features
-from al_questioner.questioning.strategies.value_per_cost import is_worthless, value_features
+from al_questioner.questioning.strategies.value_per_cost import VALUE_FEATURES, is_worthless, value_features
 from al_questioner.questioning.turn_context import TurnContext
 
 
@@ -23,41 +23,31 @@ def _never(features: NDArray[np.float64]) -> NDArray[np.bool_]:
 
 @dataclass(frozen=True)
 class FeatureSet:
-    """Features of the candidates, of whose weighted sum a strategy takes the largest.
+    """Features of the candidates; a strategy takes the candidate with the largest weighted sum of them.
 
     Attributes:
-        strategy: its name.
-        names: of the F features.
-        of: (C, F) those of the candidates of a turn.
-        constants: names of what a weights file may set beside the weights.
-        is_worthless: (C,) whether the strategy never considers a candidate with such features, (C, F).
+        of: function that returns the (C, F) features of the candidates of a turn.
+        is_worthless: function that returns, for (C, F) features, (C,) booleans: the candidates never to consider.
     """
 
     strategy: str
     names: tuple[str, ...]
     of: Callable[[TurnContext], NDArray[np.float64]]
-    constants: tuple[str, ...] = ()
     is_worthless: Callable[[NDArray[np.float64]], NDArray[np.bool_]] = _never
 
 
 FEATURE_SETS: Mapping[str, FeatureSet] = {
-    feature_set.strategy: feature_set
-    for feature_set in (
-        FeatureSet('dt_task_env', DECISION_FEATURES, expected_features),
-        FeatureSet('value_per_cost', VALUE_FEATURES, value_features, VALUE_CONSTANTS, is_worthless),
-    )
+    'dt_task_env': FeatureSet('dt_task_env', DECISION_FEATURES, expected_features),
+    'value_per_cost': FeatureSet('value_per_cost', VALUE_FEATURES, value_features, is_worthless),
 }
-"""By the strategy's name."""
+"""Feature sets by the name of the strategy."""
 
 
 class FeatureRecorder:
-    """A strategy whose choices carry the features of another one: what it shows that one.
+    """Strategy whose choices carry the features of a feature set, so that they demonstrate how to weigh these.
 
-    What is worthless to that one counts as not considered, unless it is chosen.
-
-    Args:
-        strategy: who decides.
-        feature_set: what is computed of every candidate, whatever the strategy computes itself.
+    The strategy decides; whatever it computes itself, the features of the set are computed of every candidate. One that
+    is worthless to the set counts as not considered, unless it is chosen.
     """
 
     def __init__(self, strategy: Strategy, feature_set: FeatureSet) -> None:
@@ -65,11 +55,11 @@ class FeatureRecorder:
 
     @property
     def selector(self) -> Selector | None:
-        """That of the strategy."""
+        """Selector of the strategy."""
         return self._strategy.selector
 
     def choose(self, context: TurnContext, rng: np.random.Generator) -> Choice:
-        """The strategy's choice, with the features of the set."""
+        """Return the strategy's choice, with the features of the set."""
         choice, features = self._strategy.choose(context, rng), self._feature_set.of(context)
         left_out = self._feature_set.is_worthless(features) & (np.arange(len(features)) != choice.index)
         return dataclasses.replace(choice, utilities=np.where(left_out, np.nan, choice.utilities), features=features)

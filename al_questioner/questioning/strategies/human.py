@@ -1,4 +1,4 @@
-"""A person as the questioner: someone who shows how to ask, so that it can be imitated."""
+"""Strategy in which a person chooses the questions, so that imitation can learn from them."""
 
 from __future__ import annotations
 
@@ -22,25 +22,25 @@ from al_questioner.questioning.turn_context import TurnContext
 HELP = 'a number asks what that object is, a symbol to be shown one, f which properties matter; Enter asks nothing'
 HELP_TABLE = """\
   12       asks what object 12 is
-  snack    asks to be shown a snack; the beginning of the symbol does
+  snack    asks to be shown a snack; the beginning of the symbol is enough
   f        asks which properties matter
   Enter    asks nothing in this turn
   h        shows this"""
 MOST_BELIEFS = 2
-"""Symbols that the menu tells of an object: the most probable ones."""
+"""Number of most probable symbols that the menu shows for an object."""
 
 Picker = Callable[[TurnContext], int]
-"""Chooses a candidate: its index."""
+"""Function that returns the index of the chosen candidate."""
 
 
 class Human:
-    """Whoever sits at the terminal chooses, among the same candidates as any strategy.
+    """Strategy in which the person at the terminal chooses, among the same candidates as any strategy.
 
-    The choice carries the expected decision features of all candidates: it is a demonstration to learn from. The
-    utility is 1 for what was chosen and 0 for all else.
+    The choice carries the expected decision features of all candidates, so it is a demonstration to learn from. The
+    utility is 1 for the chosen candidate and 0 for all others.
 
     Args:
-        pick: asks the person; that at the terminal of this process if not given.
+        pick: function that asks the person; without it, the terminal of this process is used.
     """
 
     selector = None
@@ -49,12 +49,12 @@ class Human:
         self._pick = pick or at_terminal()
 
     def choose(self, context: TurnContext, rng: np.random.Generator) -> Choice:
-        """What the person picks.
+        """Return the choice of the person.
 
         Raises:
             EpisodeError: nobody is there to choose.
         """
-        # Before the question, so that the person's answer is not waited upon twice.
+        # Computed before the question, so that the person does not wait after the answer.
         features = expected_features(context)
         index = self._pick(context)
         utilities = np.zeros(len(context.candidates))
@@ -63,20 +63,17 @@ class Human:
 
 
 class LineSource(Protocol):
-    """Where lines come from, as a file."""
+    """Source of lines, such as a file."""
 
     def readline(self) -> str:
-        """The next line; empty at the end."""
+        """Return the next line; empty at the end."""
         ...
 
 
 class Lines:
-    """The lines of a file descriptor, read without the lock of `sys.stdin`.
+    """Lines of a file descriptor, read without the lock of `sys.stdin`.
 
-    A thread that waits for a person holds that lock, and a process that ends meanwhile would be aborted for it.
-
-    Args:
-        descriptor: 0 for the standard input.
+    A thread that waits for a person holds that lock, and a process that ends in the meantime would be aborted.
     """
 
     def __init__(self, descriptor: int) -> None:
@@ -84,7 +81,7 @@ class Lines:
         self._read = b''
 
     def readline(self) -> str:
-        """The next line; empty at the end."""
+        """Return the next line; empty at the end."""
         while b'\n' not in self._read:
             try:
                 more = os.read(self._descriptor, 4096)
@@ -98,16 +95,16 @@ class Lines:
 
 
 def at_terminal() -> Picker:
-    """Asks whoever sits at the terminal of this process."""
+    """Return a function that asks the person at the terminal of this process."""
     lines = Lines(0)
     return lambda context: pick_from_menu(context, lines, sys.stdout)
 
 
 class ReplayedPicks:
-    """A person's choices played back, so that nobody is asked twice; what is not given is asked of the person.
+    """Replayed choices of a person, so that nobody is asked twice; if no choice is given, the person is asked.
 
     Attributes:
-        action: what was chosen in the turn that comes next; None to ask.
+        action: the choice for the next turn; None to ask.
     """
 
     def __init__(self) -> None:
@@ -115,15 +112,15 @@ class ReplayedPicks:
         self._ask = at_terminal()
 
     def __call__(self, context: TurnContext) -> int:
-        """Index of the choice.
+        """Return the index of the choice.
 
         Raises:
-            InputError: what was chosen is no candidate of this turn.
+            InputError: the choice is not a candidate of this turn.
         """
         if self.action is None:
             return self._ask(context)
         if self.action not in context.candidates:
-            raise InputError(f'{self.action} was chosen, which is no candidate here')
+            raise InputError(f'{self.action} was chosen, which is not a candidate here')
         return context.candidates.index(self.action)
 
 
@@ -149,23 +146,24 @@ def pick_from_menu(context: TurnContext, source: LineSource, screen: TextIO) -> 
 
 
 def _asks_for_help(line: str, symbols: Sequence[str]) -> bool:
-    """Whether a line is `h`, `help` or `?`, and neither a symbol nor the beginning of one."""
+    """Return whether a line is `h`, `help` or `?`, and neither a symbol nor the beginning of one."""
     return bool(meant(line, (*HELP_WORDS, '?'))) and not meant(line, symbols) and not _begun(line, symbols)
 
 
 def _begun(line: str, symbols: Sequence[str]) -> list[str]:
-    """The symbols that a line is the beginning of."""
+    """Return the symbols that begin with a line."""
     word = loosely(line)
     return [symbol for symbol in symbols if word and loosely(symbol).startswith(word)]
 
 
 def chosen_candidate(line: str, context: TurnContext) -> int:
-    """Index of the candidate that a line names: an object's number, a symbol or its beginning, `f`, or nothing.
+    """Return the index of the candidate that a line names.
 
-    What is exactly a symbol is that symbol, whatever else it may mean.
+    The line is an object's number, a symbol or its beginning, `f`, or empty for no query. A line that is exactly a
+    symbol means that symbol, even if it has another meaning, too.
 
     Raises:
-        InputError: it names none, or several; the text says what would be one.
+        InputError: the line names no candidate, or several; the text says what to type.
     """
     word, symbols = line.rstrip('\r\n'), context.symbols
     if not word.strip():
@@ -188,7 +186,7 @@ def chosen_candidate(line: str, context: TurnContext) -> int:
 
 
 def _index_of_object(number: str, context: TurnContext) -> int:
-    """Index of the question about the object of a number, which may be far longer than any object's."""
+    """Return the index of the question about the object with a number, which may have more digits than any object's."""
     by_number = {str(object_id): object_id for object_id in context.scene.object_ids}
     object_id = by_number.get(number.lstrip('0') or '0')
     what = f'a question about object {number[:LONGEST_QUOTED]}'
@@ -198,7 +196,7 @@ def _index_of_object(number: str, context: TurnContext) -> int:
 
 
 def menu(context: TurnContext) -> str:
-    """The candidates by kind with their costs, what is believed and known of the objects, and what is left; 80 wide."""
+    """Return the candidates by kind with their costs, the beliefs about the objects, and the budget; 80 wide."""
     costs, settled = context.costs, settled_actions(context)
     left = f'budget left: {context.budget_left:g} of {context.budget:g}'
     lines = [f'Turn {context.turn} of {context.turns}; {left}; scene since turn {context.scene_turn}']
@@ -210,12 +208,9 @@ def menu(context: TurnContext) -> str:
         lines += _columns([_object(context, row, settled) for row in range(len(context.scene))])
     if QueryKind.DEMONSTRATION in kinds:
         lines.append(f'Show me one (cost {costs.demonstration:g}); examples so far:')
-        lines += _columns(
-            [
-                f'{symbol}: {count}' + _remark(Action(QueryKind.DEMONSTRATION, symbol=symbol), settled)
-                for symbol, count in context.concepts.positives.items()
-            ]
-        )
+        remarks = [_remark(Action(QueryKind.DEMONSTRATION, symbol=symbol), settled) for symbol in context.symbols]
+        counts = context.concepts.positives.items()
+        lines += _columns([f'{symbol}: {n}{remark}' for (symbol, n), remark in zip(counts, remarks, strict=True)])
     if QueryKind.FEATURE_SUBSET in kinds and Action(QueryKind.FEATURE_SUBSET) not in settled:
         lines.append(f'Which properties matter? (cost {costs.feature_subset:g}): f')
     lines.append('Nothing: Enter; help: h')
@@ -236,7 +231,7 @@ def _remark(action: Action, settled: set[Action]) -> str:
 
 
 def _columns(entries: Sequence[str], width: int = 80) -> list[str]:
-    """The entries in as many columns as fit."""
+    """Return the lines with the entries in as many columns as fit."""
     column = max(len(entry) for entry in entries) + 2
     per_line = max(1, (width - 2) // column)
     return [
@@ -253,7 +248,7 @@ def _index(action: Action, context: TurnContext, what: str) -> int:
 
 
 def _reason_against(action: Action, context: TurnContext) -> str:
-    """Why something cannot be chosen; empty if it can."""
+    """Return why an action cannot be chosen; empty if it can."""
     if action.kind is QueryKind.LABEL and action.object_id not in context.scene.object_ids:
         return 'there is no such object'
     if not is_open(action.kind, context.scene):

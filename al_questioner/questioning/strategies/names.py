@@ -1,4 +1,4 @@
-"""How questioning strategies are called: those that ship, and those that other installed packages contribute.
+"""Names of questioning strategies: those that ship, and those that other installed packages contribute.
 
 Other packages contribute entry points of the group `al_questioner.strategies`.
 """
@@ -8,7 +8,7 @@ from __future__ import annotations
 import logging
 from importlib.metadata import EntryPoint, entry_points
 
-from al_questioner.domain import SettingsError
+from al_questioner.domain import Setting, SettingsError
 from al_questioner.domain.names import suggestion
 
 SHIPPED = (
@@ -24,14 +24,19 @@ SHIPPED = (
     'expert',
     'human',
 )
-"""Those of `questioning.STRATEGIES`: whoever reads a name need not load them."""
+"""Names of `questioning.STRATEGIES`, known without loading them."""
+STRATEGY = Setting(
+    'strategy',
+    'value_per_cost',
+    f'questioning strategy: {", ".join(sorted(SHIPPED))}, or one that an installed package contributes',
+)
 GROUP = 'al_questioner.strategies'
 
 _LOGGER = logging.getLogger(__name__)
 
 
 def contributions() -> dict[str, EntryPoint]:
-    """The contributed strategies by name, sorted, none of them imported yet. It takes some 20 ms, so call it last.
+    """Return the contributed strategies by name, sorted, without importing them; it takes some 20 ms.
 
     Nobody can contribute a name in `SHIPPED`: such an entry point, like the second of a name, is ignored, and a warning
     in the log says so. An error would take everybody else's strategies away, too.
@@ -47,7 +52,7 @@ def contributions() -> dict[str, EntryPoint]:
 
 
 def contribution(name: str) -> EntryPoint:
-    """The contributed strategy of a name.
+    """Return the contributed strategy of a name.
 
     Raises:
         SettingsError: there is none.
@@ -60,7 +65,7 @@ def contribution(name: str) -> EntryPoint:
 
 
 def check_strategy(name: str) -> str:
-    """The name, if it is that of a strategy; other packages are searched only for one that is not in `SHIPPED`.
+    """Return the name of a strategy; other packages are searched only for one that is not in `SHIPPED`.
 
     Raises:
         SettingsError: it is unknown.
@@ -71,6 +76,6 @@ def check_strategy(name: str) -> str:
 
 
 def described(entry: EntryPoint) -> str:
-    """An entry point in words."""
+    """Describe an entry point."""
     package = f' of package {entry.dist.name}' if entry.dist else ''
     return f'entry point "{entry.name} = {entry.value}"{package}'

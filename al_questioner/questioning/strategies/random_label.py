@@ -1,4 +1,4 @@
-"""`random_fsq`: what any rule must beat."""
+"""Strategy `random_fsq`: random labels, the lower limit for any rule."""
 
 from __future__ import annotations
 
@@ -10,8 +10,8 @@ from al_questioner.questioning.turn_context import TurnContext
 
 
 class RandomLabel(UnlabelledFirst):
-    """Any view that is not labelled yet."""
+    """Strategy that labels any view that is not labelled yet."""
 
     def score(self, context: TurnContext) -> NDArray[np.float64]:
-        """(|X|,) the same for all."""
+        """Return (|X|,) the same value for all."""
         return np.zeros(len(context.scene))

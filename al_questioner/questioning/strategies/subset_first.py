@@ -1,4 +1,4 @@
-"""What the controls share without which no comparison is honest.
+"""Common base of the control strategies, which makes the comparison with them fair.
 
 All of them ask for the relevant features once, in the first turn if the budget can pay for a first example as well,
 and never ask about a view that has been labelled.
@@ -24,17 +24,13 @@ from al_questioner.questioning.turn_context import TurnContext
 
 
 class SubsetFirst(ABC):
-    """One early feature subset query, then queries of one kind.
-
-    Attributes:
-        kind: of the queries after the first.
-    """
+    """Strategy of one early feature subset query, then queries of one kind."""
 
     selector = None
     kind = QueryKind.LABEL
 
     def choose(self, context: TurnContext, rng: np.random.Generator) -> Choice:
-        """The feature subset query when it is due, else what the control is about."""
+        """Return the feature subset query when it is due, otherwise the query of largest value."""
         utilities = nothing_considered(context)
         if self._subset_is_due(context):
             utilities[rows_of(context, QueryKind.FEATURE_SUBSET)] = 1.0
@@ -45,7 +41,7 @@ class SubsetFirst(ABC):
 
     @abstractmethod
     def values(self, context: TurnContext) -> NDArray[np.float64]:
-        """Value of each query of the control's kind, in canonical order; NaN for one that is not to be asked."""
+        """Return the value of each query of the strategy's kind, in canonical order; NaN for a forbidden one."""
 
     def _subset_is_due(self, context: TurnContext) -> bool:
         both = context.costs.feature_subset + context.costs.price(self.kind)
@@ -55,12 +51,12 @@ class SubsetFirst(ABC):
 
 
 class UnlabelledFirst(SubsetFirst):
-    """Label queries about views that nothing is known of."""
+    """Strategy of label queries about views without a label."""
 
     def values(self, context: TurnContext) -> NDArray[np.float64]:
-        """(|X|,) the control's score, NaN for what was labelled."""
+        """Return (|X|,) the strategy's score, NaN for labelled views."""
         return np.where(context.labelled, np.nan, self.score(context))
 
     @abstractmethod
     def score(self, context: TurnContext) -> NDArray[np.float64]:
-        """(|X|,) value of labelling each object."""
+        """Return (|X|,) value of labelling each object."""

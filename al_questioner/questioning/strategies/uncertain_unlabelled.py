@@ -1,4 +1,4 @@
-"""`u_sampling_fsq`: uncertainty sampling with the feature subset query that the paper does not give it."""
+"""Strategy `u_sampling_fsq`: uncertainty sampling with a feature subset query, which it does not have in the paper."""
 
 from __future__ import annotations
 
@@ -11,8 +11,8 @@ from al_questioner.questioning.turn_context import TurnContext
 
 
 class UncertainUnlabelled(UnlabelledFirst):
-    """The view of largest prediction entropy."""
+    """Strategy that labels the view of largest prediction entropy."""
 
     def score(self, context: TurnContext) -> NDArray[np.float64]:
-        """(|X|,) entropy of p(y|x)."""
+        """Return (|X|,) entropy of p(y|x)."""
         return prediction_entropy(context.probabilities)

@@ -1,4 +1,4 @@
-"""What a question is worth: the features of `value_per_cost`, and the value that they add up to.
+"""The strategy `value_per_cost`: the features of a question's value, and the value that they add up to.
 
 A question is worth what its answer would gain if it is an example of a symbol, times the chance that it is one; where
 the budget is short of the turns it is judged by that value per cost. The features are the logarithms of these factors,
@@ -14,7 +14,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from al_questioner.domain import VALUE_CONSTANTS, VALUE_FEATURES, Outcome, QueryKind, SettingsError
+from al_questioner.domain import Outcome, QueryKind, SettingsError
 from al_questioner.questioning.beliefs import class_beliefs, with_labels
 from al_questioner.questioning.candidates import BUDGET_ROUNDING
 from al_questioner.questioning.strategies.choice import TIE, Choice, choose_best, rows_of
@@ -26,12 +26,14 @@ LEAST = 1e-6
 LEAST_PRICE = 1e-2
 """Cheapest question, as a share of the dearest: what costs nothing is not worth infinitely much per cost."""
 
+VALUE_FEATURES = ('gain', 'chance', 'price', 'ahead', 'silence')
+"""The features of what a question is worth, in the order of every weight vector of theirs."""
 GAIN, CHANCE, PRICE, AHEAD, SILENCE = range(len(VALUE_FEATURES))
 
 
 @dataclass(frozen=True)
 class Constants:
-    """What the value of a question depends on otherwise than by a weight.
+    """Constants of the value of a question, beside its weights.
 
     Attributes:
         reach: how far a label tells what things are, in standard deviations of a feature, root mean square.
@@ -50,15 +52,15 @@ class Constants:
     pace: float = 0.5
 
     def __post_init__(self) -> None:
-        for name in VALUE_CONSTANTS:
-            value = getattr(self, name)
+        for name, value in vars(self).items():
             if not (np.isfinite(value) and value >= LEAST):
-                raise SettingsError(
-                    f'strategy value_per_cost: {name} must be a number of {LEAST:g} or more, not {value}'
-                )
+                reason = f'{name} must be a number of {LEAST:g} or more, not {value}'
+                raise SettingsError(f'strategy value_per_cost: {reason}')
 
 
 DEFAULTS = Constants()
+CONSTANTS = tuple(vars(DEFAULTS))
+"""Constants that a weights file may set beside the weights."""
 
 BY_DERIVATION: Mapping[str, float] = {'gain': 1.0, 'chance': 1.0, 'price': -1.0, 'ahead': 1e6, 'silence': -10.0}
 """Weights with which the features add up to the logarithm of a value; that of being ahead makes the pace a rule."""
@@ -72,27 +74,24 @@ class ValuePerCost:
             of the `Constants` that are not to have their default.
 
     Raises:
-        SettingsError: a weight for another feature, or a constant out of its range.
+        SettingsError: a constant out of its range.
     """
 
     selector = None
+    weight_names = (*VALUE_FEATURES, *CONSTANTS)
 
     def __init__(self, weights: Mapping[str, float]) -> None:
-        known = (*VALUE_FEATURES, *VALUE_CONSTANTS)
-        for name, weight in weights.items():
-            if name not in known and weight != 0:
-                raise SettingsError(f'strategy value_per_cost does not use {name!r}; it uses {", ".join(known)}')
         self.weights = np.array([float(weights.get(name, BY_DERIVATION[name])) for name in VALUE_FEATURES])
-        self.constants = Constants(**{name: float(weights[name]) for name in VALUE_CONSTANTS if name in weights})
+        self.constants = Constants(**{name: float(weights[name]) for name in CONSTANTS if name in weights})
 
     def choose(self, context: TurnContext, rng: np.random.Generator) -> Choice:
-        """The best of the candidates that are worth anything; the utility is the logarithm of the value."""
+        """Choose the best of the candidates that are worth anything; the utility is the logarithm of the value."""
         features = value_features(context, self.constants)
         return choose_best(context, np.where(is_worthless(features), np.nan, features @ self.weights), rng)
 
 
 def value_features(context: TurnContext, constants: Constants = DEFAULTS) -> Array:
-    """(C, 5) of each candidate, in the order of `VALUE_FEATURES`; all finite.
+    """Return the (C, 5) features of the candidates, in the order of `VALUE_FEATURES`; all finite.
 
     They are the logarithms of the gain, the chance and the price, and, of asking nothing, how far the spending is ahead
     of its pace, and 1.
@@ -126,12 +125,12 @@ def value_features(context: TurnContext, constants: Constants = DEFAULTS) -> Arr
 
 
 def is_worthless(features: Array) -> NDArray[np.bool_]:
-    """(C,) whether candidates with these features, (C, 5), would gain nothing."""
+    """Return (C,) whether candidates with these features, (C, 5), would gain nothing."""
     return np.asarray(features[:, GAIN] <= np.log(LEAST))
 
 
 def example_gains(context: TurnContext, decline: float) -> Array:
-    """(|X|, |Y|) what an object would gain as an example of a symbol, as a share of the first example's gain.
+    """Return the (|X|, |Y|) gains of objects as examples of a symbol, as shares of the first example's gain.
 
     That is nothing where the classifiers call it so already, and where its view is labelled; else (1 + n)^-decline
     beside n examples of the symbol. Among symbols that are equally probable each is called with an equal share.
@@ -144,11 +143,7 @@ def example_gains(context: TurnContext, decline: float) -> Array:
 
 
 def called_shares(probabilities: Array) -> Array:
-    """(n, |Y|) 1 for the symbol that the classifiers call a thing, 0 for others; of a tie, equal shares.
-
-    Args:
-        probabilities: (n, |Y|) q_y(x).
-    """
+    """Return (n, |Y|) 1 for the symbol that classifiers with (n, |Y|) q_y(x) call a thing, else 0; of a tie, shares."""
     best = probabilities.max(axis=1, keepdims=True)
     largest = probabilities >= best - TIE * best
     return np.asarray(largest / largest.sum(axis=1, keepdims=True))
@@ -164,7 +159,7 @@ def later_answers(context: TurnContext) -> float:
 
 
 def scarcity(context: TurnContext) -> float:
-    """How much the budget, rather than the time, limits what can be asked.
+    """Return how much the budget, rather than the time, limits what can be asked.
 
     1 if it pays for no more than the cheaper of label and demonstration in each turn that is left, 0 if it pays for the
     dearer, and in proportion between.
@@ -179,7 +174,7 @@ def scarcity(context: TurnContext) -> float:
 
 
 def log_prices(context: TurnContext) -> Array:
-    """(C,) logarithm of what each candidate costs, as a share of the dearest, as far as the budget is short."""
+    """Return the (C,) logarithms of the prices, as shares of the largest, as far as the budget is short."""
     costs = np.array([context.costs.price(action.kind) for action in context.candidates])
     dearest = max(context.costs.label, context.costs.demonstration, context.costs.feature_subset)
     if dearest == 0:

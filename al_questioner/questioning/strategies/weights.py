@@ -1,4 +1,4 @@
-"""Reading the weights of the decision features from a YAML file."""
+"""Reading the weights of a strategy from a YAML file."""
 
 from __future__ import annotations
 
@@ -7,34 +7,31 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
 
-from al_questioner.domain import WEIGHED, SettingsError
+from al_questioner.domain import Setting, SettingsError
 from al_questioner.support.configuration import config_dir, named_file, read_yaml
 
+WEIGHTS_FILE = Setting('weights_file', '', 'YAML file with weights of the strategy; empty: those in config/weights')
+
 MEMBERS = ('weights', 'provenance', 'training')
-"""Of a weights file; how the weights were learnt is for people."""
+"""Members of a weights file; the one on how the weights were learnt is for people."""
 
 
 @dataclass(frozen=True)
 class Weights:
-    """Weights of the decision features.
-
-    Attributes:
-        values: weight by decision feature.
-        provenance: where they come from, in words.
-    """
+    """Weights and constants of a strategy, by name, and where they come from, in words."""
 
     values: Mapping[str, float]
     provenance: str
 
 
 def shipped_file(strategy: str) -> Path | None:
-    """The file of the weights that ship for a strategy; None if there is none."""
+    """Return the file of the weights that ship for a strategy; None if there is none."""
     path = config_dir() / 'weights' / f'{strategy}.yaml'
     return path if path.is_file() else None
 
 
 def load_weights(name_or_path: str) -> dict[str, float]:
-    """The weights that ship under a name, such as that of a strategy, or those of a YAML file: for `EpisodeSettings`.
+    """Load the weights that ship under a name, such as that of a strategy, or those of a YAML file.
 
     Raises:
         InputError: there are none, or the file cannot be used.
@@ -43,11 +40,11 @@ def load_weights(name_or_path: str) -> dict[str, float]:
 
 
 def read_weights(path: Path) -> Weights:
-    """Read a file with a mapping `weights` of decision features to numbers, and a text `provenance`.
+    """Read a file with a mapping `weights` of names to numbers, and a text `provenance`.
 
     Raises:
-        InputError: the file cannot be read, a member that a weights file does not have, an unknown decision feature, or
-            a weight that is not a finite number.
+        InputError: the file cannot be read, a member that a weights file does not have, or a weight that is not a
+            finite number.
     """
     content = read_yaml(path)
     for name in content:
@@ -55,10 +52,8 @@ def read_weights(path: Path) -> Weights:
             raise SettingsError(f'{path}: unknown member {name!r}; a weights file has {", ".join(MEMBERS)}')
     values = content.get('weights')
     if not isinstance(values, dict) or not values:
-        raise SettingsError(f'{path} has no mapping "weights" of decision features to numbers')
+        raise SettingsError(f'{path} has no mapping "weights" of names to numbers')
     for name, value in values.items():
-        if name not in WEIGHED:
-            raise SettingsError(f'{path}: unknown decision feature {name!r}; known: {", ".join(WEIGHED)}')
         if isinstance(value, bool) or not isinstance(value, (int, float)) or not math.isfinite(value):
             raise SettingsError(f'{path}: the weight of {name} must be a finite number, not {value!r}')
     return Weights({name: float(value) for name, value in values.items()}, str(content.get('provenance', '')).strip())

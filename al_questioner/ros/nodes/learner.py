@@ -15,25 +15,17 @@ from std_msgs.msg import String
 from visualization_msgs.msg import MarkerArray
 
 from al_questioner.concepts import compile_models
-from al_questioner.domain import (
-    Answer,
-    AnswerError,
-    Content,
-    Decision,
-    EpisodeError,
-    InputError,
-    LateAnswerError,
-    Query,
-    Scene,
-)
+from al_questioner.domain import Answer, AnswerError, Content, Decision, EpisodeError, InputError, Query, Scene
 from al_questioner.event_log.events import SceneObserved
-from al_questioner.event_log.reports import episode_members, noise_text, state_members
+from al_questioner.event_log.state_documents import episode_members, noise_text, state_members
+from al_questioner.event_log.storage import SqliteStorage, StorageFactory
 from al_questioner.messages import documents
 from al_questioner.messages.clouds import cloud_of_decision, scene_of_cloud
 from al_questioner.messages.documents import Document
 from al_questioner.messages.pictures import markers
 from al_questioner.messages.stamps import nanoseconds, stamp_members
-from al_questioner.questioning import make_strategy, read_plain_answer, respelt
+from al_questioner.questioning import Receipt, make_strategy, read_plain_answer, respelt
+from al_questioner.questioning.answer_acknowledgement import acknowledgement
 from al_questioner.ros import qos
 from al_questioner.ros.learner_session import session_of, settings_of
 from al_questioner.ros.node import QuestionerNode
@@ -41,18 +33,18 @@ from al_questioner.ros.one_shot_timer import OneShotTimer
 from al_questioner.ros.parameters import declare, refuse_unknown
 from al_questioner.ros.retransmitter import PATIENT, Retransmitter
 from al_questioner.ros.running import spin_node
-from al_questioner.ros.settings import all_names, learner_settings
+from al_questioner.ros.settings import ALL_NAMES, learner_settings
 from al_questioner.ros.stale_scenes import StaleScenes
 from al_questioner.ros.turn_stamps import TurnStamps
 from al_questioner.ros.types import CLOUD_TYPES, MARKER_TYPES, header
 from al_questioner.ros.worlds import declare_world, world_members
 
 SECONDS_OF_A_RIVAL = 60.0
-"""For which another learner is a concern after it was heard."""
+"""Seconds for which a node warns of another learner after it was heard."""
 SECONDS_FOR_ANSWER = 60.0
-"""After which the lack of an answer is worth a warning."""
+"""Seconds without an answer after which the node warns."""
 SECONDS_FOR_OBJECTS = 10.0
-"""After which the lack of a scene is worth a warning."""
+"""Seconds without a scene after which the node warns."""
 LONGEST_BACK_OFF = 8
 """Times the answer timeout: for so long the learner waits at most before the turn goes on without an answer."""
 
@@ -64,10 +56,11 @@ class LearnerNode(QuestionerNode):
 
     Args:
         yields: end the node's context when the episode is over and another learner begins one on the same topics.
+        storage: writes the session, if there is one.
         node_arguments: of the node.
     """
 
-    def __init__(self, yields: bool = False, **node_arguments: Any) -> None:
+    def __init__(self, yields: bool = False, storage: StorageFactory = SqliteStorage, **node_arguments: Any) -> None:
         super().__init__('learner', **node_arguments)
         self._yields = yields
         self._is_over = self._has_failed = False
@@ -77,10 +70,10 @@ class LearnerNode(QuestionerNode):
         self._settings = settings_of(world.task, self._given)
         # What cannot be used is to be said before anything is published, and before a log is begun.
         make_strategy(self._settings.strategy, self._settings.weights)
-        refuse_unknown(self, all_names())
+        refuse_unknown(self, ALL_NAMES)
         self._world = world_members(world)
-        self._session = session_of(self._settings, world, self._given)
-        self.episode_id = self._session.begun.episode_id
+        self._durable = session_of(self._settings, world, self._given, storage)
+        self.episode_id = self._durable.begun.episode_id
         self._stamps = TurnStamps()
         self._patience = OneShotTimer(self.after, self._go_on_without)
         self._stale = StaleScenes()
@@ -110,15 +103,15 @@ class LearnerNode(QuestionerNode):
     def _start(self) -> None:
         """Begin the first turn, or go on where the session ended."""
         self.set_status('going through what the session holds')
-        self._session.start()
-        seen, decision = self._session.seen, self._session.decision
+        self._durable.start()
+        seen, decision = self._durable.seen, self._durable.decision
         if seen is None or decision is None:
             self._begin_turn()
             return
         self.get_logger().info(f'going on with {self.episode_id}, in turn {seen.turn}, from {self._given["session"]}')
         self._stamps = TurnStamps(seen.stamp)
         self._announce(seen.scene)
-        if not self._session.episode.awaits_answer:
+        if not self._durable.episode.awaits_answer:
             self._end_turn()
             return
         # Word for word as before: perception, if it is new too, shows what the question is about.
@@ -135,9 +128,9 @@ class LearnerNode(QuestionerNode):
         self._awaits_scene = True
         self._stale.begin_turn()
         self._state.stop()
-        turn = self._session.episode.turn + 1
+        turn = self._durable.episode.turn + 1
         self.set_status(f'turn {turn}: waiting for objects', SECONDS_FOR_OBJECTS, awaited='objects')
-        self._request.say({'turn': turn, 'stamp': stamp_members(stamp), 'world': self._world})
+        self._request.send({'turn': turn, 'stamp': stamp_members(stamp), 'world': self._world})
 
     def _perceive(self, cloud: PointCloud2) -> None:
         """Decide, once the scene of this turn is there: see `TurnStamps`."""
@@ -147,23 +140,23 @@ class LearnerNode(QuestionerNode):
         if not self._stamps.is_of_turn(stamp, now):
             self._stale.pass_over(stamp, self._stamps.last, now)
             return
-        scene = scene_of_cloud(cloud, self._session.episode.concepts.feature_names)
-        seen = SceneObserved(self._session.episode.turn + 1, self._stamps.last, cloud.header.frame_id, scene)
-        decision = self._session.ask(seen)
+        scene = scene_of_cloud(cloud, self._durable.episode.concepts.feature_names)
+        seen = SceneObserved(self._durable.episode.turn + 1, self._stamps.last, cloud.header.frame_id, scene)
+        decision = self._durable.ask(seen)
         self._tell_of_sensors(scene)
         self._awaits_scene = False
         self._request.stop()
         if decision.turn == 1:
             self._announce(scene)
         self._put(seen, decision)
-        if self._session.episode.awaits_answer:
+        if self._durable.episode.awaits_answer:
             self._show(seen, self._beliefs())
         else:
             self._end_turn()
 
     def _tell_of_sensors(self, scene: Scene) -> None:
         """Take note of the noise for /diagnostics, and say once of each feature what it read that cannot be."""
-        episode = self._session.episode
+        episode = self._durable.episode
         self._view_noise = noise_text(episode.view_noise)
         for object_id, feature, value in episode.concepts.implausible_readings(scene):
             if feature not in self._implausible:
@@ -174,15 +167,15 @@ class LearnerNode(QuestionerNode):
                 )
 
     def measurements(self) -> Mapping[str, str]:
-        """What is known of the sensors."""
+        """Return what is known of the sensors, for /diagnostics."""
         implausible = {f'implausible {feature}': what for feature, what in dict(self._implausible).items()}
         return {'view noise': self._view_noise, **implausible}
 
     def _put(self, seen: SceneObserved, decision: Decision) -> None:
         """Publish a decision, and the question that waits, again if nobody answered it in the turn before."""
-        pending = self._session.episode.pending
+        pending = self._durable.episode.pending
         if pending is not None:
-            self._question.say({**documents.query_members(pending), 'world': self._world})
+            self._question.send({**documents.query_members(pending), 'world': self._world})
             self.get_logger().info(f'turn {decision.turn}: {pending.text}')
             self._await_answer(pending, decision.turn)
         head = header(seen.stamp, seen.frame_id)
@@ -190,7 +183,7 @@ class LearnerNode(QuestionerNode):
 
     def _await_answer(self, query: Query, turn: int) -> None:
         """Wait for the answer, but not for ever if so configured, and the longer the longer nobody has answered."""
-        timeout, missed = float(self._given['answer_timeout']), self._session.episode.unanswered_turns
+        timeout, missed = float(self._given['answer_timeout']), self._durable.episode.unanswered_turns
         # Once a turn has passed without an answer, that is the concern.
         patience = math.inf if missed else SECONDS_FOR_ANSWER
         self.set_status(f'turn {turn}: waiting for the answer to {query.query_id}', expected_within=patience)
@@ -199,41 +192,42 @@ class LearnerNode(QuestionerNode):
 
     def _go_on_without(self) -> None:
         """Let the turn pass without its answer."""
-        query = self._session.episode.awaited
+        query = self._durable.episode.awaited
         if query is not None:
             self.get_logger().info(
-                f'turn {self._session.episode.turn}: going on without the answer to {query.query_id}'
+                f'turn {self._durable.episode.turn}: going on without the answer to {query.query_id}'
             )
-            self._session.time_out()
+            self._durable.time_out()
             self._end_turn()
 
     def _now(self) -> int:
-        """What the clock shows, real or simulated, in nanoseconds."""
+        """Return the time of the clock, real or simulated, in nanoseconds."""
         return int(self.get_clock().now().nanoseconds)
 
     def _announce(self, scene: Scene) -> None:
         """Publish what the episode is about, as soon as the features are known."""
-        self._publish_episode(episode_members(self._session.begun, scene.feature_names))
+        self._publish_episode(episode_members(self._durable.begun, scene.feature_names))
 
     def _hear(self, message: String) -> None:
         """Take an answer, or the correction of one, and say whether it was taken: not before it is on the disk."""
-        if not self._session.is_ready:
+        if not self._durable.is_ready:
             return
-        answer, episode = None, self._session.episode
-        waited, late_before = episode.awaits_answer, len(episode.answers.late)
+        answer, episode = None, self._durable.episode
+        waited = episode.awaits_answer
         try:
             answer = self._read_answer(message.data)
-            is_new = self._session.take(answer)
+            receipt = self._durable.take(answer)
         except InputError as error:
-            if not isinstance(error, LateAnswerError):
-                self._session.note_refused(message.data, str(error))
-            self._acknowledge(answer, accepted=False, reason=str(error))
-            if len(episode.answers.late) > late_before:
-                # It was kept all the same, for how far its teacher can be relied on.
-                self._tell_state()
+            self._durable.note_refused(message.data, str(error))
+            self._publish_ack(acknowledgement(answer, None, str(error)))
             raise
-        self._acknowledge(answer, accepted=True, reason='' if is_new else 'already taken')
-        if not is_new:
+        reason = episode.answers.why_not(answer, receipt)
+        self._publish_ack(acknowledgement(answer, receipt, reason))
+        if receipt is Receipt.LATE:
+            self.reject('answer', reason)
+            # It is kept all the same, for how far its teacher can be relied on.
+            self._tell_state()
+        if receipt is not Receipt.ACCEPTED:
             return
         told = _spoken(answer.outcome.value if answer.content is None else answer.content)
         now = '' if answer.replaces is None else 'now '
@@ -243,27 +237,23 @@ class LearnerNode(QuestionerNode):
         else:
             self._tell_state()
 
-    def _acknowledge(self, answer: Answer | None, accepted: bool, reason: str) -> None:
-        ids = (None, None) if answer is None else (answer.query_id, answer.answer_id)
-        self._publish_ack({'query_id': ids[0], 'answer_id': ids[1], 'accepted': accepted, 'reason': reason})
-
     def _read_answer(self, content: str) -> Answer:
         if content.lstrip().startswith('{'):
             document = documents.read('answer', content)
             if document['episode_id'] != self.episode_id:
                 raise AnswerError(f'the answer belongs to episode {document["episode_id"]}, this is {self.episode_id}')
-            known = (*self._settings.symbols, *self._session.episode.concepts.groups)
+            known = (*self._settings.symbols, *self._durable.episode.concepts.groups)
             return respelt(documents.answer_of(document), known)
-        if self._session.episode.pending is None:
+        if self._durable.episode.pending is None:
             raise AnswerError('no query is pending')
-        return read_plain_answer(content, self._session.episode.pending)
+        return read_plain_answer(content, self._durable.episode.pending)
 
     def _end_turn(self) -> None:
         """Tune the models if it is time, tell what is known now, and begin the next turn unless this was the last."""
         self._question.stop()
         self._patience.clear()
-        self._session.tune()
-        episode = self._session.episode
+        self._durable.tune()
+        episode = self._durable.episode
         if episode.done:
             self._tell_state()
             self._is_over = True
@@ -273,11 +263,11 @@ class LearnerNode(QuestionerNode):
                 ' corrections are still taken; start a learner again for another episode'
             )
             return
-        seen = self._session.seen
+        seen = self._durable.seen
         if seen is None:
             return
         beliefs = self._beliefs()
-        self._state.say(state_members(self._session.episode, beliefs))
+        self._state.send(state_members(self._durable.episode, beliefs))
         pause = float(self._given['turn_period']) - (time.monotonic() - self._last_turn_start)
         if pause > 0:
             self.after(pause, self._begin_turn)
@@ -288,30 +278,30 @@ class LearnerNode(QuestionerNode):
 
     def _tell_state(self) -> None:
         """Publish what is known now, outside of the course of the turns."""
-        seen = self._session.seen
+        seen = self._durable.seen
         if seen is not None:
             beliefs = self._beliefs()
             self._show(seen, beliefs)
-            self._state.say(state_members(self._session.episode, beliefs))
+            self._state.send(state_members(self._durable.episode, beliefs))
 
     def _beliefs(self) -> NDArray[np.float64]:
-        """(n, |Y|) q_y(x) of the present scene."""
-        episode = self._session.episode
+        """Return (n, |Y|) q_y(x) of the present scene."""
+        episode = self._durable.episode
         return episode.concepts.predict_proba(episode.scene.features)
 
     def _show(self, seen: SceneObserved, beliefs: NDArray[np.float64]) -> None:
         """Publish the scene, the beliefs and the pending query for people who watch."""
-        pending = self._session.episode.pending
+        pending = self._durable.episode.pending
         asked = pending.action.object_id if pending else None
         head = header(seen.stamp, seen.frame_id)
         self._markers.publish(markers(seen.scene, beliefs, self._settings.symbols, asked, head, MARKER_TYPES))
 
     def health_warning(self) -> str:
-        """That nobody answers, or that another learner speaks on the same topics, which confuses everybody."""
+        """Warn that nobody answers, or that another learner uses the same topics, which confuses everybody."""
         return self._rival() or self._absence()
 
     def _absence(self) -> str:
-        missed = self._session.episode.unanswered_turns if self._session.is_ready else 0
+        missed = self._durable.episode.unanswered_turns if self._durable.is_ready else 0
         return f'nobody has answered for {missed} turn{"" if missed == 1 else "s"}' if missed else ''
 
     def _rival(self) -> str:
@@ -341,14 +331,14 @@ class LearnerNode(QuestionerNode):
     def destroy_node(self) -> None:
         """Close the log, once the worker has stopped."""
         super().destroy_node()
-        self._session.close()
+        self._durable.close()
 
 
 def _spoken(content: Content) -> str:
     return ', '.join(content) if isinstance(content, tuple) else str(content)
 
 
-def main(arguments: Sequence[str]) -> int:
+def main(arguments: Sequence[str], storage: StorageFactory = SqliteStorage) -> int:
     """Run the node."""
-    spin_node(partial(LearnerNode, yields=True), arguments)
+    spin_node(partial(LearnerNode, yields=True, storage=storage), arguments)
     return 0

@@ -16,16 +16,13 @@ from al_questioner.ros.node import QuestionerNode
 from al_questioner.ros.types import header
 
 WORLD = ('task', 'seed', 'sample')
-"""What makes up a simulated world."""
+"""Members of a document that describe a simulated world."""
 
 
 class RecordedPerceptionNode(QuestionerNode):
     """Answers every `turn` of a live learner with the `objects` of the recorded turn, under the live turn's stamp.
 
     Only the stamp is another one: recorded ones lie in the past, and a learner takes no scene from before its turn.
-
-    Args:
-        scenes: what is shown.
 
     Attributes:
         turn: the live turn that was answered last.

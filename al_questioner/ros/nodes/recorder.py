@@ -25,17 +25,17 @@ from al_questioner.messages import documents
 from al_questioner.ros import qos
 from al_questioner.ros.node import RECORDER, QuestionerNode
 from al_questioner.ros.parameters import declare, refuse_unknown
-from al_questioner.ros.settings import RECORDER_SETTINGS, all_names
+from al_questioner.ros.settings import ALL_NAMES, RECORDER_SETTINGS
 
 CLASSES = {STRING: String, CLOUD: PointCloud2}
 EVENTS = ('answer', 'answer_ack', 'decision')
-"""What is not latched."""
+"""Topics that are not latched."""
 SYNC_PERIOD = 0.5
 """Seconds from one time at which all is brought to the disk to the next: what a crash can cost."""
 DRAIN = 1.0
 """Seconds after the end of an episode in which messages are still taken."""
 SECONDS_TO_TELL = Duration(seconds=2.0)
-"""For which the end of a failed recording waits until its last /diagnostics has arrived."""
+"""Seconds that the end of a failed recording waits for its last /diagnostics to arrive."""
 
 
 class RecorderNode(QuestionerNode):
@@ -50,7 +50,7 @@ class RecorderNode(QuestionerNode):
     def __init__(self, **node_arguments: Any) -> None:
         super().__init__(RECORDER, **node_arguments)
         given = declare(self, RECORDER_SETTINGS)
-        refuse_unknown(self, all_names())
+        refuse_unknown(self, ALL_NAMES)
         self.done = False
         self.failure: EpisodeError | BagError | None = None
         self.until_done = bool(given['until_done'])
@@ -71,7 +71,7 @@ class RecorderNode(QuestionerNode):
 
     @property
     def path(self) -> Path:
-        """Of the bag."""
+        """Path of the bag."""
         return self._bag.path
 
     @property
@@ -97,7 +97,7 @@ class RecorderNode(QuestionerNode):
         super().destroy_node()
 
     def _names_in_bag(self, namespace: str) -> dict[str, str]:
-        """The topics by their last names, as the bag is to name them.
+        """Return the names of the topics in the bag, by their last names.
 
         Raises:
             InputError: the namespace is none.
@@ -117,7 +117,7 @@ class RecorderNode(QuestionerNode):
         }
 
     def _taker(self, name: str, topic: str) -> Callable[[bytes], None]:
-        """What takes the messages of a topic, with the time at which they come."""
+        """Make the function that takes the messages of a topic, with the time at which they come."""
         return lambda data: self.submit(partial(self._write, name, topic, bytes(data), time.time_ns()))
 
     def _write(self, name: str, topic: str, data: bytes, stamp: int) -> None:

@@ -162,7 +162,7 @@ class ReplayNode(QuestionerNode):
 
 
 def common_namespace(topics: Sequence[str]) -> str:
-    """The namespace that all of these names lie in, without a slash at its end; empty if there is none.
+    """Return the namespace that all of these names lie in, without a slash at its end; empty if there is none.
 
     >>> common_namespace(['/robot/turn', '/robot/camera/image', '/diagnostics'])
     '/robot'
@@ -172,7 +172,7 @@ def common_namespace(topics: Sequence[str]) -> str:
 
 
 def published_name(topic: str, namespace: str) -> str:
-    """A recorded name, relative to the namespace of the recording unless it is one that all robots share.
+    """Return a recorded name relative to the namespace of the recording, unless it is one that all robots share.
 
     >>> published_name('/robot/turn', '/robot')
     'turn'

@@ -15,10 +15,9 @@ from al_questioner.messages.documents import Document
 from al_questioner.ros.answer_sender import AnswerSender
 from al_questioner.ros.node import QuestionerNode
 from al_questioner.ros.nodes.terminal_teacher import RunTerminal, TerminalTeacher, login_name
-from al_questioner.ros.parameters import declare, refuse_unknown
+from al_questioner.ros.parameters import Value, declare, refuse_unknown
 from al_questioner.ros.running import spin_node
-from al_questioner.ros.setting import Value
-from al_questioner.ros.settings import TEACHER_MODES, TEACHER_SETTINGS, all_names
+from al_questioner.ros.settings import ALL_NAMES, TEACHER_MODES, TEACHER_SETTINGS
 from al_questioner.ros.worlds import check_world, declare_world
 from al_questioner.simulation import ScriptedTeacher, WorldSpec
 from al_questioner.terminal.run import run_terminal
@@ -29,16 +28,14 @@ LONGEST_NAME = 100
 class TeacherNode(QuestionerNode):
     """Answers every query once, and repeats the answer until the learner acknowledges it.
 
-    Args:
-        attend: lets a person answer, if the parameter `mode` says so.
-        node_arguments: of the node.
+    Where the parameter `mode` says so, `run_terminal` lets a person answer.
     """
 
     def __init__(self, run_terminal: RunTerminal = run_terminal, **node_arguments: Any) -> None:
         super().__init__('teacher', **node_arguments)
         choice = declare_world(self)
         given = declare(self, TEACHER_SETTINGS)
-        refuse_unknown(self, all_names())
+        refuse_unknown(self, ALL_NAMES)
         mode, teacher_id = str(given['mode']), str(given['teacher_id'])
         if mode not in TEACHER_MODES:
             raise InputError(f'parameter mode: unknown mode {mode!r}; known: {", ".join(TEACHER_MODES)}')
@@ -59,7 +56,7 @@ class TeacherNode(QuestionerNode):
 
     @property
     def failure(self) -> Exception | None:
-        """Why a person can answer no more."""
+        """Error after which a person can answer no more."""
         return self._teacher.failure
 
     def destroy_node(self) -> None:

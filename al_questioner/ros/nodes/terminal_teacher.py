@@ -22,14 +22,14 @@ from al_questioner.terminal.dialogue import TeacherDialogue
 from al_questioner.terminal.view_state import EpisodeProgress
 
 SECONDS_TO_CLOSE = 5.0
-"""Within which the screen has gone."""
+"""Seconds within which the screen is closed."""
 
 RunTerminal = Callable[[TeacherDialogue, threading.Event], Any]
-"""Shows a session to a person and has them answer, until they have done or the event is set."""
+"""Shows a dialogue to a person and has them answer, until they have done or the event is set."""
 
 
 def login_name() -> str:
-    """Who answers if nobody says so."""
+    """Return the name of the person who is logged in, the teacher if nobody says otherwise."""
     try:
         return getpass.getuser() or 'human'
     except (KeyError, OSError, ImportError):
@@ -38,17 +38,12 @@ def login_name() -> str:
 
 
 class TerminalTeacher:
-    """Hands what the robot says to a session, and what the person says to the robot.
+    """Hands what the robot says to a dialogue, and what the person says to the robot.
 
-    The person is attended to by a thread of its own, which ends the node's context when they have done.
-
-    Args:
-        node: whose topics these are.
-        teacher_id: who answers.
-        attend: runs in that thread.
+    `run_terminal` attends to the person in a thread of its own, which ends the node's context when they have done.
 
     Attributes:
-        session: what is asked and said.
+        dialogue: what is asked and said.
         failure: why the thread ended before its time.
     """
 

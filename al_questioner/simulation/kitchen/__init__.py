@@ -1,1 +1,1 @@
-"""The procedural kitchen table: what lies on it, where, how it is drawn, and what its sensors read."""
+"""Procedural kitchen table: its objects, their places, their drawing, and the readings of its sensors."""

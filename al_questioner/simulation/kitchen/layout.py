@@ -1,4 +1,4 @@
-"""Places on the table: a grid of cells, so that things never overlap."""
+"""Places on the table: a grid of cells, so that objects never overlap."""
 
 from __future__ import annotations
 
@@ -11,11 +11,11 @@ from al_questioner.simulation.task_reading import Interval
 
 
 class Place(NamedTuple):
-    """Where one thing stands.
+    """Place of one object.
 
     Attributes:
         x, y: metres in the table's frame, the middle of a cell.
-        slack: how far the thing may stand from the middle, in metres along each axis.
+        slack: largest distance of the object from the middle, in metres along each axis.
     """
 
     x: float
@@ -25,12 +25,7 @@ class Place(NamedTuple):
 
 @lru_cache(maxsize=32)
 def places(table_m: Interval, count: int) -> tuple[Place, ...]:
-    """So many places, row by row, every other row shifted by half a cell.
-
-    Args:
-        table_m: width and depth of the table.
-        count: number of places.
-    """
+    """Return so many places, row by row, every other row shifted by half a cell."""
     width, depth = table_m
     rows = max(1, round(float(np.sqrt(count * depth / width))))
     columns = -(-count // rows)

@@ -1,4 +1,4 @@
-"""The observations of a sample: which things, in which states, seen from where. Rendered when they are looked at."""
+"""Observations of a sample: its objects, their states and viewpoints. They are rendered at the first access."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ from al_questioner.simulation.kitchen.things.vessels import Look
 from al_questioner.simulation.task import Task
 
 _PLACES_PER_OBJECT = 3
-"""Among so many places an object that stays is moved about: its location is not to give away what it is."""
+"""Number of places among which an object that stays is moved, so that its location does not reveal its symbol."""
 
 
 @dataclass(frozen=True)
@@ -25,11 +25,11 @@ class ObjectInstance:
     """One physical object.
 
     Attributes:
-        kind: what it is.
-        look: what is peculiar to it.
-        heft: factor of its weight.
-        slot: which of the objects of a scene it is, or, where objects are replaced, may be.
-        places: where on the table it is put, as indices of `places`; no two slots share a place.
+        kind: its kind.
+        look: its individual look.
+        weight_factor: factor of its weight.
+        slot: index of the object in a scene, or, if objects are replaced, the index that it may take.
+        places: its possible places on the table, as indices of `places`; no two slots share a place.
     """
 
     kind: Kind
@@ -41,11 +41,11 @@ class ObjectInstance:
 
 @dataclass(frozen=True)
 class ViewSpec:
-    """One observation before it is made: a thing in a state.
+    """One observation before it is made: an object in a state.
 
     Attributes:
         key: names the random stream of the observation, unique within the sample.
-        thing: what is seen.
+        thing: the object.
         state: index of its state.
         place: index of its place on the table.
     """
@@ -57,17 +57,17 @@ class ViewSpec:
 
     @property
     def symbol(self) -> str:
-        """The true symbol, or 'none'."""
+        """True symbol, or 'none'."""
         return self.thing.kind.symbol
 
 
 @dataclass(frozen=True)
 class Sample:
-    """Training and test sights of a task; no sight is in both.
+    """Training and test views of a task; no view is in both.
 
     Attributes:
-        training: T sights, the pool that scenes are drawn from.
-        test: held-out sights, each of some symbol.
+        training: T views, the pool that scenes are drawn from.
+        test: held-out views, each of some symbol.
     """
 
     training: tuple[ViewSpec, ...]
@@ -78,15 +78,11 @@ KindsBySymbol = Mapping[str, Sequence[Kind]]
 
 
 def make_sample(task: Task, sample: int, there_are: KindsBySymbol | None = None) -> Sample:
-    """The sample of this number: the same for every seed of the scenes.
+    """Return the sample of this number: the same for every seed of the scenes.
 
-    Where objects change their state, training and test show the same objects in the same states, seen anew. Where
-    objects are replaced, every sight is of an object of its own.
-
-    Args:
-        task: how many things of what.
-        sample: its number.
-        there_are: the kinds of things of each symbol, and of 'none'; those of the task's catalogue if not given.
+    If objects change their state, training and test show the same objects in the same states, in new views. If
+    objects are replaced, every view is of an object of its own. The kinds `there_are` are by symbol and 'none', or
+    those of the task's catalogue if not given.
     """
     rng = random_stream(sample, 'world/sample')
     scenes = task.scenes
@@ -103,7 +99,7 @@ def make_sample(task: Task, sample: int, there_are: KindsBySymbol | None = None)
 
 
 def make_validation(task: Task, sample: int, there_are: KindsBySymbol | None = None) -> tuple[ViewSpec, ...]:
-    """A second draw of test sights, like those of `make_sample` but none of them, and drawn independently."""
+    """Return a second draw of test views, like those of `make_sample` but disjoint and drawn independently."""
     of_sample, rng = random_stream(sample, 'world/sample'), random_stream(sample, 'world/validation')
     kinds = _some_kinds(task, there_are, of_sample)
     if task.scenes.turnover != 'state':
@@ -113,7 +109,7 @@ def make_validation(task: Task, sample: int, there_are: KindsBySymbol | None = N
 
 
 def observe(sight: ViewSpec, task: Task, sample: int, object_id: int) -> Observation:
-    """Make the observation: render the view and read the sensors. The same sight looks the same whatever its id."""
+    """Make the observation: render the view and read the sensors. The same view looks the same whatever its id."""
     rng = random_stream(sample, f'world/observation/{sight.key}')
     position = position_of(sight, task, rng)
     state = sight.thing.kind.states[sight.state]
@@ -122,7 +118,7 @@ def observe(sight: ViewSpec, task: Task, sample: int, object_id: int) -> Observa
 
 
 def apportion(shares: Mapping[str, float], total: int) -> dict[str, int]:
-    """Whole numbers in proportion to the shares that sum to the total, by the method of largest remainders."""
+    """Return whole numbers in proportion to the shares that sum to the total, by the method of largest remainders."""
     exact = {name: share * total for name, share in shares.items()}
     counts = {name: int(value + 1e-9) for name, value in exact.items()}
     by_remainder = sorted(exact, key=lambda name: counts[name] - exact[name])
@@ -132,7 +128,7 @@ def apportion(shares: Mapping[str, float], total: int) -> dict[str, int]:
 
 
 def _some_kinds(task: Task, there_are: KindsBySymbol | None, rng: np.random.Generator) -> dict[str, list[Kind]]:
-    """As many kinds of each symbol, and of clutter, as the task asks for."""
+    """Return as many kinds of each symbol, and of clutter, as the task asks for."""
     chosen = {}
     for symbol, kinds in (kinds_by_symbol(task) if there_are is None else there_are).items():
         looks = task.appearance
@@ -142,7 +138,7 @@ def _some_kinds(task: Task, there_are: KindsBySymbol | None, rng: np.random.Gene
 
 
 def _kinds(kinds: Mapping[str, Sequence[Kind]], counts: Mapping[str, int], rng: np.random.Generator) -> list[Kind]:
-    """So many kinds of each symbol, every kind of a symbol about equally often, in random order."""
+    """Return so many kinds of each symbol, every kind of a symbol about equally often, in random order."""
     chosen: list[Kind] = []
     for symbol, count in counts.items():
         while count > 0:
@@ -153,7 +149,7 @@ def _kinds(kinds: Mapping[str, Sequence[Kind]], counts: Mapping[str, int], rng: 
 
 
 def _things(kinds: Sequence[Kind], task: Task, rng: np.random.Generator) -> list[ObjectInstance]:
-    """Things of these kinds, dealt out evenly over the places of the table."""
+    """Return objects of these kinds, spread evenly over the places of the table."""
     looks = task.appearance
     things = []
     for index, owned in enumerate(_deal_places(kinds, task, rng)):
@@ -170,7 +166,7 @@ def _things(kinds: Sequence[Kind], task: Task, rng: np.random.Generator) -> list
 
 
 def _deal_places(kinds: Sequence[Kind], task: Task, rng: np.random.Generator) -> list[tuple[int, ...]]:
-    """Places of each thing: random, but nearer the refrigerator for cold things with the strength `cold_pull`."""
+    """Return the places of each object: random, but cold ones are nearer the refrigerator by `cold_pull`."""
     spots = _grid(task)
     nearest = sorted(
         range(len(spots)), key=lambda i: np.hypot(spots[i].x - REFRIGERATOR[0], spots[i].y - REFRIGERATOR[1])
@@ -185,7 +181,7 @@ def _deal_places(kinds: Sequence[Kind], task: Task, rng: np.random.Generator) ->
 
 
 def _sights(things: Sequence[ObjectInstance], count: int, split: str) -> tuple[ViewSpec, ...]:
-    """So many sights, evenly over the things and, of each thing, over its states and places."""
+    """Return so many views, evenly over the objects and, of each object, over its states and places."""
     sights = []
     for i in range(count):
         view, thing = i // len(things), things[i % len(things)]
@@ -198,7 +194,7 @@ def _sights(things: Sequence[ObjectInstance], count: int, split: str) -> tuple[V
 def _held_out(
     kinds: Mapping[str, Sequence[Kind]], task: Task, rng: np.random.Generator, split: str
 ) -> tuple[ViewSpec, ...]:
-    """Held-out sights, each of a thing of its own."""
+    """Return held-out views, each of an object of its own."""
     scenes = task.scenes
     equal = {symbol: 1 / len(task.symbols) for symbol in task.symbols}
     counts = apportion(equal if scenes.test_balance == 'classes' else task.class_frequencies, scenes.test_size)
@@ -208,7 +204,7 @@ def _held_out(
 def _elsewhere(
     things: Sequence[ObjectInstance], task: Task, rng: np.random.Generator, split: str
 ) -> tuple[ViewSpec, ...]:
-    """Held-out sights, anywhere on the table: where a thing lay in training says nothing about where it lies later."""
+    """Return held-out views, anywhere on the table, so that the places in training do not predict those in the test."""
     sights = _sights(things, task.scenes.test_size, split)
     if task.sensors.cold_pull > 0:
         return sights
@@ -216,13 +212,13 @@ def _elsewhere(
 
 
 def _grid(task: Task) -> tuple[Place, ...]:
-    """The places on the table: one for each object of a scene, or several where the objects stay but are moved."""
+    """Return the places on the table: one for each object of a scene, or several if the objects stay but are moved."""
     copies = _PLACES_PER_OBJECT if task.scenes.turnover == 'state' else 1
     return places(task.scenes.table_m, copies * task.scenes.objects)
 
 
 def position_of(sight: ViewSpec, task: Task, rng: np.random.Generator) -> tuple[float, float, float]:
-    """Where a thing is seen on the table, in metres."""
+    """Return the position of an object on the table, in metres."""
     place = _grid(task)[sight.place]
     jitter = rng.uniform(-1, 1, 2) * place.slack
     return float(place.x + jitter[0]), float(place.y + jitter[1]), 0.0

@@ -1,8 +1,9 @@
-"""The robot's other sensors: simulated readings, as in the footnote of the paper's section 4.1.
+"""Simulated readings of the robot's other sensors, as in the footnote of the paper's section 4.1.
 
-Where the object is relative to the interest points of the kitchen and to the robot, where the robot's base is, the
-joints of both arms, pose and opening of both hands, the volume of noise, and the object's weight. Gaussian noise is
-added to every reading. Only the weight depends on what the object is; so does its place, if things are kept cold.
+They are the object's position relative to the interest points of the kitchen and to the robot, the position of the
+robot's base, the joints of both arms, pose and opening of both hands, the volume of noise, and the object's weight.
+Gaussian noise is added to every reading. Only the weight depends on the object's kind; so does its place, if objects
+are kept cold.
 """
 
 from __future__ import annotations
@@ -16,7 +17,7 @@ from al_questioner.simulation.task import SensorParameters
 INTEREST_POINTS = MappingProxyType(
     {'countertop': (0.0, 0.0), 'stove': (-1.1, 0.6), 'refrigerator': (2.3, 0.5), 'pantry': (1.2, 2.6)}
 )
-"""(x, y) metres of each interest point in the table's frame, whose origin is the corner of the counter top."""
+"""Position (x, y) of each interest point, metres in the table's frame; its origin is a corner of the counter top."""
 
 REFRIGERATOR = INTEREST_POINTS['refrigerator']
 
@@ -28,9 +29,9 @@ _LOUDNESS_DB = 45.0
 def read_sensors(
     rng: np.random.Generator, position: tuple[float, float, float], weight_kg: float, noise: SensorParameters
 ) -> dict[str, float]:
-    """Readings of all sensors but the camera, taken while the robot looks at one object.
+    """Return readings of all sensors except the camera, taken while the robot looks at one object.
 
-    The robot stands somewhere in front of the object, its arms and hands wherever they happen to be.
+    The robot stands somewhere in front of the object, its arms and hands in random positions.
 
     Args:
         rng: the robot's pose, and the noise.

@@ -1,4 +1,4 @@
-"""A picture of the table for people: the views of a scene composed where the things stand."""
+"""Picture of the table for people: the views of a scene at the places of their objects."""
 
 from __future__ import annotations
 
@@ -20,21 +20,21 @@ Pixel = tuple[int, int]
 TABLE_M = (1.4, 0.8)
 WIDTH_PX = 1280
 RIM_M = 0.14
-"""What is seen of the ground left and right of the table."""
+"""Width of the visible ground left and right of the table, in metres."""
 SQUASH = 0.82
-"""Height of a square metre of the table that is one wide: the picture is taken from above and in front."""
+"""Height of a square metre of the table relative to its width; the picture is taken from above and in front."""
 
 FONT = cv2.FONT_HERSHEY_SIMPLEX
 TEXT_SCALE = 0.46
-"""Of all texts, in a picture of full width."""
+"""Scale of all texts, in a picture of full width."""
 
 LEADER_PX = 20
-"""From a number to its thing, in a picture of full width, above which a line leads from one to the other."""
+"""Distance from a number to its object, in pixels of a picture of full width, above which a line connects them."""
 
 
 @dataclass(frozen=True)
 class Mark:
-    """How an object is marked: a ring around it, and a text under it, or, if numbers are there, elsewhere beside it.
+    """Mark of an object: a ring around it, and a text under it, or, if numbers are there, elsewhere beside it.
 
     Attributes:
         color: red, green, blue in 0..255.
@@ -60,7 +60,7 @@ class TablePicture:
 
 @dataclass(frozen=True)
 class Projection:
-    """Where things on the table are in its picture.
+    """Mapping of positions on the table to its picture.
 
     Attributes:
         table_m: width and depth of the table.
@@ -72,7 +72,7 @@ class Projection:
 
     @property
     def scale(self) -> float:
-        """Pixels to a metre, along a row."""
+        """Pixels per metre, along a row."""
         return self.width_px / (self.table_m[0] + 2 * RIM_M)
 
     @property
@@ -81,7 +81,7 @@ class Projection:
         return int((self.table_m[1] + 2.2 * RIM_M) * self.scale * SQUASH)
 
     def pixel(self, x: float, y: float) -> tuple[int, int]:
-        """(column, row) of a point of the table, in metres; it may lie outside the picture."""
+        """Return the (column, row) of a point of the table, in metres; it may lie outside the picture."""
         column = int((x + RIM_M) * self.scale)
         return column, int(self.height_px - (y + 0.9 * RIM_M) * self.scale * SQUASH)
 
@@ -93,15 +93,9 @@ def draw_scene(
     table_m: tuple[float, float] = TABLE_M,
     width_px: int = WIDTH_PX,
 ) -> TablePicture:
-    """The table seen from above and in front, each thing as its own view shows it, its id beside it.
+    """Draw the table from above and in front, with each object from its own view and its id beside it.
 
-    Works with any views, simulated or real: each is cut out by its mask and brought to scale by its depth.
-
-    Args:
-        observations: the scene.
-        marks: objects to mark, by id.
-        table_m: width and depth of the table.
-        width_px: width of the picture.
+    The marks are by id. Works with any views, simulated or real: each is cut out by its mask and scaled by its depth.
     """
     projection = Projection(table_m, width_px)
     image = _backdrop(projection.height_px, width_px, projection.scale, SQUASH)
@@ -112,7 +106,7 @@ def draw_scene(
     canvas = np.clip(image, 0, 255).astype(np.uint8)
     zoom = width_px / 1280
     marked = {o.object_id: mark for o in order if (mark := (marks or {}).get(o.object_id)) is not None}
-    # Plates last, and those of the answers after all others: nothing may hide what the picture is about.
+    # Plates come last, and those of the answers after all others, so that nothing hides them.
     for object_id, mark in marked.items():
         _ring(canvas, extents[object_id], mark, zoom)
     for extent, nearest in pasted.values():
@@ -136,10 +130,10 @@ def _backdrop(height: int, width: int, scale: float, squash: float) -> FloatArra
 
 
 def _paste(image: FloatArray, view: View, middle: Pixel, scale: float) -> tuple[Extent, Pixel]:
-    """Put a view on the table, middle on middle, with a soft shadow.
+    """Paste a view on the table, middle on middle, with a soft shadow.
 
     Returns:
-        Left, top, right, bottom of the thing, and its point that is nearest to the top left of these.
+        Left, top, right, bottom of the object, and its point that is nearest to the top left of these.
     """
     rows, columns = np.flatnonzero(view.mask.any(axis=1)), np.flatnonzero(view.mask.any(axis=0))
     if len(rows) == 0:
@@ -178,7 +172,7 @@ def _blend(image: FloatArray, color: FloatArray, alpha: FloatArray, x: int, y: i
 
 
 def _overlap(image: FloatArray, patch: FloatArray, x: int, y: int) -> tuple[FloatArray, FloatArray]:
-    """The part of the image that a patch at (x, y) covers, and the part of the patch that lies inside the image."""
+    """Return the part of the image that a patch at (x, y) covers, and the part of the patch inside the image."""
     h, w = patch.shape[:2]
     top, left = max(y, 0), max(x, 0)
     bottom, right = max(top, min(y + h, image.shape[0])), max(left, min(x + w, image.shape[1]))
@@ -204,7 +198,7 @@ def _number_at(extent: Extent, zoom: float) -> Pixel:
 
 
 def _leader(canvas: NDArray[np.uint8], extent: Extent, nearest: Pixel, zoom: float) -> None:
-    """A thin line from a number to its thing where the thing, lying aslant, does not reach up to it."""
+    """Draw a thin line from a number to its object, if the object does not reach the number."""
     begin = _number_at(extent, zoom)
     if np.hypot(nearest[0] - begin[0], nearest[1] - begin[1]) > LEADER_PX * zoom:
         cv2.line(canvas, begin, nearest, (60, 60, 60), max(1, round(3 * zoom)), cv2.LINE_AA)
@@ -212,7 +206,7 @@ def _leader(canvas: NDArray[np.uint8], extent: Extent, nearest: Pixel, zoom: flo
 
 
 def _label(canvas: NDArray[np.uint8], extent: Extent, mark: Mark, taken: Sequence[Extent], zoom: float) -> Extent:
-    """The text of a mark, where it hides none of the plates that are there already; below, if it does everywhere."""
+    """Draw the text of a mark where it hides no earlier plate, or below the object if there is no such place."""
     left, top, right, bottom = extent
     across, gap = (left + right) // 2, round(14 * zoom)
     places = [(x, y) for x in (across, left, right) for y in (bottom + gap, top - gap)]
@@ -223,12 +217,12 @@ def _label(canvas: NDArray[np.uint8], extent: Extent, mark: Mark, taken: Sequenc
 
 
 def _meet(one: Extent, other: Extent) -> bool:
-    """Whether two rectangles have a pixel in common."""
+    """Return whether two rectangles have a pixel in common."""
     return one[0] <= other[2] and other[0] <= one[2] and one[1] <= other[3] and other[1] <= one[3]
 
 
 def _plate(canvas: NDArray[np.uint8], text: str, middle: Pixel, scale: float) -> Extent:
-    """Left, top, right, bottom of the plate of a text, kept inside the picture."""
+    """Return left, top, right, bottom of the plate of a text, kept inside the picture."""
     (width, height), _ = cv2.getTextSize(text, FONT, scale, 1)
     half_w, half_h = width // 2 + 4, height // 2 + 4
     x = int(np.clip(middle[0], half_w + 2, canvas.shape[1] - half_w - 3))
@@ -237,7 +231,7 @@ def _plate(canvas: NDArray[np.uint8], text: str, middle: Pixel, scale: float) ->
 
 
 def _tag(canvas: NDArray[np.uint8], text: str, middle: Pixel, ground: RGB, ink: RGB, scale: float) -> Extent:
-    """A text on a rounded plate."""
+    """Draw a text on a rounded plate."""
     plate = left, top, right, bottom = _plate(canvas, text, middle, scale)
     cv2.rectangle(canvas, (left, top), (right, bottom), ground, -1, cv2.LINE_AA)
     cv2.rectangle(canvas, (left, top), (right, bottom), (60, 60, 60), 1, cv2.LINE_AA)

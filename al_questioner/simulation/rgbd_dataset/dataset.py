@@ -1,4 +1,4 @@
-"""A world of real things: scenes drawn from a directory of RGB-D crops."""
+"""World of real objects: scenes drawn from a directory of RGB-D crops."""
 
 from __future__ import annotations
 
@@ -20,10 +20,10 @@ FRAME_CENTRE = (319.5, 239.5)
 """Principal point of a 640 x 480 frame, in pixels."""
 
 DEFAULT_WEIGHT_KG = 0.3
-"""Weight of a thing whose category has none in the task."""
+"""Weight of an object whose category has none in the task, in kg."""
 
 REPORTED = 20
-"""Skipped files that the report names; it counts the others."""
+"""Number of skipped files that the report names; it counts the others."""
 
 
 class _PlacedView(NamedTuple):
@@ -34,22 +34,22 @@ class _PlacedView(NamedTuple):
 
 
 class DatasetWorld:
-    """Scenes of real things, from a directory in the layout of the University of Washington RGB-D Object Dataset.
+    """Scenes of real objects, from a directory in the layout of the University of Washington RGB-D Object Dataset.
 
-    The directory is listed at once; images are read when a scene or the test shows them, and one that cannot be used is
-    replaced by another of its category and reported. A scene shows each physical object once: it holds fewer things
-    than the task says where the dataset has fewer. Where objects change their state, the same ones come in other views.
+    The directory is listed at once. Images are read when a scene or the test shows them, and an unusable one is
+    replaced by another of its category and reported. A scene shows each physical object once: it holds fewer objects
+    than the task says if the dataset has fewer. If objects change their state, the same ones come in other views.
     The places on the table and the other sensors are simulated: the original was filmed on a turntable.
 
     Args:
-        task: with a `dataset` section, which maps categories to symbols.
+        task: task with a `dataset` section, which maps categories to symbols.
         root: the directory.
-        seed: draws the scenes.
-        sample: draws which crops are held out, training pool and test set; None for the seed.
+        seed: seed of the scenes.
+        sample: seed of the held-out crops, training pool and test set; None for the seed.
 
     Attributes:
         symbols: the concepts to ground.
-        split_report: how each category was parted into training and test, and which are absent; a line for each.
+        split_report: the split of each category into training and test, and the absent ones; a line for each.
 
     Raises:
         InputError: a task without a dataset section, a negative seed, or a directory without a scene and a test.
@@ -87,36 +87,39 @@ class DatasetWorld:
         self._scenes: list[tuple[_PlacedView, ...]] = [self._first_scene()]
 
     def scene(self, turn: int) -> tuple[Observation, ...]:
-        """See `World.scene`."""
+        """Return the observations of a turn, see `World.scene`."""
         return tuple(seen.observation for seen in self._seen(turn))
 
     def truth(self, turn: int) -> Mapping[int, str]:
-        """See `World.truth`."""
+        """Return the symbols of a turn by object id, see `World.truth`."""
         return {seen.observation.object_id: self._symbol(seen.crop) for seen in self._seen(turn)}
 
     def names(self, turn: int) -> Mapping[int, str]:
-        """What each object is, in words: for pictures and logs that a person reads."""
+        """Return the name of each object, in words: for pictures and logs that people read."""
         return {
             seen.observation.object_id: f'{seen.crop.category.replace("_", " ")} {seen.crop.instance}'
             for seen in self._seen(turn)
         }
 
     def change_turns(self, turns: int) -> list[int]:
-        """See `World.change_turns`."""
+        """Return the turns that begin with a scene change, see `World.change_turns`."""
         interval = self._task.scenes.change_interval
         return list(range(1 + interval, turns + 1, interval))
 
     def training_pool(self, rows: Sequence[int] | None = None) -> tuple[Observation, ...]:
-        """See `World.training_pool`; reads every image of the sample, so that it takes long where that is large."""
+        """Return the training observations, see `World.training_pool`.
+
+        This reads all images of the sample, which may take long.
+        """
         chosen = range(len(self._training_pool)) if rows is None else rows
         return tuple(self._training_pool[row][1] for row in chosen)
 
     def training_labels(self) -> tuple[str, ...]:
-        """See `World.training_labels`."""
+        """Return the symbols of the training pool, see `World.training_labels`."""
         return tuple(self._symbol(crop) for crop, _ in self._training_pool)
 
     def test_observations(self) -> tuple[Observation, ...]:
-        """See `World.test_observations`.
+        """Return the test observations, see `World.test_observations`.
 
         Raises:
             InputError: none of the held-out crops can be read.
@@ -124,28 +127,28 @@ class DatasetWorld:
         return tuple(observation for _, observation in self._test_set)
 
     def test_labels(self) -> tuple[str, ...]:
-        """See `World.test_labels`."""
+        """Return the symbols of the test observations, see `World.test_labels`."""
         return tuple(self._symbol(crop) for crop, _ in self._test_set)
 
     def validation_observations(self) -> tuple[Observation, ...]:
-        """See `World.validation_observations`: a directory of crops has no second draw."""
+        """Raise an error, since a directory of crops has no second draw, see `World.validation_observations`."""
         raise InputError('a directory of crops has no second draw of held-out observations')
 
     def validation_labels(self) -> tuple[str, ...]:
-        """See `World.validation_labels`: a directory of crops has no second draw."""
+        """Raise an error, since a directory of crops has no second draw, see `World.validation_labels`."""
         raise InputError('a directory of crops has no second draw of held-out observations')
 
     @property
     def skipped(self) -> tuple[Skipped, ...]:
-        """What was passed over so far: more may join when a scene or the test draws it."""
+        """Files that were skipped so far; more may follow when a scene or the test draws them."""
         return tuple(self._skipped.values())
 
     def report(self) -> str:
-        """See `World.report`: how the crops were split, how many were loaded, and which were skipped so far."""
+        """Return the split of the crops, the number of loaded ones, and the skipped files, see `World.report`."""
         return f'{self.split_report}\n{self.load_report()}'
 
     def load_report(self) -> str:
-        """What was loaded, and which files were skipped so far, with their number at the end."""
+        """Return the number of loaded crops and the files skipped so far, with their number at the end."""
         training, test = (sum(len(draw.crops) for draw in part.values()) for part in (self._training, self._test))
         lines = [f'{self._root}: {training} training crops, {test} test crops']
         if len(self._scenes[0]) < self._task.scenes.objects:
@@ -159,7 +162,7 @@ class DatasetWorld:
         return self._dataset.categories[crop.category]
 
     def _draw_weights(self, crops: CropsByCategory) -> dict[tuple[str, int], float]:
-        """Weight in kg by physical object, around the nominal weight of its category."""
+        """Draw the weight in kg of each physical object, around the nominal weight of its category."""
         things = sorted({crop.thing for found in crops.values() for crop in found})
         nominal = [self._dataset.weights_kg.get(category, DEFAULT_WEIGHT_KG) for category, _ in things]
         rng = random_stream(self._sample, 'dataset/weights')
@@ -167,7 +170,7 @@ class DatasetWorld:
         return dict(zip(things, (np.array(nominal) * factors).tolist(), strict=True))
 
     def _draw(self, pool: CropsByCategory, size: int, shares: Mapping[str, float], part: str) -> dict[str, Draw]:
-        """A sample whose symbols have these shares, each of their categories about equally often."""
+        """Draw a sample whose symbols have these shares, each of their categories about equally often."""
         present = {category: symbol for category, symbol in self._dataset.categories.items() if pool.get(category)}
         kinds = list(present.values())
         by_category = {c: shares.get(symbol, 0.0) / kinds.count(symbol) for c, symbol in present.items()}
@@ -184,7 +187,7 @@ class DatasetWorld:
             return None
 
     def _observe(self, object_id: int, crop: CropFiles, view: View, place: int) -> Observation:
-        """The same crop in the same place gives the same readings whatever its id."""
+        """Return the observation of a crop; the same crop in the same place gives the same readings whatever its id."""
         rng = random_stream(self._sample, f'dataset/observation/{crop.stem.name}')
         spots = places(self._task.scenes.table_m, self._task.scenes.objects)
         spot = spots[place % len(spots)]
@@ -209,7 +212,7 @@ class DatasetWorld:
         return tuple(_PlacedView(crop, self._observe(i, crop, view, i)) for i, (crop, view) in enumerate(read))
 
     def _read_all(self, draw: Draw) -> Iterator[tuple[CropFiles, View]]:
-        """As many crops as were drawn, spares in place of the unreadable ones as long as there are any."""
+        """Yield as many crops as were drawn, with spares in place of unreadable ones as long as there are any."""
         wanted = len(draw.crops)
         for crop in (*draw.crops, *draw.spares):
             if wanted > 0 and (view := self._read(crop)) is not None:
@@ -237,18 +240,18 @@ class DatasetWorld:
         return tuple(scene)
 
     def _next_scene(self, before: tuple[_PlacedView, ...], rng: np.random.Generator) -> tuple[_PlacedView, ...]:
-        """The scene after a change: exactly the persistent share of the objects stays as it is."""
+        """Return the scene after a change: exactly the persistent share of the objects stays the same."""
         staying = round(self._task.scenes.persistence * len(before))
         after = list(before)
         for place in sorted(rng.permutation(len(before))[staying:].tolist()):
             replacement = None
             if self._task.scenes.turnover == 'object':
                 replacement = self._newcomer(place, (*before, *after), rng)
-            after[place] = replacement or self._seen_anew(place, before[place], rng)
+            after[place] = replacement or self._another_view(place, before[place], rng)
         return tuple(after)
 
     def _newcomer(self, place: int, present: Iterable[_PlacedView], rng: np.random.Generator) -> _PlacedView | None:
-        """A physical object that is not present, or None if there is no other."""
+        """Return a physical object that is not present, or None if there is no other."""
         things = {seen.crop.thing for seen in present}
         drawn = self._deal(lambda crop: crop.thing not in things, rng)
         if drawn is None:
@@ -256,8 +259,8 @@ class DatasetWorld:
         self._newest_id += 1
         return _PlacedView(drawn[0], self._observe(self._newest_id, *drawn, place))
 
-    def _seen_anew(self, place: int, old: _PlacedView, rng: np.random.Generator) -> _PlacedView:
-        """Another view of the same object, or the same one if there is no other."""
+    def _another_view(self, place: int, old: _PlacedView, rng: np.random.Generator) -> _PlacedView:
+        """Return another view of the same object, or the same one if there is no other."""
         drawn = self._deal(lambda crop: crop.thing == old.crop.thing and crop != old.crop, rng)
         return old if drawn is None else _PlacedView(drawn[0], self._observe(old.observation.object_id, *drawn, place))
 
@@ -271,7 +274,7 @@ class DatasetWorld:
 
 
 class _Deck:
-    """The crops of a sample in random order. What was dealt comes back only when nothing else fits."""
+    """Crops of a sample in random order. A dealt crop comes back only when nothing else fits."""
 
     def __init__(self, drawn: Mapping[str, Draw], rng: np.random.Generator) -> None:
         crops = [crop for draw in drawn.values() for crop in draw.crops]
@@ -280,7 +283,7 @@ class _Deck:
         self._spares = {category: list(draw.spares) for category, draw in drawn.items()}
 
     def deal(self, fits: Callable[[CropFiles], bool], rng: np.random.Generator) -> CropFiles | None:
-        """The first crop that fits, or None if none does."""
+        """Return the first crop that fits, or None if none does."""
         crop = next(filter(fits, self._pile), None)
         if crop is None:
             self._pile += [self._dealt[i] for i in rng.permutation(len(self._dealt))]
@@ -292,7 +295,7 @@ class _Deck:
         return crop
 
     def replace(self, crop: CropFiles) -> None:
-        """Take out a crop that was dealt, and put a spare of its category on the top of the pile, if there is one."""
+        """Remove a dealt crop, and put a spare of its category on the top of the pile, if there is one."""
         self._dealt.remove(crop)
         if self._spares[crop.category]:
             self._pile.insert(0, self._spares[crop.category].pop(0))

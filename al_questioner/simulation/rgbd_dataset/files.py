@@ -1,4 +1,4 @@
-"""Reading a directory in the layout of the University of Washington RGB-D Object Dataset.
+"""Reader of a directory in the layout of the University of Washington RGB-D Object Dataset.
 
     ROOT/CATEGORY/CATEGORY_N/CATEGORY_N_V_F_{crop,depthcrop,maskcrop}.png and CATEGORY_N_V_F_loc.txt
 
@@ -31,7 +31,7 @@ LAYOUT = (
 _STEM = re.compile(r'(?P<category>.+)_(?P<instance>\d+)_(?P<video>\d+)_(?P<frame>\d+)')
 _PNG_START = b'\x89PNG\r\n\x1a\n'
 _AROUND_CHUNK = 12
-"""Bytes of a PNG chunk beside its data: the length and kind before, the checksum after."""
+"""Number of bytes of a PNG chunk beside its data: the length and kind before, the checksum after."""
 
 
 @dataclass(frozen=True)
@@ -57,19 +57,19 @@ class CropFiles:
 
     @property
     def thing(self) -> tuple[str, int]:
-        """The physical object."""
+        """Category and number of the physical object."""
         return self.category, self.instance
 
 
 @dataclass(frozen=True)
 class CropIndex:
-    """What a directory holds of the wanted categories; nothing but names has been read.
+    """Content of a directory for the wanted categories; only names have been read.
 
     Attributes:
         root: the folder that holds the categories' folders.
         crops: complete crops by category, sorted, for each wanted category that has any.
         absent: wanted categories without a folder, or without a complete crop.
-        skipped: what was passed over.
+        skipped: files that are ignored.
     """
 
     root: Path
@@ -89,8 +89,8 @@ class CropError(InputError):
 def index_crops(root: Path, categories: Iterable[str]) -> CropIndex:
     """List the crops of some categories by their files' names.
 
-    A crop counts if all of its four files are there. The location is asked for as well: every crop of the original has
-    one, so its absence marks a damaged copy, and a made-up place in the frame would be worse than one view less.
+    A crop counts if all of its four files are there. The location is required as well: every crop of the original has
+    one, so its absence marks a damaged copy, and an invented place in the frame would be worse than one view less.
 
     Args:
         root: the dataset, or the folder that holds it as `rgbd-dataset`, its name in the original archive.
@@ -120,9 +120,9 @@ def index_crops(root: Path, categories: Iterable[str]) -> CropIndex:
 
 
 def _folders(root: Path, wanted: Sequence[str], skipped: list[Skipped]) -> dict[str, Path]:
-    """The folder of each category that has one: of its very name, or else of one that people would not tell from it.
+    """Return the folder of each category that has one: of exactly its name, or of a name that people take for the same.
 
-    Some systems write names in decomposed Unicode, and some do not tell cases apart.
+    Some systems write names in decomposed Unicode, and some ignore case.
     """
     names = [name for name in _names(root, skipped) if (root / name).is_dir()]
     others = [name for name in names if name not in wanted]
@@ -176,7 +176,7 @@ def _index_object(category: str, folder: Path, skipped: list[Skipped]) -> list[C
 
 
 def _names(folder: Path, skipped: list[Skipped]) -> list[str]:
-    """What a folder holds, in the order of the names, without the hidden files that operating systems leave."""
+    """Return the names in a folder, sorted, without the hidden files that operating systems leave."""
     try:
         with os.scandir(folder) as entries:
             return sorted(entry.name for entry in entries if not entry.name.startswith('.'))
@@ -216,7 +216,7 @@ def _read_bytes(path: Path) -> bytes:
 
 def _read_png(path: Path, flags: int, dtype: type[np.unsignedinteger], unit: str = 'levels') -> NDArray[Any]:
     content = _whole_png(_read_bytes(path))
-    # OpenCV would print its own complaint about a file that was cut short, or return the part that it holds.
+    # For a truncated file, OpenCV would print an error of its own, or return a part of the image.
     try:
         image = cv2.imdecode(np.frombuffer(content, np.uint8), flags) if content else None
     except cv2.error as error:
@@ -229,7 +229,7 @@ def _read_png(path: Path, flags: int, dtype: type[np.unsignedinteger], unit: str
 
 
 def _whole_png(content: bytes) -> bytes:
-    """The image without what cameras and tools append to it; nothing if it does not come to its end."""
+    """Return the image without data that cameras and tools append to it; empty if it is truncated."""
     at = len(_PNG_START) if content.startswith(_PNG_START) else len(content)
     while at + _AROUND_CHUNK <= len(content):
         kind = content[at + 4 : at + 8]

@@ -1,4 +1,4 @@
-"""Which real crops are held out, and which of them make up a sample of a given size."""
+"""Split of real crops into training and test, and samples of a given size from them."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ class Split:
 
     Attributes:
         training, test: crops by category; every category has an entry in both.
-        lines: how each category was parted, in words.
+        lines: the split of each category, in words.
     """
 
     training: dict[str, tuple[CropFiles, ...]]
@@ -28,7 +28,7 @@ class Split:
 
 
 def split_crops(crops: CropsByCategory, test_share: float, rng: np.random.Generator) -> Split:
-    """Hold out a share of each category: whole objects where it has several, else views of its only one.
+    """Hold out a share of each category: whole objects if it has several, otherwise views of its only one.
 
     At least one object (or view) goes to either side; the only view of a category is for training.
 
@@ -72,7 +72,7 @@ class Draw:
     """Crops of a category in the order in which a sample takes them.
 
     Attributes:
-        crops: what the sample consists of.
+        crops: crops of the sample.
         spares: the others, to replace crops that turn out to be unreadable.
     """
 
@@ -83,12 +83,12 @@ class Draw:
 def draw_sample(
     pool: CropsByCategory, size: int, shares: Mapping[str, float], rng: np.random.Generator
 ) -> dict[str, Draw]:
-    """Draw a sample without replacement; it is smaller where a category does not have enough crops.
+    """Draw a sample without replacement; it is smaller if a category does not have enough crops.
 
     Args:
         pool: crops by category.
-        size: of the whole sample.
-        shares: share of the sample by category; what falls to categories without any crop goes to the others.
+        size: size of the whole sample.
+        shares: share of the sample by category; the shares of categories without any crop go to the others.
         rng: decides which.
     """
     present = {name: share for name, share in shares.items() if pool.get(name) and share > 0}

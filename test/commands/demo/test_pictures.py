@@ -9,14 +9,8 @@ from matplotlib import pyplot as plt
 
 from al_questioner.commands.demo import pictures
 from al_questioner.domain import QueryKind
-from al_questioner.simulation import (
-    PerceivedWorld,
-    ScriptedTeacher,
-    WorldSpec,
-    episode_settings,
-    load_task,
-    run_episode,
-)
+from al_questioner.simulation import PerceivedWorld, WorldSpec, episode_settings, run_episode
+from shared.durable_sessions import TASK, TEACHER
 
 
 @pytest.mark.parametrize('strategy', ['random_fsq', 'rarest_demo'])
@@ -24,11 +18,9 @@ def test_the_caption_of_the_scene_counts_every_query(
     tmp_path: Path, strategy: str, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     """What is about no single object would be left out, and the numbers not add up to the budget that was spent."""
-    task = load_task('prepare_lunch')
-    choice = WorldSpec(task, 4, 4)
+    choice = WorldSpec(TASK, 4, 4)
     world = PerceivedWorld(choice.open())
-    settings = episode_settings(task, strategy, 12.0, 7)
-    result = run_episode(choice, settings, ScriptedTeacher(task.symbols, task.relevant_groups, 4), world=world)
+    result = run_episode(choice, episode_settings(TASK, strategy, 12.0, 7), TEACHER, world=world)
     titles = {}
 
     def keep(figure: plt.Figure, path: Path) -> Path:

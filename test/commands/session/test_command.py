@@ -6,39 +6,40 @@ import csv
 import dataclasses
 import itertools
 import json
-import resource
 import sqlite3
+from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 import pytest
 
-from al_questioner.bags import of_session, read_episodes
-from al_questioner.bags.rerun import decisions_anew, first_divergence
+from al_questioner.bags import from_session, read_episodes
 from al_questioner.cli import main
-from al_questioner.domain import Answer, EpisodeSettings, LateAnswerError, Outcome, Scene, random_stream
+from al_questioner.domain import Answer, EpisodeSettings, Outcome, Scene, random_stream
 from al_questioner.event_log import log as session_log
 from al_questioner.event_log.durable_episode import DurableEpisode
-from al_questioner.event_log.events import Encoder, EpisodeStarted, SceneObserved, decoded
-from al_questioner.event_log.log import DATABASE, SessionLog, read_log
-from al_questioner.event_log.replay import learn
-from al_questioner.imitation.bags import read_demonstrations
+from al_questioner.event_log.encoding import Encoder, decoded
+from al_questioner.event_log.events import EpisodeStarted, SceneObserved
+from al_questioner.event_log.log import SessionLog, read_log
+from al_questioner.event_log.replay import first_divergence
+from al_questioner.event_log.storage import DATABASE
+from al_questioner.imitation.bags import decisions_anew, read_demonstrations
 from al_questioner.questioning import (
     FEATURE_SETS,
     Choice,
     Episode,
     FeatureRecorder,
+    Receipt,
     TurnContext,
     make_strategy,
     read_plain_answer,
 )
-from al_questioner.simulation import PerceivedWorld, ScriptedTeacher, WorldSpec, episode_settings, load_task
+from al_questioner.simulation import PerceivedWorld, WorldSpec, episode_settings
+from shared.durable_sessions import TASK, TEACHER, WORLD, answer, ask
+from shared.little_room import little_room
 
-TASK = load_task('prepare_lunch')
-TEACHER = ScriptedTeacher(TASK.symbols, TASK.relevant_groups, 4)
 EPISODE = ['--task', 'prepare_lunch', '--strategy', 'dt_iros', '--budget', '6', '--turns', '7', '--seed', '4']
-WORLD = {'task': 'prepare_lunch', 'seed': 4, 'sample': 4, 'dataset': None}
 BEGUN = EpisodeStarted('e1', episode_settings(TASK, 'dt_iros', 6.0, 7, tune_every=3), 4, 1e-3, WORLD, '1')
 
 
@@ -52,14 +53,11 @@ def write_session(folder: Path, world: PerceivedWorld, corrected: bool = False, 
     session = DurableEpisode(begun, SessionLog(folder))
     session.start()
     while not session.episode.done:
-        turn = session.episode.turn + 1
-        query = session.ask(SceneObserved(turn, turn * 10**9, 'table', world.scene(turn))).query
-        if query is not None:
-            session.take(TEACHER.answer(query, world.truth(turn)))
+        if ask(session, world).query is not None:
+            session.take(answer(session, world))
         session.tune()
     if corrected:
-        with pytest.raises(LateAnswerError):
-            session.take(Answer('q1', 'b1', 'bert', Outcome.SKIP))
+        assert session.take(Answer('q1', 'b1', 'bert', Outcome.SKIP)) is Receipt.LATE
         session.take(Answer('q1', 'c1', 'scripted', Outcome.UNKNOWN, replaces='q1/scripted'))
         session.note_refused('pudding', 'it does not answer')
     session.close()
@@ -76,12 +74,11 @@ def test_a_teacher_who_was_away_leaves_a_session_like_any_other(
         session = DurableEpisode(BEGUN, SessionLog(log))
         session.start()
         if not session.episode.awaits_answer and session.episode.turns_left:
-            turn = session.episode.turn + 1
-            session.ask(SceneObserved(turn, turn * 10**9, 'table', world.scene(turn)))
+            ask(session, world)
         elif session.episode.turn in away:
             session.time_out()
         elif session.episode.pending is not None:
-            session.take(TEACHER.answer(session.episode.pending, world.truth(session.episode.pending.turn)))
+            session.take(answer(session, world))
         if not session.episode.awaits_answer:
             session.tune()
         session.close()
@@ -92,7 +89,7 @@ def test_a_teacher_who_was_away_leaves_a_session_like_any_other(
     assert ('unanswered, withdrawn' in capsys.readouterr().out) != comes_back
     (recorded,) = read_episodes(tmp_path / 'bag')
     assert recorded.records == asked
-    assert first_divergence(recorded) is None
+    assert first_divergence(recorded.begun, recorded.events) is None
     (demonstration,) = read_demonstrations([tmp_path / 'bag'])
     assert len(demonstration.steps) < demonstration.turns == BEGUN.settings.turns
     assert [q['outcome'] for q in json.loads((tmp_path / 'json').read_text())['queries']] == [
@@ -139,26 +136,22 @@ def test_a_session_as_a_bag_leads_to_the_same_decisions(tmp_path: Path, world: P
     """What people said could not be replayed, looked at in Foxglove, or learnt weights from."""
     write_session(tmp_path / 'log', world)
     assert main(['session', str(tmp_path / 'log'), '--bag', str(tmp_path / 'bag')]) == 0
-    (session,) = read_episodes(tmp_path / 'bag')
-    assert (session.episode_id, session.settings, len(session.turns)) == ('e1', BEGUN.settings, 7)
-    assert first_divergence(session) is None
+    (episode,) = read_episodes(tmp_path / 'bag')
+    assert (episode.begun.episode_id, episode.begun.settings, len(episode.turns)) == ('e1', BEGUN.settings, 7)
+    assert first_divergence(episode.begun, episode.events) is None
     (demonstration,) = read_demonstrations([tmp_path / 'bag'])
     assert len(demonstration.steps) == 7
     assert main(['session', str(tmp_path / 'log'), '--bag', str(tmp_path / 'bag')]) == 2, 'a bag is never overwritten'
 
 
 def test_nothing_is_left_of_a_bag_that_does_not_fit_on_the_disk(
-    tmp_path: Path, world: PerceivedWorld, capsys: pytest.CaptureFixture[str]
+    tmp_path: Path, world: PerceivedWorld, refusal: Callable[..., str]
 ) -> None:
     """Half a bag would be taken for the session, and be in the way of the next try."""
     write_session(tmp_path / 'log', world)
-    before = resource.getrlimit(resource.RLIMIT_FSIZE)
-    resource.setrlimit(resource.RLIMIT_FSIZE, (40_000, before[1]))
-    try:
-        assert main(['session', str(tmp_path / 'log'), '--bag', str(tmp_path / 'bag')]) == 2
-    finally:
-        resource.setrlimit(resource.RLIMIT_FSIZE, before)
-    assert 'bag: cannot be written (File too large)' in capsys.readouterr().err
+    with little_room(40_000):
+        error = refusal('session', tmp_path / 'log', '--bag', tmp_path / 'bag')
+    assert 'bag: cannot be written (File too large)' in error
     assert [path.name for path in tmp_path.iterdir()] == ['log']
 
 
@@ -169,14 +162,14 @@ def test_nothing_is_left_of_a_bag_whose_writing_ends_in_between(
     """The part that was written is finished like a whole bag, and nobody could tell that it is none."""
     write_session(tmp_path / 'log', world)
     left = iter(range(5))
-    whole = of_session.state_members
+    whole = from_session.state_members
 
     def state_members(*arguments: Any) -> Any:
         if next(left, None) is None:
             raise fault
         return whole(*arguments)
 
-    monkeypatch.setattr(of_session, 'state_members', state_members)
+    monkeypatch.setattr(from_session, 'state_members', state_members)
     assert main(['session', str(tmp_path / 'log'), '--bag', str(tmp_path / 'bag')]) in (2, 130)
     assert [path.name for path in tmp_path.iterdir()] == ['log']
 
@@ -208,8 +201,8 @@ def test_names_that_tasks_may_not_have_any_more_stay_readable(
         contents = [row['content'] for row in csv.DictReader(file)]
     assert contents == ['size,"bbox[0,1]"', *symbols, 'none']
     (recorded,) = read_episodes(Path(paths[2]))
-    assert recorded.settings.symbols == symbols
-    assert first_divergence(recorded) is None
+    assert recorded.begun.settings.symbols == symbols
+    assert first_divergence(recorded.begun, recorded.events) is None
 
 
 @pytest.mark.parametrize('corrected', [False, True])
@@ -227,9 +220,9 @@ def test_a_clock_that_was_put_back_hides_nothing_of_a_session(
     write_session(tmp_path / 'log', world, corrected)
     assert next(ticks) > 18
     assert main(['session', str(tmp_path / 'log'), '--bag', str(tmp_path / 'bag')]) == 0
-    (session,) = read_episodes(tmp_path / 'bag')
-    assert len(session.turns) == 7
-    assert first_divergence(session) is None
+    (episode,) = read_episodes(tmp_path / 'bag')
+    assert len(episode.turns) == 7
+    assert first_divergence(episode.begun, episode.events) is None
 
 
 @pytest.mark.parametrize('name', FEATURE_SETS)
@@ -254,7 +247,7 @@ def test_what_was_corrected_later_is_replayed_as_it_was_known(
 
     def take(answer: Answer) -> None:
         session.take(answer)
-        learn(live, answer)
+        live.tell(answer)
 
     taken: list[Answer] = []
     for turn in range(1, settings.turns + 1):
@@ -346,7 +339,7 @@ def test_accuracy_is_not_made_up(tmp_path: Path, world: PerceivedWorld) -> None:
 
 @pytest.mark.parametrize('options', [[], ['--repair']])
 def test_nothing_usable_ends_with_status_2_and_one_line(
-    tmp_path: Path, options: list[str], capsys: pytest.CaptureFixture[str]
+    tmp_path: Path, options: list[str], refusal: Callable[..., str]
 ) -> None:
     """A mistyped folder, or a log of which nothing is left, would end in a traceback."""
     (tmp_path / 'damaged').mkdir()
@@ -357,10 +350,7 @@ def test_nothing_usable_ends_with_status_2_and_one_line(
         ('damaged', 'nothing usable is in the session log (event 1 cannot be read'),
         ('empty', 'nothing usable is in the session log (no episode was begun)'),
     ):
-        assert main(['session', str(tmp_path / name), *options]) == 2
-        error = capsys.readouterr().err
-        assert reason in error
-        assert error.count('\n') == 1
+        assert reason in refusal('session', tmp_path / name, *options)
 
 
 def test_an_episode_in_which_nothing_could_be_chosen_is_no_demonstration(

@@ -7,7 +7,7 @@ import warnings
 import numpy as np
 import pytest
 
-from al_questioner.concepts import ConceptLearner, ConceptModels, models
+from al_questioner.concepts import ConceptLearner, ConceptModels, concept_models
 from al_questioner.concepts.laplace import look_ahead
 from al_questioner.domain import NO_SYMBOL, InputError, Scene
 
@@ -169,7 +169,7 @@ def test_chunks_make_up_the_table(learning_state, monkeypatch):
     fitted = state.fitted()
     whole = fitted.look_ahead(state.scene)
     for numbers in (1, 2 * 3 * 7 * 12 * 3, 10**9):
-        monkeypatch.setattr(models, 'CHUNK_NUMBERS', numbers)
+        monkeypatch.setattr(concept_models, 'CHUNK_NUMBERS', numbers)
         rows, parts = zip(*fitted.look_ahead_chunks(state.scene), strict=True)
         assert [i for chosen in rows for i in range(7)[chosen]] == list(range(7))
         np.testing.assert_allclose(np.concatenate(parts), whole, rtol=0, atol=1e-8)
@@ -182,7 +182,7 @@ def test_memory_of_chunks_is_bounded(learning_state, monkeypatch, exact):
     state = learning_state(41, n=10, n_things=80, n_symbols=6, n_features=10)
     fitted = state.fitted()
     whole = 80 * 6 * 80 * 6 * 8
-    monkeypatch.setattr(models, 'CHUNK_NUMBERS', 10_000)
+    monkeypatch.setattr(concept_models, 'CHUNK_NUMBERS', 10_000)
     for _ in fitted.look_ahead_chunks(state.scene[:3], exact):
         pass
     tracemalloc.start()
@@ -215,11 +215,11 @@ def test_approximation_is_chosen_when_exactness_is_too_dear_and_said_once(learni
     fitted = state.fitted()
     exact, rough = (fitted.look_ahead(state.scene, exact=mode) for mode in (True, False))
     assert not np.array_equal(exact, rough)
-    monkeypatch.setattr(models, 'EXACT_OPERATIONS', 8 * 3 * (5 * 10) ** 2)
-    with caplog.at_level(logging.WARNING, logger=models.__name__):
+    monkeypatch.setattr(concept_models, 'EXACT_OPERATIONS', 8 * 3 * (5 * 10) ** 2)
+    with caplog.at_level(logging.WARNING, logger=concept_models.__name__):
         np.testing.assert_array_equal(fitted.look_ahead(state.scene), exact)
         assert not caplog.records
-        monkeypatch.setattr(models, 'EXACT_OPERATIONS', 8 * 3 * (5 * 10) ** 2 - 1)
+        monkeypatch.setattr(concept_models, 'EXACT_OPERATIONS', 8 * 3 * (5 * 10) ** 2 - 1)
         for _ in range(3):
             np.testing.assert_array_equal(fitted.look_ahead(state.scene), rough)
         np.testing.assert_array_equal(fitted.look_ahead(state.scene, exact=True), exact)
@@ -251,8 +251,8 @@ def test_stacks_of_refits_stay_within_their_bound(learning_state, monkeypatch):
 def test_models_with_another_kernel_do_not_say_it_again(learning_state, monkeypatch, caplog):
     """A learner that tunes its kernel every few turns would repeat the warning each time."""
     state = learning_state(44, n=10, n_things=5, n_symbols=3, amplitude=4.0)
-    monkeypatch.setattr(models, 'EXACT_OPERATIONS', 0)
-    with caplog.at_level(logging.WARNING, logger=models.__name__):
+    monkeypatch.setattr(concept_models, 'EXACT_OPERATIONS', 0)
+    with caplog.at_level(logging.WARNING, logger=concept_models.__name__):
         fitted = state.fitted()
         fitted.look_ahead(state.scene)
         fitted.with_kernel(9.0, 1.5).fit(state.features, state.labels).look_ahead(state.scene)
@@ -328,7 +328,7 @@ def test_models_that_were_never_fitted(learning_state):
 @pytest.mark.parametrize('n', [0, 7])
 def test_other_things_than_the_examples_can_be_asked_about(learning_state, monkeypatch, numbers, n):
     """The oracle would judge labels by what other ones lead to, or differently in a large scene."""
-    monkeypatch.setattr(models, 'CHUNK_NUMBERS', numbers)
+    monkeypatch.setattr(concept_models, 'CHUNK_NUMBERS', numbers)
     state = learning_state(3, n=n)
     fitted = state.fitted()
     examples, labels = state.scene[[0, 1, 0, 1]], [state.symbols[0], NO_SYMBOL, state.symbols[1], state.symbols[0]]

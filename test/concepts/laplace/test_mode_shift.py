@@ -70,7 +70,7 @@ def test_error_bound_covers_the_distance_from_the_true_mode(problem, curvature, 
     """A bound that is too small lets wrong answers pass.
 
     It holds where the curvatures hardly differ between the mode that was found and the true one, as they do for errors
-    that are small beside 1 / sqrt(amplitude). Where the search has been cut short, nothing that is wrong is called right.
+    that are small beside 1 / sqrt(amplitude). Where the search has been cut short, nothing wrong is called right.
     """
     checked = 0
     for seed in range(3):

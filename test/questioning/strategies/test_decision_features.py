@@ -9,14 +9,11 @@ from scipy.stats import entropy
 
 from al_questioner.questioning.strategies import decision_features as phi
 
+OF_BELIEFS = (phi.discriminability, phi.instance_variation, phi.prediction_margin)
 # Three objects (rows), two symbols.
 Q = np.array([[0.8, 0.2], [0.5, 0.5], [0.2, 0.8]])
 
-beliefs = arrays(
-    np.float64,
-    st.tuples(st.integers(1, 5), st.integers(2, 4)),
-    elements=st.floats(1e-9, 1 - 1e-9),
-)
+beliefs = arrays(np.float64, st.tuples(st.integers(1, 5), st.integers(2, 4)), elements=st.floats(1e-9, 1 - 1e-9))
 
 
 def test_conditional_distributions():
@@ -77,12 +74,7 @@ def test_environment_features_by_hand():
 
 @given(q=beliefs, counts=st.lists(st.integers(0, 50), min_size=2, max_size=4))
 def test_features_lie_in_the_unit_interval(q, counts):
-    for value in (
-        phi.discriminability(q),
-        phi.instance_variation(q),
-        phi.prediction_margin(q),
-        phi.class_uniformity(counts),
-    ):
+    for value in (*(feature(q) for feature in OF_BELIEFS), phi.class_uniformity(counts)):
         assert -1e-12 <= value <= 1 + 1e-12
 
 
@@ -90,14 +82,14 @@ def test_features_lie_in_the_unit_interval(q, counts):
 def test_order_of_objects_and_symbols_does_not_matter(q, seed):
     rng = np.random.default_rng(seed)
     shuffled = q[rng.permutation(q.shape[0])][:, rng.permutation(q.shape[1])]
-    for feature in (phi.discriminability, phi.instance_variation, phi.prediction_margin):
+    for feature in OF_BELIEFS:
         assert feature(shuffled) == pytest.approx(feature(q), abs=1e-9)
 
 
 def test_leading_axes_are_independent_states():
     """A whole look-ahead at once must equal one state at a time."""
     q = np.random.default_rng(0).uniform(0.01, 0.99, size=(3, 2, 5, 4))
-    for feature in (phi.discriminability, phi.instance_variation, phi.prediction_margin):
+    for feature in OF_BELIEFS:
         np.testing.assert_allclose(feature(q), [[feature(state) for state in row] for row in q], atol=1e-14)
     counts = np.array([[1, 2], [0, 0]])
     np.testing.assert_array_equal(phi.class_uniformity(counts), [0.5, 0.0])

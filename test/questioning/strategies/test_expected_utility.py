@@ -2,39 +2,23 @@
 
 import numpy as np
 import pytest
-from scipy.special import erf, expit
 from sklearn.feature_selection import f_classif
-from sklearn.gaussian_process._gpc import COEFS, LAMBDAS
 
 from al_questioner.concepts import ConceptLearner
-from al_questioner.domain import DECISION_FEATURES, NO_SYMBOL, Costs, QueryKind
-from al_questioner.questioning import TurnContext
+from al_questioner.domain import DECISION_FEATURES, NO_SYMBOL, QueryKind
 from al_questioner.questioning.strategies.expected_utility import expected_features
+from shared.textbook import optimised_probability
 
 AMPLITUDE = 4.0
 
 
 def slow_beliefs(features, labels, test, symbols):
-    """q_y(x) by damped fixed point steps on Newton's equation and textbook formulas, one classifier at a time."""
+    """q_y(x) by the textbook, one classifier at a time."""
     if not labels:
         return np.full((len(test), len(symbols)), 0.5)
-    scale = 2 * features.shape[1]  # 2 length_scale^2 with length_scale = sqrt(m)
-    kernel = AMPLITUDE * np.exp(-((features[:, None] - features[None]) ** 2).sum(axis=2) / scale)
-    cross = AMPLITUDE * np.exp(-((features[:, None] - test[None]) ** 2).sum(axis=2) / scale)
-    columns = []
-    for symbol in symbols:
-        y = np.array([float(label == symbol) for label in labels])
-        f = np.zeros(len(y))
-        for _ in range(200):
-            p = expit(f)
-            w = np.diag(p * (1 - p))
-            f = f + 0.5 * (kernel @ np.linalg.solve(np.eye(len(y)) + w @ kernel, w @ f + y - p) - f)
-        p = expit(f)
-        mean = cross.T @ (y - p)
-        middle = np.linalg.inv(kernel + np.diag(1 / (p * (1 - p))))
-        variance = AMPLITUDE - np.diag(cross.T @ middle @ cross)
-        columns.append((0.5 * COEFS * (1 + erf(LAMBDAS * mean / np.sqrt(1 + 2 * LAMBDAS**2 * variance)))).sum(axis=0))
-    return np.array(columns).T
+    targets = [np.array([float(label == symbol) for label in labels]) for symbol in symbols]
+    scale = np.sqrt(features.shape[1])
+    return np.array([optimised_probability(features, y, test, AMPLITUDE, scale) for y in targets]).T
 
 
 def slow_task_features(q, counts):
@@ -119,11 +103,8 @@ def make_context(toy, seed, n_labels, told=None, n_objects=6, **changes):
         labelled.append((scene.object_ids[row], label))
     if told is not None:
         concepts.restrict_to_groups(told)
-    values = {
-        'turn': 5, 'turns': 20, 'scene': scene, 'concepts': concepts, 'budget': 16.0, 'spent': 6.0, 'costs': Costs(),
-        'change_interval': 4, 'non_query_turns': 2, 'scene_turn': 1, 'history': (),
-    }  # fmt: skip
-    return TurnContext(**{**values, **changes}), labelled
+    values = {'turn': 5, 'scene': scene, 'budget': 16.0, 'spent': 6.0, 'change_interval': 4, 'non_query_turns': 2}
+    return toy.context(concepts=concepts, **{**values, **changes}), labelled
 
 
 @pytest.mark.parametrize('told', [None, ('colour', 'noise')])

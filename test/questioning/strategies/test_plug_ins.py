@@ -19,11 +19,13 @@ import pytest
 
 from al_questioner.cli import main
 from al_questioner.domain import QueryKind, SettingsError, random_stream
+from al_questioner.messages.documents import read, settings_members, settings_of, write
 from al_questioner.questioning import STRATEGIES, Choice, Episode, TurnContext, known_strategies, make_strategy
 from al_questioner.questioning.strategies import names as strategy_names
 from al_questioner.questioning.strategies.names import SHIPPED, check_strategy
-from al_questioner.simulation import episode_settings, load_task
-from checkout import ROOT
+from al_questioner.simulation import episode_settings
+from shared.checkout import ROOT
+from shared.lunches import TASK
 
 EXAMPLE = ROOT / 'docs' / 'examples' / 'own_strategy'
 MODULE = """
@@ -32,6 +34,10 @@ class Weighted:
     def __init__(self, weights): self.weights = weights
     def choose(self, context, rng): raise NotImplementedError
 class Another(Weighted): pass
+class Declaring(Weighted):
+    weight_names = ('margin', 'novelty')
+class Vague(Weighted):
+    weight_names = 'margin'
 class Failing(Weighted):
     def __init__(self, weights): raise ValueError('it needs\\nmore memory')
 class Halfway:
@@ -60,7 +66,10 @@ def contribute(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Contribute:
     return add
 
 
-def one_line(error: pytest.ExceptionInfo[SettingsError]) -> str:
+def refusal(make: Callable[..., object], *arguments: object, **options: object) -> str:
+    """Why something is refused, in one line."""
+    with pytest.raises(SettingsError) as error:
+        make(*arguments, **options)
     text = str(error.value)
     assert '\n' not in text
     return text
@@ -79,9 +88,23 @@ def test_a_weights_file_reaches_a_contributed_strategy(contribute: Contribute, t
     contribute('pack', mine='contributed_module:Weighted')
     path = tmp_path / 'weights.yaml'
     path.write_text('weights: {class_uniformity: 0.5}', encoding='utf-8')
-    task = load_task('prepare_lunch')
-    assert episode_settings(task, 'mine', weights_file=str(path)).weights == {'class_uniformity': 0.5}
-    assert episode_settings(task, 'mine').weights == {}
+    assert episode_settings(TASK, 'mine', weights_file=str(path)).weights == {'class_uniformity': 0.5}
+    assert episode_settings(TASK, 'mine').weights == {}
+
+
+def test_a_contributed_strategy_declares_weights_of_its_own(contribute: Contribute, tmp_path: Path) -> None:
+    """An idea that weighs something else than the paper could not be tuned, nor told of on a topic or in a log."""
+    contribute('pack', mine='contributed_module:Declaring')
+    path = tmp_path / 'weights.yaml'
+    path.write_text('weights: {margin: 0.5}', encoding='utf-8')
+    settings = episode_settings(TASK, 'mine', weights_file=str(path))
+    assert settings.weights == {'margin': 0.5}
+    assert make_strategy('mine', settings.weights).weights == {'margin': 0.5}
+    told = {**settings_members(settings), 'feature_names': [], 'seed': 0, 'world': None}
+    assert settings_of(read('episode', write('episode', 'e', told))) == settings
+    path.write_text('weights: {margin: 0.5, novelyt: 0}', encoding='utf-8')
+    text = refusal(episode_settings, TASK, 'mine', weights_file=str(path))
+    assert text == f"{path}: strategy mine does not use 'novelyt'; it uses margin, novelty"
 
 
 def test_our_own_strategies_do_not_wait_for_a_search(monkeypatch: pytest.MonkeyPatch, toy: SimpleNamespace) -> None:
@@ -121,22 +144,20 @@ def test_of_two_with_one_name_it_is_always_the_same(contribute: Contribute, capl
         ('contributed_module:Failing', 'makes no strategy (ValueError: it needs more memory)'),
         ('contributed_module:__doc__', "makes no strategy (TypeError: 'NoneType' object is not callable)"),
         ('contributed_module:Halfway', 'makes a Halfway, which is no Strategy'),
+        ('contributed_module:Vague', "declares weight_names 'margin', which is no list of names"),
     ],
 )
 def test_a_broken_strategy_is_refused_in_one_line(contribute: Contribute, value: str, reason: str) -> None:
     """A traceback through our code would leave its user to find out whose fault it is."""
     contribute('pack', mine=value)
-    with pytest.raises(SettingsError) as error:
-        make_strategy('mine', {})
-    assert one_line(error).startswith(f'entry point "mine = {value}" of package pack {reason}')
+    assert refusal(make_strategy, 'mine', {}).startswith(f'entry point "mine = {value}" of package pack {reason}')
 
 
 def test_an_unknown_name_is_answered_with_the_contributed_ones_too(contribute: Contribute) -> None:
     """Whoever mistypes the name of an own strategy would believe that it is not installed."""
     contribute('pack', mine='no_such_module:Strategy')
-    with pytest.raises(SettingsError) as error:
-        make_strategy('mien', {})
-    assert one_line(error) == f"unknown strategy 'mien'; known: {', '.join((*STRATEGIES, 'mine'))}; did you mean mine?"
+    known = ', '.join((*STRATEGIES, 'mine'))
+    assert refusal(make_strategy, 'mien', {}) == f"unknown strategy 'mien'; known: {known}; did you mean mine?"
 
 
 @pytest.mark.parametrize('command', [['demo', '--offline'], ['experiment', '--task', 'prepare_lunch']])
@@ -217,11 +238,8 @@ def test_the_example_asks_about_the_smallest_margin(toy: SimpleNamespace) -> Non
                 assert margins[action.object_id] == pytest.approx(min(margins[i] for i in unknown), abs=1e-9)
             return choice
 
-    world = toy.world(0)
     episode = Episode(toy.settings('random_fsq', budget=30), random_stream(0, 'strategy'), strategy=Checked())
-    while not episode.done:
-        if query := episode.ask(world.scene(episode.turn + 1)).query:
-            episode.tell(world.answer(query))
+    toy.play(episode, toy.world(0))
     assert asked == [QueryKind.FEATURE_SUBSET, *[QueryKind.LABEL] * 19]
 
 

@@ -8,22 +8,21 @@ from rcl_interfaces.msg import Log
 from sensor_msgs.msg import PointCloud2
 from std_msgs.msg import String
 
-from al_questioner.bags import BagMessage, deserialize, read_bag
+from al_questioner.bags import deserialize, read_bag
 from al_questioner.bags.scenes import scenes_of
 from al_questioner.messages import documents
+from al_questioner.messages.stamps import SECOND, nanoseconds
 from al_questioner.ros import qos
 from al_questioner.ros.nodes.learner import LearnerNode
 from al_questioner.ros.nodes.perception import PerceptionNode
 from al_questioner.ros.nodes.recorded_perception import RecordedPerceptionNode
 from al_questioner.ros.nodes.teacher import TeacherNode
-from al_questioner.simulation import ScriptedTeacher, WorldSpec, episode_settings, load_task, run_episode
-from checkout import ROOT
-
-BAG = ROOT / 'bags' / 'expert_0'
+from shared.bags import SHIPPED, recorded
+from shared.offline import offline_queries
 
 
 def stand_in(graph: Any) -> RecordedPerceptionNode:
-    return graph.start(lambda **node_arguments: RecordedPerceptionNode(scenes_of(read_bag(BAG)), **node_arguments))
+    return graph.start(lambda **node_arguments: RecordedPerceptionNode(scenes_of(read_bag(SHIPPED)), **node_arguments))
 
 
 def test_a_second_learner_asks_what_it_would_have_asked_in_the_recorded_world(graph: Any) -> None:
@@ -33,13 +32,9 @@ def test_a_second_learner_asks_what_it_would_have_asked_in_the_recorded_world(gr
     stand_in(graph)
     graph.start(TeacherNode, **world)
     graph.start(LearnerNode, **world, strategy='farthest_fsq', budget=12.0, turns=20)
-    graph.wait_for(lambda: states and states[-1]['done'], 'the end of the second episode')
-    task = load_task('prepare_lunch')
-    settings = episode_settings(task, 'farthest_fsq', 12.0, 20)
-    teacher = ScriptedTeacher(task.symbols, task.relevant_groups, 0)
-    offline = run_episode(WorldSpec(task, 0, 0), settings, teacher)
-    assert states[-1]['queries'] == [documents.record_members(record) for record in offline.queries]
-    assert states[-1]['spent'] > 0
+    state = graph.wait_for_end(states)
+    assert state['queries'] == offline_queries('farthest_fsq', 12.0, 20, seed=0)
+    assert state['spent'] > 0
 
 
 def test_two_perceptions_are_one_too_many(graph: Any) -> None:
@@ -62,10 +57,10 @@ def test_other_turns_than_the_recorded_ones_are_refused_with_their_number(graph:
     assert not clouds
     turns.publish(String(data=documents.write('turn', 'e', {'turn': 30, **members})))
     graph.wait_for(lambda: clouds, 'the last recorded scene')
-    recorded = _recorded('objects')[-1]
-    assert bytes(clouds[0].data) == deserialize(recorded).data.tobytes()
-    assert clouds[0].header.frame_id == deserialize(recorded).header.frame_id
-    assert _stamp(clouds[0]) == 2_000_000_000 * 10**9 + 7
+    last = deserialize(recorded('objects')[-1])
+    assert bytes(clouds[0].data) == last.data.tobytes()
+    assert clouds[0].header.frame_id == last.header.frame_id
+    assert nanoseconds(clouds[0].header.stamp) == 2_000_000_000 * SECOND + 7
 
 
 def test_a_learner_of_another_world_is_warned_of_and_shown_the_scenes(graph: Any) -> None:
@@ -86,15 +81,3 @@ def test_a_learner_of_another_world_is_warned_of_and_shown_the_scenes(graph: Any
 
     graph.wait_for(about_worlds, 'a warning')
     assert len(about_worlds()) == 1
-
-
-def _recorded(name: str) -> list[BagMessage]:
-    return [message for message in read_bag(BAG).messages if message.topic.endswith(f'/{name}')]
-
-
-def _stamp(cloud: Any) -> int:
-    return _nanoseconds(cloud.header.stamp)
-
-
-def _nanoseconds(stamp: Any) -> int:
-    return int(stamp.sec) * 10**9 + int(stamp.nanosec)

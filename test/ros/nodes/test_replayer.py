@@ -8,7 +8,6 @@ from pathlib import Path
 from typing import Any
 
 import pytest
-from diagnostic_msgs.msg import DiagnosticArray
 from rclpy.publisher import Publisher
 from rosgraph_msgs.msg import Clock
 from sensor_msgs.msg import PointCloud2
@@ -17,22 +16,25 @@ from std_msgs.msg import String
 from al_questioner.bags import BagMessage, BagWriter, Topic, deserialize, read_bag, read_episodes
 from al_questioner.bags.playback import Playback
 from al_questioner.domain import InputError
-from al_questioner.messages import documents
 from al_questioner.messages.clouds import scene_of_cloud
+from al_questioner.messages.stamps import nanoseconds
 from al_questioner.ros import qos
 from al_questioner.ros.message_classes import installed_part, message_class
 from al_questioner.ros.nodes.learner import LearnerNode
 from al_questioner.ros.nodes.replayer import ReplayNode, common_namespace
 from al_questioner.ros.nodes.teacher import TeacherNode
-from al_questioner.simulation import ScriptedTeacher, WorldSpec, episode_settings, load_task, run_episode
-from checkout import ROOT
+from shared.bags import SHIPPED, STRING, recorded, text
+from shared.offline import offline_queries
 
-BAG = ROOT / 'bags' / 'expert_0'
 DEADLINE = 60.0
 
 
+def stamp_in(cloud: Any) -> int:
+    return nanoseconds(cloud.header.stamp)
+
+
 def replay(graph: Any, *, paused: bool = False, rate: float = 1.0, clock_hz: float = 0.0, **node: Any) -> ReplayNode:
-    bag = read_bag(BAG)
+    bag = read_bag(SHIPPED)
 
     def make(**node_arguments: Any) -> ReplayNode:
         return ReplayNode(
@@ -52,7 +54,7 @@ def test_everything_is_published_as_it_was_recorded(graph: Any) -> None:
     node = replay(graph, paused=True)
     expected = Counter[str]()
     # One by one, as a latched topic holds no more than its last message for a listener that is behind.
-    for message in read_bag(BAG).messages:
+    for message in read_bag(SHIPPED).messages:
         expected[message.topic.rsplit('/', 1)[-1]] += 1
         node.press('s')
         graph.wait_for(
@@ -60,10 +62,10 @@ def test_everything_is_published_as_it_was_recorded(graph: Any) -> None:
         )
     assert [document['turn'] for document in heard['turn']] == list(range(1, 31))
     for name in ('objects', 'decision'):
-        for ours, message in zip(heard[name], _recorded(name), strict=True):
+        for ours, message in zip(heard[name], recorded(name), strict=True):
             theirs = deserialize(message)
             assert bytes(ours.data) == theirs.data.tobytes()
-            assert _stamp(ours) == _stamp(theirs)
+            assert stamp_in(ours) == stamp_in(theirs)
     graph.wait_for(lambda: node.over, 'the end of the replay')
 
 
@@ -82,10 +84,12 @@ def test_the_scenes_of_a_replay_are_the_recorded_ones(graph: Any) -> None:
     clouds = graph.listen('objects', PointCloud2, qos.RECORDED_LATCHED)
     node = replay(graph, rate=2.0)
     graph.wait_for(lambda: node.over, 'the end of the replay')
-    graph.wait_for(lambda: clouds and _stamp(clouds[-1]) == _stamp(deserialize(_recorded('objects')[-1])), 'the last')
-    (session,) = read_episodes(BAG)
-    shown = {turn.scene.features.tobytes(): turn.scene.object_ids for turn in session.turns}
-    assert [_stamp(cloud) for cloud in clouds] == sorted({_stamp(cloud) for cloud in clouds})
+    graph.wait_for(
+        lambda: clouds and stamp_in(clouds[-1]) == stamp_in(deserialize(recorded('objects')[-1])), 'the last'
+    )
+    (episode,) = read_episodes(SHIPPED)
+    shown = {turn.scene.features.tobytes(): turn.scene.object_ids for turn in episode.turns}
+    assert [stamp_in(cloud) for cloud in clouds] == sorted({stamp_in(cloud) for cloud in clouds})
     for cloud in clouds:
         scene = scene_of_cloud(cloud)
         assert shown[scene.features.tobytes()] == scene.object_ids
@@ -101,20 +105,19 @@ def test_latched_topics_stay_for_late_listeners(graph: Any) -> None:
     assert late[-1]['done']
 
 
-def test_nothing_is_played_before_somebody_listens(graph: Any) -> None:
+def test_nothing_is_played_before_somebody_listens(graph: Any, diagnostics: Any) -> None:
     """The first decisions would be lost to whoever was started together with the replay."""
     node = replay(graph)
-    ticks = graph.listen('/diagnostics', DiagnosticArray, qos.DIAGNOSTICS)
 
     def waiting() -> int:
-        ours = [tick.status[0] for tick in ticks if graph.namespace in tick.status[0].name]
-        return [status.message for status in ours].count('waiting for listeners')
+        ours = [status.message for status in diagnostics.statuses if graph.namespace in status.name]
+        return ours.count('waiting for listeners')
 
     graph.wait_for(lambda: waiting() >= 2, 'two signs of life')
     assert not node.begun
     decisions = graph.listen('decision', PointCloud2, qos.RECORDED_EVENTS)
     graph.wait_for(lambda: decisions, 'a decision')
-    assert _stamp(decisions[0]) == _stamp(deserialize(_recorded('decision')[0]))
+    assert stamp_in(decisions[0]) == stamp_in(deserialize(recorded('decision')[0]))
 
 
 def test_a_key_begins_without_listeners(graph: Any) -> None:
@@ -129,7 +132,7 @@ def test_a_key_begins_without_listeners(graph: Any) -> None:
     assert node.playback.position == 1
     node.press(' ')
     graph.wait_for(lambda: node.over, 'the end of the replay')
-    assert node.playback.position == len(read_bag(BAG).messages)
+    assert node.playback.position == len(read_bag(SHIPPED).messages)
 
 
 def test_a_replay_does_not_begin_on_the_names_of_a_live_learner(graph: Any) -> None:
@@ -156,36 +159,25 @@ def test_a_replay_ends_when_a_learner_takes_its_names(graph: Any) -> None:
     graph.wait_for(lambda: node.over, 'the end of the replay')
     assert '/learner publishes on' in str(node.failure)
     node.press(' ')
-    graph.wait_for(lambda: states and states[-1]['done'], 'the end of the live episode')
+    queries = graph.wait_for_end(states)['queries']
     assert node.playback.turn == 1
-    task, seed = load_task('prepare_lunch'), graph.world['seed']
-    settings = episode_settings(task, graph.episode['strategy'], graph.episode['budget'], graph.episode['turns'])
-    teacher = ScriptedTeacher(task.symbols, task.relevant_groups, seed)
-    offline = run_episode(WorldSpec(task, seed, seed), settings, teacher)
-    assert states[-1]['queries'] == [documents.record_members(record) for record in offline.queries]
+    assert queries == offline_queries('random_fsq', 6.0, 8)
 
 
-def test_the_recorded_time_is_told(graph: Any) -> None:
-    """use_sim_time would stand still."""
+@pytest.mark.parametrize('clock_hz', [50.0, 0.001])
+def test_the_recorded_time_is_told_and_the_last_stamp_however_rarely_it_is(graph: Any, clock_hz: float) -> None:
+    """use_sim_time would stand still, or whoever waits for the end by the recorded time wait for ever."""
     clocks = graph.listen('/clock', Clock, 10)
-    node = replay(graph, clock_hz=50.0)
+    node = replay(graph, clock_hz=clock_hz)
     node.press(' ')
     node.press(' ')
-    end = read_bag(BAG).messages[-1].stamp
-    graph.wait_for(lambda: any(_nanoseconds(c.clock) == end for c in clocks), 'the last stamp')
-    stamps = [_nanoseconds(c.clock) for c in clocks]
+    begin, *_, end = (message.stamp for message in read_bag(SHIPPED).messages)
+    graph.wait_for(lambda: any(nanoseconds(c.clock) == end for c in clocks), 'the last stamp')
+    graph.wait_for(lambda: node.over, 'the end of the replay')
+    stamps = [nanoseconds(c.clock) for c in clocks]
     assert stamps == sorted(stamps)
-    assert stamps[0] >= read_bag(BAG).messages[0].stamp
-
-
-def test_the_last_stamp_is_told_however_rarely_the_time_is(graph: Any) -> None:
-    """Whoever waits for the end by the recorded time would wait for ever."""
-    clocks = graph.listen('/clock', Clock, 10)
-    node = replay(graph, clock_hz=0.001)
-    node.press(' ')
-    node.press(' ')
-    graph.wait_for(lambda: node.over and clocks, 'the end of the replay')
-    assert [_nanoseconds(c.clock) for c in clocks] == [read_bag(BAG).messages[-1].stamp]
+    assert stamps[0] >= begin
+    assert clock_hz > 1 or stamps == [end]
 
 
 def test_a_replay_is_not_over_before_its_last_messages_have_arrived(
@@ -208,12 +200,11 @@ def test_a_replay_is_not_over_before_its_last_messages_have_arrived(
 
 def test_names_follow_the_namespace_that_is_given(graph: Any, tmp_path: Path) -> None:
     """Two replays, or a replay beside the robot, could not be kept apart."""
-    text = 'std_msgs/msg/String'
     names = ('/fleet/a/turn', '/fleet/b/turn', '/diagnostics', '/clock')
-    types = (text, text, 'diagnostic_msgs/msg/DiagnosticArray', 'rosgraph_msgs/msg/Clock')
+    types = (STRING, STRING, 'diagnostic_msgs/msg/DiagnosticArray', 'rosgraph_msgs/msg/Clock')
     topics = [Topic(name, type_, False) for name, type_ in zip(names, types, strict=True)]
     with BagWriter(tmp_path / 'b', topics) as writer:
-        writer.write('/fleet/a/turn', b'\x00\x01\x00\x00\x01\x00\x00\x00\x00', 1)
+        writer.write('/fleet/a/turn', text(''), 1)
         writer.write('/clock', b'\x00\x01\x00\x00' + bytes(8), 2)
     bag = read_bag(tmp_path / 'b')
 
@@ -252,17 +243,16 @@ def test_the_common_namespace(topics: list[str], namespace: str) -> None:
     assert common_namespace(topics) == namespace
 
 
-def test_a_message_type_that_is_not_installed_is_named() -> None:
+@pytest.mark.parametrize('name', ['robot_msgs/msg/Pose', 'std_msgs/msg/Nothing'])
+def test_a_message_type_that_is_not_installed_is_named(name: str) -> None:
     """The replay would end with a traceback."""
-    with pytest.raises(InputError, match='message type robot_msgs/msg/Pose of the bag is not installed'):
-        message_class('robot_msgs/msg/Pose')
-    with pytest.raises(InputError, match='message type std_msgs/msg/Nothing of the bag is not installed'):
-        message_class('std_msgs/msg/Nothing')
+    with pytest.raises(InputError, match=f'message type {name} of the bag is not installed'):
+        message_class(name)
 
 
 def test_what_is_not_installed_is_passed_over() -> None:
     """A recording of the whole robot could not be played, for one topic of a type that nobody listens to."""
-    bag = read_bag(BAG)
+    bag = read_bag(SHIPPED)
     others = (Topic('/events/write_split', 'rosbag2_interfaces/msg/WriteSplitEvent', False), Topic('/a', '', False))
     foreign = [BagMessage(topic.name, topic.type, bag.messages[0].stamp, b'') for topic in others]
     part, missing = installed_part(
@@ -276,12 +266,9 @@ def test_what_is_not_installed_is_passed_over() -> None:
 
 def test_a_replay_yields_to_no_other_topic_of_that_name(graph: Any, tmp_path: Path) -> None:
     """A bag of the whole robot could not be played beside one that speaks."""
-    text = 'std_msgs/msg/String'
-    chat = Topic('/chat/turn', text, False)
-    ours = next(message for message in read_bag(BAG).messages if message.topic.endswith('/turn'))
-    with BagWriter(tmp_path / 'b', [Topic('/robot/turn', text, True), chat]) as writer:
-        writer.write('/robot/turn', ours.data, 1)
-        writer.write('/chat/turn', b'\x00\x01\x00\x00\x01\x00\x00\x00\x00', 2)
+    with BagWriter(tmp_path / 'b', [Topic('/robot/turn', STRING, True), Topic('/chat/turn', STRING, False)]) as writer:
+        writer.write('/robot/turn', recorded('turn')[0].data, 1)
+        writer.write('/chat/turn', text(''), 2)
     bag = read_bag(tmp_path / 'b')
     graph.ears.create_publisher(String, 'chat/turn', qos.LATCHED)
     node = graph.start(lambda **others: ReplayNode(bag, Playback(bag.messages, paused=True), 0.0, 0.0, **others))
@@ -290,15 +277,3 @@ def test_a_replay_yields_to_no_other_topic_of_that_name(graph: Any, tmp_path: Pa
     graph.wait_for(lambda: node.over, 'the end of the replay')
     assert node.failure is None
     assert node.playback.position == 2
-
-
-def _recorded(name: str) -> list[BagMessage]:
-    return [message for message in read_bag(BAG).messages if message.topic.endswith(f'/{name}')]
-
-
-def _stamp(cloud: Any) -> int:
-    return _nanoseconds(cloud.header.stamp)
-
-
-def _nanoseconds(stamp: Any) -> int:
-    return int(stamp.sec) * 10**9 + int(stamp.nanosec)

@@ -8,7 +8,6 @@ from typing import Any
 
 import numpy as np
 import pytest
-from diagnostic_msgs.msg import DiagnosticArray
 from sensor_msgs.msg import Image, PointCloud2
 from std_msgs.msg import String
 
@@ -21,6 +20,8 @@ from al_questioner.ros.nodes.teacher import TeacherNode
 from al_questioner.ros.types import CLOUD_TYPES, header, octets
 from al_questioner.terminal.dialogue import TeacherDialogue
 from al_questioner.terminal.view_state import Phase
+
+SCENE = Scene((7, 9), np.eye(2, 3, dtype=np.float32), np.ones((2, 1), np.float32), ('colour_hue',))
 
 
 class Robot:
@@ -61,10 +62,13 @@ class Robot:
         action = Action(QueryKind.LABEL, 7)
         query = Query(f'q{number}', number, action, ('snack', 'fruit'), 1, 4, 5, 1, 'What is object 7?')
         self.says('query', episode_id=episode_id, **documents.query_members(query))
-        self.until(
-            lambda view_state: view_state.prompt is not None and view_state.prompt.query.query_id == f'q{number}',
-            'a question',
-        )
+        self.until(lambda now: now.prompt is not None and now.prompt.query.query_id == query.query_id, 'a question')
+
+    def is_told_fruit(self, **parameters: Any) -> None:
+        """The teacher, who says that object 7 is fruit."""
+        self.start(**parameters)
+        self.asks(1)
+        self.dialogue.say('fruit')
 
     def takes(self, answer: dict[str, Any], accepted: bool = True, reason: str = '') -> None:
         """Acknowledge an answer."""
@@ -94,38 +98,32 @@ def robot(graph: Any) -> Robot:
 
 def test_an_answer_is_repeated_until_it_is_taken(robot: Robot) -> None:
     """One lost message would lose what a person said."""
-    robot.start(teacher_id='anna')
-    robot.asks(1)
-    robot.dialogue.say('fruit')
+    robot.is_told_fruit(teacher_id='anna')
     first = robot.hears(3)
     assert len({answer['answer_id'] for answer in robot.answers}) == 1
     assert (first['teacher_id'], first['outcome'], first['content']) == ('anna', 'answered', 'fruit')
     assert first['episode_id'] == 'e'
     assert 'replaces' not in first
     robot.takes(first)
-    robot.until(lambda view_state: view_state.notice == 'Noted: object 7 is fruit.', 'the acknowledgement')
+    robot.until(lambda now: now.notice == 'Noted: object 7 is fruit.', 'the acknowledgement')
     assert robot.node.unacknowledged is None
 
 
 def test_a_refusal_is_shown_and_the_question_asked_again(robot: Robot) -> None:
     """The robot would wait for ever."""
-    robot.start()
-    robot.asks(1)
-    robot.dialogue.say('fruit')
+    robot.is_told_fruit()
     robot.takes(robot.hears(1), accepted=False, reason='it has gone')
     # On a busy machine there may be a notice before: that the robot does not reply.
-    view_state = robot.until(lambda view_state: view_state.phase is Phase.ASKED, 'the question')
+    view_state = robot.until(lambda now: now.phase is Phase.ASKED, 'the question')
     assert view_state.notice == 'The robot did not take that: it has gone'
 
 
 def test_a_correction_names_the_answer_that_it_replaces(robot: Robot) -> None:
     """The learner could not find what to take back."""
-    robot.start()
-    robot.asks(1)
-    robot.dialogue.say('fruit')
+    robot.is_told_fruit()
     first = robot.hears(1)
     robot.takes(first)
-    robot.until(lambda view_state: view_state.can_undo, 'the acknowledgement')
+    robot.until(lambda now: now.can_undo, 'the acknowledgement')
     robot.asks(2)
     robot.dialogue.undo()
     robot.dialogue.say('snack')
@@ -134,15 +132,14 @@ def test_a_correction_names_the_answer_that_it_replaces(robot: Robot) -> None:
     assert (correction['query_id'], correction['content']) == ('q1', 'snack')
     assert correction['replaces'] == first['answer_id'] != correction['answer_id']
     robot.takes(correction)
-    view_state = robot.until(lambda view_state: view_state.phase is Phase.ASKED, 'the open question')
+    view_state = robot.until(lambda now: now.phase is Phase.ASKED, 'the open question')
     assert (view_state.prompt.query.query_id, view_state.notice) == ('q2', 'Noted: object 7 is snack instead.')
 
 
 def test_who_comes_late_or_back_sees_the_question_the_table_and_what_was_answered(robot: Robot) -> None:
     """A person who quits could not go on."""
     stamp = header(5, 'table')
-    scene = Scene((7, 9), np.eye(2, 3, dtype=np.float32), np.ones((2, 1), np.float32), ('colour_hue',))
-    robot.topics['objects'].publish(cloud_of_scene(scene, stamp, CLOUD_TYPES))
+    robot.topics['objects'].publish(cloud_of_scene(SCENE, stamp, CLOUD_TYPES))
     robot.topics['scene_image'].publish(image(np.ones((4, 6, 3), np.uint8), stamp, Image, octets))
     record = QueryRecord(1, QueryKind.LABEL, 9, 'snack', 1.0, Outcome.ANSWERED)
     state = {'turn': 2, 'turns': 8, 'budget': 6, 'spent': 1, 'done': False, 'labels': {}, 'model_version': 1}
@@ -166,10 +163,9 @@ def test_a_table_that_was_cleared_is_shown_as_such(robot: Robot, tells_fields: b
     """The person would go on to see what is there no more."""
     robot.start()
     robot.asks(1)
-    scene = Scene((7, 9), np.eye(2, 3, dtype=np.float32), np.ones((2, 1), np.float32), ('colour_hue',))
-    robot.topics['objects'].publish(cloud_of_scene(scene, header(5, 'table'), CLOUD_TYPES))
-    robot.until(lambda view_state: view_state.prompt.scene is not None, 'the table')
-    nothing = Scene((), scene.positions[:0], scene.features[:0], scene.feature_names)
+    robot.topics['objects'].publish(cloud_of_scene(SCENE, header(5, 'table'), CLOUD_TYPES))
+    robot.until(lambda now: now.prompt.scene is not None, 'the table')
+    nothing = Scene((), SCENE.positions[:0], SCENE.features[:0], SCENE.feature_names)
     empty = cloud_of_scene(nothing, header(6, 'table'), CLOUD_TYPES)
     if not tells_fields:
         empty.fields, empty.point_step = [], 0
@@ -179,31 +175,24 @@ def test_a_table_that_was_cleared_is_shown_as_such(robot: Robot, tells_fields: b
 
 def test_an_answer_is_not_carried_into_another_episode(robot: Robot) -> None:
     """What was said of one thing would be learnt of another."""
-    robot.start()
-    robot.asks(1)
-    robot.dialogue.say('fruit')
+    robot.is_told_fruit()
     robot.hears(1)
     robot.asks(1, episode_id='another')
-    robot.until(lambda view_state: view_state.phase is Phase.ASKED, 'the question of the other episode')
+    robot.until(lambda now: now.phase is Phase.ASKED, 'the question of the other episode')
     assert robot.node.unacknowledged is None
     assert {answer['episode_id'] for answer in robot.answers} == {'e'}
 
 
-def test_messages_that_cannot_be_used_are_refused_and_counted(robot: Robot) -> None:
+def test_messages_that_cannot_be_used_are_refused_and_counted(robot: Robot, diagnostics: Any) -> None:
     """Any node on the network could end a person's session."""
-    diagnostics = robot.graph.listen('diagnostics', DiagnosticArray, qos.DIAGNOSTICS, '/diagnostics')
     robot.start()
     robot.asks(1)
     robot.topics['query'].publish(String(data='{"query_id"'))
     robot.topics['learner_state'].publish(String(data='[]'))
     robot.topics['objects'].publish(PointCloud2(width=3, height=1))
     robot.topics['scene_image'].publish(Image(width=1000, height=1000, step=3000, encoding='rgb8'))
-
-    def counted() -> bool:
-        values = {value.key for array in diagnostics for status in array.status for value in status.values}
-        return {f'refused on {name}' for name in ('query', 'learner_state', 'objects', 'scene_image')} <= values
-
-    robot.graph.wait_for(counted, 'four refusals on /diagnostics')
+    refused = {f'refused on {name}' for name in ('query', 'learner_state', 'objects', 'scene_image')}
+    robot.graph.wait_for(lambda: refused <= diagnostics.values.keys(), 'four refusals on /diagnostics')
     assert robot.dialogue.board().phase is Phase.ASKED
 
 

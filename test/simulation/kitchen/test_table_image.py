@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-from dataclasses import replace
-
 import numpy as np
 import pytest
 
@@ -20,6 +18,10 @@ def flat_view(rows: int, columns: int, depth: int, masked: bool = True) -> View:
     color[:] = (0, 200, 0)
     mask = np.full((rows, columns), masked)
     return View(color, np.full((rows, columns), depth, dtype=np.uint16), mask, Camera(525, 525, 319.5, 239.5), (0, 0))
+
+
+def thing(object_id: int = 1, x: float = 0.7, y: float = 0.4, view: View | None = None) -> Observation:
+    return Observation(object_id, (x, y, 0.0), view or flat_view(60, 60, 800), {})
 
 
 def test_every_object_is_drawn_where_it_stands(small: Task) -> None:
@@ -57,8 +59,7 @@ def test_things_are_drawn_to_scale() -> None:
     """100 pixels at 1.05 m and 525 pixels focal length are 20 cm, whatever the camera's distance."""
     widths = []
     for columns, depth in ((100, 1050), (200, 525)):
-        o = Observation(1, (0.7, 0.4, 0.0), flat_view(columns // 2, columns, depth), {})
-        image = draw_scene([o]).image.astype(int)
+        image = draw_scene([thing(view=flat_view(columns // 2, columns, depth))]).image.astype(int)
         green = (image[..., 1] > 150) & (image[..., 0] < 80) & (image[..., 2] < 80)
         widths.append(np.ptp(np.flatnonzero(green.any(axis=0))))
     assert widths[0] == pytest.approx(0.2 * 1280 / 1.68, abs=4)
@@ -73,8 +74,7 @@ def test_a_line_leads_from_a_number_to_a_thing_that_lies_aslant() -> None:
             # What is left of the square is its lower right corner.
             view.mask[:] = np.add.outer(np.arange(100), np.arange(100)) > 150
             view.mask[-1] = view.mask[:, -1] = True
-        o = Observation(1, (0.7, 0.4, 0.0), view, {})
-        image = draw_scene([o]).image.astype(int)
+        image = draw_scene([thing(view=view)]).image.astype(int)
         lengths.append(((image.min(axis=2) > 220) & (np.ptp(image, axis=2) < 10)).sum())
     assert lengths[1] > lengths[0] + 40
 
@@ -85,18 +85,14 @@ def test_the_picture_does_not_depend_on_the_order_of_the_scene(small: Task) -> N
 
 
 def test_a_wide_picture_is_wide(small: Task) -> None:
-    observation = replace(SimulatedWorld(small, 1).scene(1)[0])
-    assert draw_scene([observation], width_px=400).image.shape[1] == 400
+    assert draw_scene(SimulatedWorld(small, 1).scene(1)[:1], width_px=400).image.shape[1] == 400
 
 
 def test_the_text_of_a_mark_hides_no_number() -> None:
     """An answer would cover the number of what stands before the thing that it is about: what is that one called?"""
-    middle = Observation(1, (0.7, 0.4, 0.0), flat_view(60, 60, 800), {})
     # Its number begins where the text would be; the second one's, where the text would be above.
-    before = Observation(22, (0.75, 0.25, 0.0), flat_view(60, 60, 800), {})
-    behind = Observation(33, (0.73, 0.44, 0.0), flat_view(60, 60, 800), {})
-    for others in ([before], [before, behind]):
-        scene = [middle, *others]
+    before, behind = thing(22, 0.75, 0.25), thing(33, 0.73, 0.44)
+    for scene in ([thing(), before], [thing(), before, behind]):
         unmarked, ringed = draw_scene(scene).image, draw_scene(scene, {1: Mark(RED)}).image
         marked = draw_scene(scene, {1: Mark(RED, 'snack')}).image
         changed = (marked != ringed).any(axis=2)
@@ -108,12 +104,8 @@ def test_the_text_of_a_mark_hides_no_number() -> None:
 
 def test_a_text_with_numbers_all_around_is_below() -> None:
     """It would be missing where things stand close together."""
-    middle = Observation(1, (0.7, 0.4, 0.0), flat_view(60, 60, 800), {})
-    places = [(x, y) for x in np.arange(0.55, 0.9, 0.03) for y in np.arange(0.2, 0.6, 0.04)]
-    crowd = [
-        Observation(10 + i, (float(x), float(y), 0.0), flat_view(60, 60, 800), {}) for i, (x, y) in enumerate(places)
-    ]
-    scene = [middle, *crowd]
+    places = [(float(x), float(y)) for x in np.arange(0.55, 0.9, 0.03) for y in np.arange(0.2, 0.6, 0.04)]
+    scene = [thing(), *(thing(10 + i, *place) for i, place in enumerate(places))]
     changed = draw_scene(scene, {1: Mark(RED, 'snack')}).image != draw_scene(scene, {1: Mark(RED)}).image
     rows, columns = np.nonzero(changed.any(axis=2))
     column, row = draw_scene(scene).pixels[1]

@@ -14,7 +14,7 @@ from al_questioner.perception import VIEW_FEATURE_NAMES, perceive
 from al_questioner.simulation import World, load_task, make_world
 from al_questioner.simulation.rgbd_dataset.dataset import DatasetWorld
 from al_questioner.simulation.task import Task
-from checkout import ROOT
+from shared.checkout import ROOT
 
 if TYPE_CHECKING:
     from conftest import Tree
@@ -36,10 +36,12 @@ def make_task(test_share: float = 0.34, **scenes: Any) -> Task:
     )
 
 
-def fill(tree: Tree) -> None:
+@pytest.fixture
+def filled(tree: Tree) -> Tree:
     """Apples, pears and cans: four objects each, three views of each object."""
     for category in ('apple', 'pear', 'soda_can'):
         tree.add_category(category, objects=4, views=3)
+    return tree
 
 
 def contents(observations: tuple[Observation, ...]) -> list[tuple[object, ...]]:
@@ -51,16 +53,14 @@ def pixels(observations: tuple[Observation, ...]) -> set[tuple[tuple[int, int], 
     return {(o.view.origin, o.view.color.tobytes()) for o in observations}
 
 
-def test_world_satisfies_the_protocol_and_is_what_make_world_returns(tree: Tree) -> None:
-    fill(tree)
-    world: World = make_world(make_task(), seed=1, dataset=tree.root)
+def test_world_satisfies_the_protocol_and_is_what_make_world_returns(filled: Tree) -> None:
+    world: World = make_world(make_task(), seed=1, dataset=filled.root)
     assert isinstance(world, DatasetWorld)
     assert world.symbols == ('fruit', 'beverage')
 
 
-def test_scene_stays_until_it_changes_whatever_is_asked_for_first(tree: Tree) -> None:
-    fill(tree)
-    world, other = (DatasetWorld(make_task(), tree.root, seed=1) for _ in range(2))
+def test_scene_stays_until_it_changes_whatever_is_asked_for_first(filled: Tree) -> None:
+    world, other = (DatasetWorld(make_task(), filled.root, seed=1) for _ in range(2))
     late = contents(world.scene(9))
     assert world.scene(1)[0] is world.scene(2)[0]
     assert world.change_turns(9) == [3, 5, 7, 9]
@@ -68,9 +68,8 @@ def test_scene_stays_until_it_changes_whatever_is_asked_for_first(tree: Tree) ->
     assert contents(world.scene(2)) != contents(world.scene(3))
 
 
-def test_same_seed_gives_the_same_world_and_another_seed_another(tree: Tree) -> None:
-    fill(tree)
-    first, again, other = (DatasetWorld(make_task(), tree.root, seed) for seed in (5, 5, 6))
+def test_same_seed_gives_the_same_world_and_another_seed_another(filled: Tree) -> None:
+    first, again, other = (DatasetWorld(make_task(), filled.root, seed) for seed in (5, 5, 6))
     for turn in (1, 3, 5):
         assert contents(first.scene(turn)) == contents(again.scene(turn))
     assert contents(first.test_observations()) == contents(again.test_observations())
@@ -78,9 +77,8 @@ def test_same_seed_gives_the_same_world_and_another_seed_another(tree: Tree) -> 
     assert contents(first.scene(1)) != contents(other.scene(1))
 
 
-def test_seed_changes_the_scenes_of_a_sample_but_not_its_split(tree: Tree) -> None:
-    fill(tree)
-    first, other = (DatasetWorld(make_task(), tree.root, seed, sample=2) for seed in (5, 6))
+def test_seed_changes_the_scenes_of_a_sample_but_not_its_split(filled: Tree) -> None:
+    first, other = (DatasetWorld(make_task(), filled.root, seed, sample=2) for seed in (5, 6))
     assert first.split_report == other.split_report
     assert contents(first.test_observations()) == contents(other.test_observations())
     assert contents(first.training_pool()) == contents(other.training_pool())
@@ -88,9 +86,8 @@ def test_seed_changes_the_scenes_of_a_sample_but_not_its_split(tree: Tree) -> No
 
 
 @pytest.mark.parametrize('turnover', ['state', 'object'])
-def test_scene_shows_each_physical_object_once_and_apart(tree: Tree, turnover: str) -> None:
-    fill(tree)
-    world = DatasetWorld(make_task(turnover=turnover), tree.root, seed=2)
+def test_scene_shows_each_physical_object_once_and_apart(filled: Tree, turnover: str) -> None:
+    world = DatasetWorld(make_task(turnover=turnover), filled.root, seed=2)
     for turn in range(1, 40, 2):
         scene = world.scene(turn)
         assert len({observation.object_id for observation in scene}) == len(scene) == 4
@@ -100,17 +97,15 @@ def test_scene_shows_each_physical_object_once_and_apart(tree: Tree, turnover: s
         assert apart.min() > 0.2
 
 
-def test_objects_that_change_their_state_stay_and_come_in_other_views(tree: Tree) -> None:
-    fill(tree)
-    world = DatasetWorld(make_task(turnover='state'), tree.root, seed=2)
+def test_objects_that_change_their_state_stay_and_come_in_other_views(filled: Tree) -> None:
+    world = DatasetWorld(make_task(turnover='state'), filled.root, seed=2)
     for turn in range(3, 20, 2):
         assert world.names(turn) == world.names(1)
         assert not pixels(world.scene(turn)) & pixels(world.scene(turn - 1))
 
 
-def test_objects_that_are_replaced_come_with_new_ids(tree: Tree) -> None:
-    fill(tree)
-    world = DatasetWorld(make_task(turnover='object', persistence=0.5), tree.root, seed=2)
+def test_objects_that_are_replaced_come_with_new_ids(filled: Tree) -> None:
+    world = DatasetWorld(make_task(turnover='object', persistence=0.5), filled.root, seed=2)
     seen: set[int] = set(world.names(1))
     for turn in range(3, 20, 2):
         before, after = world.names(turn - 2), world.names(turn)
@@ -121,24 +116,21 @@ def test_objects_that_are_replaced_come_with_new_ids(tree: Tree) -> None:
         seen |= after.keys()
 
 
-def test_truth_is_the_symbol_of_the_category(tree: Tree) -> None:
-    fill(tree)
-    tree.add_category('stapler', objects=4, views=1)
-    world = DatasetWorld(make_task(clutter_share=0.4), tree.root, seed=3)
+def test_truth_is_the_symbol_of_the_category(filled: Tree) -> None:
+    filled.add_category('stapler', objects=4, views=1)
+    world = DatasetWorld(make_task(clutter_share=0.4), filled.root, seed=3)
     symbols = set()
     for turn in range(1, 30, 2):
         names = world.names(turn)
-        assert {i: SYMBOL_OF[name.rsplit(' ', 1)[0].replace(' ', '_')] for i, name in names.items()} == world.truth(
-            turn
-        )
+        categories = {i: name.rsplit(' ', 1)[0].replace(' ', '_') for i, name in names.items()}
+        assert {i: SYMBOL_OF[category] for i, category in categories.items()} == world.truth(turn)
         symbols |= set(world.truth(turn).values())
     assert symbols == {'fruit', 'beverage', NO_SYMBOL}
 
 
-def test_test_objects_are_never_in_a_scene_and_all_of_some_symbol(tree: Tree) -> None:
-    fill(tree)
-    tree.add_category('stapler', objects=3, views=2)
-    world = DatasetWorld(make_task(clutter_share=0.3), tree.root, seed=4)
+def test_test_objects_are_never_in_a_scene_and_all_of_some_symbol(filled: Tree) -> None:
+    filled.add_category('stapler', objects=3, views=2)
+    world = DatasetWorld(make_task(clutter_share=0.3), filled.root, seed=4)
     held_out = pixels(world.test_observations())
     assert len(held_out) == 3 * 3
     assert sorted(world.test_labels()) == ['beverage'] * 3 + ['fruit'] * 6
@@ -147,21 +139,19 @@ def test_test_objects_are_never_in_a_scene_and_all_of_some_symbol(tree: Tree) ->
         assert pixels(world.scene(turn)) <= pixels(world.training_pool())
 
 
-def test_sample_has_the_size_and_the_shares_of_the_task(tree: Tree) -> None:
+def test_sample_has_the_size_and_the_shares_of_the_task(filled: Tree) -> None:
     """Two categories of fruit share the half of the symbol."""
-    fill(tree)
-    world = DatasetWorld(make_task(training_size=8, test_size=4), tree.root, seed=4)
+    world = DatasetWorld(make_task(training_size=8, test_size=4), filled.root, seed=4)
     assert sorted(world.training_labels()) == ['beverage'] * 4 + ['fruit'] * 4
     assert sorted(world.test_labels()) == ['beverage'] * 2 + ['fruit'] * 2
     assert len(world.training_pool()) == 8
 
 
-def test_only_crops_that_are_shown_are_read(tree: Tree, monkeypatch: pytest.MonkeyPatch) -> None:
-    fill(tree)
+def test_only_crops_that_are_shown_are_read(filled: Tree, monkeypatch: pytest.MonkeyPatch) -> None:
     read: list[Path] = []
     original = Path.read_bytes
     monkeypatch.setattr(Path, 'read_bytes', lambda path: (read.append(path), original(path))[1])
-    world = DatasetWorld(make_task(), tree.root, seed=1)
+    world = DatasetWorld(make_task(), filled.root, seed=1)
     world.scene(2)
     assert len(read) == 4 * 4
     world.test_observations()
@@ -203,11 +193,10 @@ def damage(tree: Tree, categories: tuple[str, ...], frame: int) -> list[str]:
     return [path.name for path in broken]
 
 
-def test_unreadable_crops_are_replaced_named_and_counted(tree: Tree) -> None:
-    fill(tree)
-    tree.part(tree.add('apple', 1, 9), 'loc.txt').unlink()
-    broken = damage(tree, ('apple', 'pear', 'soda_can'), frame=2)
-    world = DatasetWorld(make_task(training_size=12, test_size=3), tree.root, seed=1)
+def test_unreadable_crops_are_replaced_named_and_counted(filled: Tree) -> None:
+    filled.part(filled.add('apple', 1, 9), 'loc.txt').unlink()
+    broken = damage(filled, ('apple', 'pear', 'soda_can'), frame=2)
+    world = DatasetWorld(make_task(training_size=12, test_size=3), filled.root, seed=1)
     for turn in range(1, 80, 2):
         assert len(world.scene(turn)) == 4
         perceive(world.scene(turn))
@@ -219,43 +208,34 @@ def test_unreadable_crops_are_replaced_named_and_counted(tree: Tree) -> None:
     assert set(names[1:]) <= set(broken)
     lines = world.load_report().splitlines()
     assert lines[-1] == f'skipped in all: {len(names)}'
-    assert lines[1] == f'skipped {tree.root}/apple/apple_1/apple_1_1_9: incomplete: no _loc.txt'
+    assert lines[1] == f'skipped {filled.root}/apple/apple_1/apple_1_1_9: incomplete: no _loc.txt'
 
 
-def test_scene_does_not_depend_on_what_else_was_asked_for(tree: Tree) -> None:
+def test_scene_does_not_depend_on_what_else_was_asked_for(filled: Tree) -> None:
     """Reading pool and test finds damaged files; the scenes must not differ from those of a graph that never asks."""
-    fill(tree)
-    damage(tree, ('apple', 'soda_can'), frame=2)
-    world, other = (DatasetWorld(make_task(training_size=10), tree.root, seed=1) for _ in range(2))
+    damage(filled, ('apple', 'soda_can'), frame=2)
+    world, other = (DatasetWorld(make_task(training_size=10), filled.root, seed=1) for _ in range(2))
     world.training_pool()
     world.test_observations()
     for turn in (1, 5, 21):
         assert contents(world.scene(turn)) == contents(other.scene(turn))
 
 
-def test_long_list_of_skipped_files_is_cut_but_counted(tree: Tree) -> None:
-    fill(tree)
+def test_long_list_of_skipped_files_is_cut_but_counted(filled: Tree) -> None:
     for i in range(50):
-        (tree.root / 'apple' / f'stray_{i}').write_text('')
-    lines = DatasetWorld(make_task(), tree.root, seed=1).load_report().splitlines()
+        (filled.root / 'apple' / f'stray_{i}').write_text('')
+    lines = DatasetWorld(make_task(), filled.root, seed=1).load_report().splitlines()
     assert lines[-2:] == ['and 30 more', 'skipped in all: 50']
 
 
-def test_dataset_whose_crops_are_all_unreadable_is_refused(tree: Tree) -> None:
-    fill(tree)
+def test_dataset_whose_crops_are_all_unreadable_is_refused(filled: Tree) -> None:
+    world = DatasetWorld(make_task(), filled.root, seed=1)
     for frame in (1, 2, 3):
-        damage(tree, ('apple', 'pear', 'soda_can'), frame)
-    with pytest.raises(InputError, match=r'no training crop can be read; the last: .*not a complete PNG image$'):
-        DatasetWorld(make_task(), tree.root, seed=1)
-
-
-def test_dataset_whose_test_is_unreadable_is_refused(tree: Tree) -> None:
-    fill(tree)
-    world = DatasetWorld(make_task(), tree.root, seed=1)
-    for frame in (1, 2, 3):
-        damage(tree, ('apple', 'pear', 'soda_can'), frame)
+        damage(filled, ('apple', 'pear', 'soda_can'), frame)
     with pytest.raises(InputError, match='no test crop can be read'):
         world.test_observations()
+    with pytest.raises(InputError, match=r'no training crop can be read; the last: .*not a complete PNG image$'):
+        DatasetWorld(make_task(), filled.root, seed=1)
 
 
 def test_dataset_without_anything_to_test_with_is_refused(tree: Tree) -> None:
@@ -270,10 +250,9 @@ def test_task_without_a_dataset_section_is_refused(tree: Tree) -> None:
         DatasetWorld(load_task('pack_lunchbox'), tree.root, seed=1)
 
 
-def test_turns_are_counted_from_one(tree: Tree) -> None:
-    fill(tree)
+def test_turns_are_counted_from_one(filled: Tree) -> None:
     with pytest.raises(InputError, match='turn must be 1 or more, not 0'):
-        DatasetWorld(make_task(), tree.root, seed=1).scene(0)
+        DatasetWorld(make_task(), filled.root, seed=1).scene(0)
 
 
 def tabletop(seed: int = 3) -> DatasetWorld:

@@ -3,14 +3,13 @@
 from __future__ import annotations
 
 import zlib
-from collections.abc import Callable
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 import pytest
 
 from al_questioner.domain import Camera, InputError
-from al_questioner.simulation.rgbd_dataset.files import CropError, CropFiles, index_crops, read_view
+from al_questioner.simulation.rgbd_dataset.files import CropError, index_crops, read_view
 
 if TYPE_CHECKING:
     from conftest import Tree
@@ -83,14 +82,10 @@ def test_crop_without_one_of_its_files_is_named_and_skipped(tree: Tree, name: st
 def test_stray_files_and_folders_are_named_and_skipped(tree: Tree) -> None:
     crop = tree.add('apple')
     (tree.root / 'apple' / 'README').write_text('hello')
-    (tree.root / 'apple' / 'apple_2').mkdir()
-    (tree.root / 'apple' / 'apple_x').mkdir()
-    (tree.root / 'apple' / 'pear_1').mkdir()
-    (crop.stem.parent / 'Thumbs.db').write_text('')
-    (crop.stem.parent / 'apple_1_1_1.png').write_text('')
-    (crop.stem.parent / 'apple_7_1_1_crop.png').write_text('')
-    (crop.stem.parent / 'apple_1_crop.png').write_text('')
-    (crop.stem.parent / '.DS_Store').write_text('')
+    for folder in ('apple_2', 'apple_x', 'pear_1'):
+        (tree.root / 'apple' / folder).mkdir()
+    for file in ('Thumbs.db', 'apple_1_1_1.png', 'apple_7_1_1_crop.png', 'apple_1_crop.png', '.DS_Store'):
+        (crop.stem.parent / file).write_text('')
     index = index_crops(tree.root, ['apple'])
     assert index.crops['apple'] == (crop,)
     assert {skipped.path.name: skipped.reason for skipped in index.skipped} == {
@@ -105,29 +100,22 @@ def test_stray_files_and_folders_are_named_and_skipped(tree: Tree) -> None:
     }
 
 
-def test_root_that_does_not_exist_is_refused(tree: Tree) -> None:
-    with pytest.raises(InputError, match=r'nowhere: does not exist$'):
-        index_crops(tree.root / 'nowhere', ['apple'])
-
-
-def test_root_that_is_a_file_is_refused(tree: Tree) -> None:
+@pytest.mark.parametrize(
+    ('name', 'reason'),
+    [
+        ('nowhere', r'nowhere: does not exist$'),
+        ('file', r'file: not a directory$'),
+        ('', r'no complete crop of any of peach, pear; each crop is expected as CATEGORY/CATEGORY_N/'),
+        ('half', r'no complete crop of any of peach, pear; 2 .*incomplete: no _loc.txt; each crop'),
+    ],
+)
+def test_root_without_any_wanted_crop_is_refused(tree: Tree, name: str, reason: str) -> None:
     (tree.root / 'file').write_text('')
-    with pytest.raises(InputError, match=r'file: not a directory$'):
-        index_crops(tree.root / 'file', ['apple'])
-
-
-def test_root_without_any_wanted_crop_is_refused(tree: Tree) -> None:
     tree.add('stapler')
-    with pytest.raises(
-        InputError, match=r'no complete crop of any of apple, pear; each crop is expected as CATEGORY/CATEGORY_N/'
-    ):
-        index_crops(tree.root, ['apple', 'pear'])
-
-
-def test_root_with_half_crops_only_says_so(tree: Tree) -> None:
-    tree.part(tree.add('apple'), 'loc.txt').unlink()
-    with pytest.raises(InputError, match=r'no complete crop of any of apple; 2 .*incomplete: no _loc.txt; each crop'):
-        index_crops(tree.root, ['apple'])
+    half = type(tree)(tree.root / 'half')
+    half.part(half.add('pear'), 'loc.txt').unlink()
+    with pytest.raises(InputError, match=reason):
+        index_crops(tree.root / name, ['peach', 'pear'])
 
 
 def test_view_is_what_the_files_hold(tree: Tree) -> None:
@@ -148,17 +136,6 @@ def test_mask_of_ones_counts_as_well_as_one_of_255(tree: Tree) -> None:
     assert read_view(crop, CAMERA).mask.all()
 
 
-def _cut_short(tree: Tree, crop: CropFiles) -> None:
-    path = tree.part(crop, 'crop.png')
-    path.write_bytes(path.read_bytes()[:-20])
-
-
-def _of_billions_of_pixels(tree: Tree, crop: CropFiles) -> None:
-    path = tree.part(crop, 'crop.png')
-    header = b'IHDR' + b'\0\1\0\0' * 2 + path.read_bytes()[24:29]
-    path.write_bytes(path.read_bytes()[:12] + header + zlib.crc32(header).to_bytes(4, 'big') + path.read_bytes()[33:])
-
-
 @pytest.mark.parametrize('tail', [b'\n', b'\0' * 1000, b'trailing IEND\xaeB`\x82', b'\x89PNG\r\n\x1a\n'])
 def test_bytes_after_the_end_of_an_image_do_not_matter(tree: Tree, tail: bytes) -> None:
     """Cameras and tools append what they like; the views of such a dataset would all be passed over."""
@@ -173,65 +150,40 @@ def test_bytes_after_the_end_of_an_image_do_not_matter(tree: Tree, tail: bytes) 
     assert np.array_equal(view.mask, before.mask)
 
 
-DAMAGES: dict[str, tuple[Callable[[Tree, CropFiles], object], str]] = {
-    'cut short': (_cut_short, 'crop.png: not a complete PNG image'),
-    'cut short in its last chunk, with a tail': (
-        lambda tree, crop: tree.part(crop, 'crop.png').write_bytes(
-            tree.part(crop, 'crop.png').read_bytes()[:-6] + b'.'
-        ),
-        'crop.png: not a complete PNG image',
-    ),
-    'billions of pixels': (_of_billions_of_pixels, r'crop.png: cannot be decoded \('),
-    'empty file': (
-        lambda tree, crop: tree.part(crop, 'crop.png').write_bytes(b''),
-        'crop.png: not a complete PNG image',
-    ),
-    'no image': (
-        lambda tree, crop: tree.part(crop, 'maskcrop.png').write_text('hello'),
-        'maskcrop.png: not a complete PNG image',
-    ),
-    'gone meanwhile': (lambda tree, crop: tree.part(crop, 'depthcrop.png').unlink(), 'depthcrop.png: cannot be read'),
-    'depth of 8 bits': (
-        lambda tree, crop: tree.write(crop, 'depthcrop', np.ones((24, 20), np.uint8)),
-        'depthcrop.png: is uint8, expected uint16 millimetres',
-    ),
-    'smaller mask': (
-        lambda tree, crop: tree.write(crop, 'maskcrop', np.ones((10, 20), np.uint8)),
-        r'maskcrop.png: has shape \(10, 20\), but the colour image \(24, 20\)',
-    ),
-    'colour depth image': (
-        lambda tree, crop: tree.write(crop, 'depthcrop', np.ones((24, 20, 3), np.uint16)),
-        'depthcrop.png: has shape',
-    ),
-    'empty mask': (
-        lambda tree, crop: tree.write(crop, 'maskcrop', np.zeros((24, 20), np.uint8)),
-        'maskcrop.png: marks no pixel',
-    ),
-    'no depth on the object': (
-        lambda tree, crop: tree.write(crop, 'depthcrop', np.zeros((24, 20), np.uint16)),
-        'depthcrop.png: has no reading on the object',
-    ),
-    'location of one number': (
-        lambda tree, crop: tree.part(crop, 'loc.txt').write_text('12'),
-        'loc.txt: expected the column and row',
-    ),
-    'location of words': (
-        lambda tree, crop: tree.part(crop, 'loc.txt').write_text('a,b'),
-        'loc.txt: expected the column and row',
-    ),
-    'location of bytes': (
-        lambda tree, crop: tree.part(crop, 'loc.txt').write_bytes(b'\xff\xfe'),
-        'loc.txt: expected the column and row',
-    ),
-}
+def _of_billions_of_pixels(content: bytes) -> bytes:
+    header = b'IHDR' + b'\0\1\0\0' * 2 + content[24:29]
+    return content[:12] + header + zlib.crc32(header).to_bytes(4, 'big') + content[33:]
 
 
-@pytest.mark.parametrize('damage', DAMAGES)
-def test_damaged_crop_is_refused_with_its_file_and_reason(tree: Tree, damage: str) -> None:
+@pytest.mark.parametrize(
+    ('name', 'damage', 'reason'),
+    [
+        ('crop', lambda content: content[:-20], 'not a complete PNG image'),
+        # Cut short in its last chunk, with a tail.
+        ('crop', lambda content: content[:-6] + b'.', 'not a complete PNG image'),
+        ('crop', _of_billions_of_pixels, r'cannot be decoded \('),
+        ('crop', b'', 'not a complete PNG image'),
+        ('maskcrop', b'hello', 'not a complete PNG image'),
+        ('depthcrop', None, 'cannot be read'),
+        ('depthcrop', np.ones((24, 20), np.uint8), 'is uint8, expected uint16 millimetres'),
+        ('maskcrop', np.ones((10, 20), np.uint8), r'has shape \(10, 20\), but the colour image \(24, 20\)'),
+        ('depthcrop', np.ones((24, 20, 3), np.uint16), 'has shape'),
+        ('maskcrop', np.zeros((24, 20), np.uint8), 'marks no pixel'),
+        ('depthcrop', np.zeros((24, 20), np.uint16), 'has no reading on the object'),
+        *(('loc', content, 'expected the column and row') for content in (b'12', b'a,b', b'\xff\xfe')),
+    ],
+)
+def test_damaged_crop_is_refused_with_its_file_and_reason(tree: Tree, name: str, damage: Any, reason: str) -> None:
     crop = tree.add('apple')
-    inflict, message = DAMAGES[damage]
-    inflict(tree, crop)
-    with pytest.raises(CropError, match=message) as caught:
+    file = f'{name}.txt' if name == 'loc' else f'{name}.png'
+    path = tree.part(crop, file)
+    if damage is None:
+        path.unlink()
+    elif isinstance(damage, np.ndarray):
+        tree.write(crop, name, damage)
+    else:
+        path.write_bytes(damage(path.read_bytes()) if callable(damage) else damage)
+    with pytest.raises(CropError, match=f'{file}: {reason}') as caught:
         read_view(crop, CAMERA)
     assert caught.value.skipped.path.parent == crop.stem.parent
     assert '\n' not in str(caught.value)

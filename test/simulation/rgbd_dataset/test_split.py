@@ -38,16 +38,19 @@ def test_category_with_several_objects_is_split_by_object_and_says_so() -> None:
     )
 
 
-def test_category_with_one_object_is_split_by_view_and_says_so() -> None:
-    split = split_crops({'mug': crops('mug', 6)}, 1 / 3, rng())
-    assert (len(split.training['mug']), len(split.test['mug'])) == (4, 2)
-    assert split.lines == ('mug: split by view (one object only), 4 training views, 2 test views',)
-
-
-def test_only_view_of_a_category_is_for_training_and_said_so() -> None:
-    split = split_crops({'mug': crops('mug', 1)}, 0.9, rng())
-    assert (len(split.training['mug']), len(split.test['mug'])) == (1, 0)
-    assert split.lines == ('mug: one view only: for training, nothing to test it with',)
+@pytest.mark.parametrize(
+    ('views', 'share', 'numbers', 'line'),
+    [
+        (6, 1 / 3, (4, 2), 'split by view (one object only), 4 training views, 2 test views'),
+        (1, 0.9, (1, 0), 'one view only: for training, nothing to test it with'),
+    ],
+)
+def test_category_with_one_object_is_split_by_view_and_says_so(
+    views: int, share: float, numbers: tuple[int, int], line: str
+) -> None:
+    split = split_crops({'mug': crops('mug', views)}, share, rng())
+    assert (len(split.training['mug']), len(split.test['mug'])) == numbers
+    assert split.lines == (f'mug: {line}',)
 
 
 @settings(max_examples=60, deadline=None, derandomize=True)
@@ -80,21 +83,20 @@ def test_sample_follows_the_shares_of_the_categories() -> None:
         assert sorted(draw.crops + draw.spares) == sorted(pool[name])
 
 
-def test_shares_of_absent_categories_go_to_the_others() -> None:
-    assert sizes(draw_sample({'apple': crops('apple', 50)}, 20, {'apple': 0.25, 'pear': 0.75}, rng())) == {'apple': 20}
-
-
-def test_sample_takes_no_more_than_there_is() -> None:
-    assert sizes(draw_sample({'apple': crops('apple', 3)}, 20, {'apple': 1.0}, rng())) == {'apple': 3}
-
-
-def test_category_without_a_share_is_left_out() -> None:
-    pool = {'apple': crops('apple', 3), 'stapler': crops('stapler', 3)}
-    assert sizes(draw_sample(pool, 2, {'apple': 1.0, 'stapler': 0.0}, rng())) == {'apple': 2}
-
-
-def test_pool_without_any_crop_gives_an_empty_sample() -> None:
-    assert draw_sample({'apple': ()}, 5, {'apple': 1.0}, rng()) == {}
+@pytest.mark.parametrize(
+    ('available', 'size', 'shares', 'drawn'),
+    [
+        ({'apple': 50}, 20, {'apple': 0.25, 'pear': 0.75}, {'apple': 20}),
+        ({'apple': 3}, 20, {'apple': 1.0}, {'apple': 3}),
+        ({'apple': 3, 'stapler': 3}, 2, {'apple': 1.0, 'stapler': 0.0}, {'apple': 2}),
+        ({'apple': 0}, 5, {'apple': 1.0}, {}),
+    ],
+)
+def test_sample_is_of_what_is_there_and_wanted(
+    available: dict[str, int], size: int, shares: dict[str, float], drawn: dict[str, int]
+) -> None:
+    """Shares of absent categories go to the others; no more is taken than there is, and nothing without a share."""
+    assert sizes(draw_sample({name: crops(name, n) for name, n in available.items()}, size, shares, rng())) == drawn
 
 
 @pytest.mark.parametrize('size', [1, 7, 80, 3200])

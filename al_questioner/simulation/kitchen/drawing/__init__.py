@@ -1,1 +1,1 @@
-"""How a solid looks to an RGB-D camera: shape, surface, light, projection, and what the depth sensor makes of it."""
+"""Drawing of a solid for an RGB-D camera: shape, surface, light, projection, and the depth sensor."""

@@ -1,4 +1,4 @@
-"""What a structured-light depth camera makes of a true depth image: noise, quantisation, holes."""
+"""Structured-light depth camera, which adds noise, quantisation and holes to a true depth image."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ from al_questioner.simulation.kitchen.drawing.images import resized
 from al_questioner.simulation.task import CameraParameters
 
 _BASELINE_M = 0.075
-"""Distance of the Kinect's projector from its infrared camera."""
+"""Distance of the Kinect's projector from its infrared camera, in metres."""
 
 
 def measure_depth(
@@ -22,18 +22,18 @@ def measure_depth(
     camera: CameraParameters,
     rng: np.random.Generator,
 ) -> NDArray[np.uint16]:
-    """Depth readings in millimetres, 0 where there is none.
+    """Return depth readings in millimetres, 0 where there is none.
 
     Noise and quantisation follow Khoshelham and Elberink (Sensors 12, 2012): the sensor measures disparity f b / Z with
     constant noise and steps, so that both grow with the square of the depth.
 
     Args:
-        thing: (h, w) metres to the thing, valid where `mask` holds.
+        thing: (h, w) metres to the object, valid where `mask` is true.
         table: (h, w) metres to the table behind it.
-        mask: (h, w) the thing.
-        glare: (h, w) in [0, 1], how much a highlight or a transparent surface disturbs the sensor.
+        mask: (h, w) the object.
+        glare: (h, w) in [0, 1], disturbance of the sensor by a highlight or a transparent surface.
         camera: noise levels.
-        rng: the noise.
+        rng: source of the noise.
     """
     height, width = mask.shape
     depth = np.where(mask, thing, table)
@@ -58,12 +58,12 @@ def measure_depth(
 
 
 def _quantile(share: float) -> float:
-    """Threshold below which about `share` of a mean of two uniform numbers lies (triangular distribution)."""
+    """Return the threshold below which a `share` of means of two uniform numbers lies (triangular distribution)."""
     return float(np.sqrt(share / 2) if share < 0.5 else 1 - np.sqrt((1 - share) / 2))
 
 
 def _shadow(solid: NDArray[np.uint8], thing: FloatArray, table: FloatArray, focal_px: float) -> NDArray[np.bool_]:
-    """The strip of table to the left of the thing that the infrared projector does not reach."""
+    """Return the strip of table to the left of the object that the infrared projector does not reach."""
     inside = solid > 0
     near, far = float(thing[inside].mean()), float(table[inside].mean())
     strip = round(focal_px * _BASELINE_M * max(0.0, 1 / near - 1 / far))

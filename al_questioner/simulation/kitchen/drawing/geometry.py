@@ -1,8 +1,8 @@
-"""Solids as stacks of slices: what a thing is, before a camera sees it.
+"""Solids as stacks of slices: the shape of an object, before a camera sees it.
 
 A solid is a list of flat polygons with the height at which each lies. Seen obliquely from above, a higher polygon hides
 a lower one, so that painting them in order gives the visible height of every pixel: colour, depth and mask of a view
-all come from that one height map, and agree. Lengths are in metres, z is up, the thing stands on z = 0.
+all come from that one height map, and agree. Lengths are in metres, z is up, the object stands on z = 0.
 """
 
 from __future__ import annotations
@@ -22,7 +22,7 @@ from al_questioner.simulation.kitchen.drawing.texture import Material
 Point = tuple[float, float]
 
 SPACING = 0.004
-"""Distance of two slices: little more than one pixel of a view."""
+"""Distance of two slices, in metres: little more than one pixel of a view."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -34,8 +34,8 @@ class Stack:
         part: index of the material.
         tones: (n,) factors of the material's brightness.
         convex: every polygon is convex.
-        opening: (k, 3) polygon through which alone the stack is seen, as the inside of a vessel is; or None.
-        stroke: 0 to fill the polygons; else they are open lines of this width in metres.
+        opening: (k, 3) polygon through which the stack is seen, such as the rim of a vessel; or None.
+        stroke: 0 to fill the polygons; otherwise they are open lines of this width in metres.
     """
 
     polygons: FloatArray
@@ -48,13 +48,13 @@ class Stack:
 
 @lru_cache(maxsize=16)
 def unit_circle(corners: int = 28) -> FloatArray:
-    """(corners, 2) points on the circle of radius 1."""
+    """Return (corners, 2) points on the circle of radius 1."""
     angles = np.linspace(0, 2 * np.pi, corners, endpoint=False)
     return np.stack([np.cos(angles), np.sin(angles)], axis=1).astype(np.float32)
 
 
 def resample(profile: ArrayLike, spacing: float = SPACING) -> FloatArray:
-    """Points along a polyline (k, d), at most `spacing` apart, both ends included."""
+    """Return points along a polyline (k, d), at most `spacing` apart, both ends included."""
     points = np.asarray(profile, dtype=float)
     lengths = np.zeros(len(points))
     np.sqrt(((points[1:] - points[:-1]) ** 2).sum(axis=1)).cumsum(out=lengths[1:])
@@ -66,7 +66,7 @@ def resample(profile: ArrayLike, spacing: float = SPACING) -> FloatArray:
 
 
 def rounded_rectangle(width: float, depth: float, radius: float) -> FloatArray:
-    """(k, 2) outline of a rectangle around the origin, its corners rounded."""
+    """Return the (k, 2) outline of a rectangle around the origin with rounded corners."""
     radius = min(radius, width / 2, depth / 2)
     circle = unit_circle(16)
     inner = np.array([width / 2 - radius, depth / 2 - radius], dtype=np.float32)
@@ -75,7 +75,7 @@ def rounded_rectangle(width: float, depth: float, radius: float) -> FloatArray:
 
 
 def turned(points: ArrayLike, angle: float) -> FloatArray:
-    """Points (..., 2) or (..., 3) rotated about the vertical axis."""
+    """Return points (..., 2) or (..., 3) rotated about the vertical axis."""
     points = np.array(points, dtype=np.float32)
     c, s = np.cos(angle), np.sin(angle)
     x, y = points[..., 0].copy(), points[..., 1].copy()
@@ -84,7 +84,7 @@ def turned(points: ArrayLike, angle: float) -> FloatArray:
 
 
 def ball_profile(radius: float, height: float, low: float = 0.0, waist: float = 0.5) -> FloatArray:
-    """(k, 2) heights and radii of a ball-like body whose widest circle lies at `waist` of its height."""
+    """Return (k, 2) heights and radii of a ball-like body whose widest circle lies at `waist` of its height."""
     angles = np.linspace(-np.pi / 2, np.pi / 2, 24)
     up = np.sin(angles)
     z = np.where(up < 0, waist * (1 + up), waist + (1 - waist) * up) * height + low
@@ -93,10 +93,10 @@ def ball_profile(radius: float, height: float, low: float = 0.0, waist: float = 
 
 @dataclass(eq=False)
 class Solid:
-    """A thing being put together; each method adds a piece in front of, or above, the pieces before it.
+    """An object that is built piece by piece; each method adds a piece in front of, or above, the pieces before it.
 
     Attributes:
-        turn_deg: range of headings, in degrees, from which the thing may be seen.
+        turn_deg: range of headings, in degrees, from which the object may be seen.
     """
 
     stacks: list[Stack] = field(default_factory=list)
@@ -106,14 +106,14 @@ class Solid:
 
     @contextmanager
     def inside(self, height: float, radius: float, outline: FloatArray | None = None) -> Iterator[None]:
-        """What is added meanwhile is seen only through a rim of this height and radius (factor of the outline)."""
+        """Add pieces that are only seen through a rim of this height and radius (factor of the outline)."""
         rim = np.array([[height, radius]], dtype=np.float32)
         self._opening = self._rings(rim, unit_circle() if outline is None else outline, (0, 0))[0]
         yield
         self._opening = None
 
     def material(self, material: Material) -> int:
-        """Part number of a material."""
+        """Add a material and return its part number."""
         self.materials.append(material)
         return len(self.materials)
 
@@ -134,7 +134,7 @@ class Solid:
         outline: FloatArray | None = None,
         tone: float = 1.0,
     ) -> None:
-        """A body whose cross-section, a circle or `outline` (k, 2), keeps its shape over the height.
+        """Add a body whose cross-section, a circle or `outline` (k, 2), keeps its shape over the height.
 
         Args:
             profile: (n, 2) heights and radii (factors of the outline's size), in the order of painting.
@@ -159,21 +159,18 @@ class Solid:
         size: tuple[float, float, float],
         part: int,
         *,
-        center: Point = (0, 0),
         low: float = 0.0,
         radius: float = 0.003,
-        angle: float = 0.0,
-        tone: float = 1.0,
         lid: int | None = None,
     ) -> None:
-        """An upright box; `lid` is the material of its top, if another."""
+        """Add an upright box; `lid` is the material of its top, if different."""
         width, depth, height = size
-        outline = turned(rounded_rectangle(width, depth, radius), angle)
-        self.lathe([(low, 1), (low + height, 1)], part, center=center, outline=outline, tone=tone)
+        outline = rounded_rectangle(width, depth, radius)
+        self.lathe([(low, 1), (low + height, 1)], part, outline=outline)
         if lid is not None:
             top = np.full((len(outline), 3), low + height + 1e-4, dtype=np.float32)
-            top[:, :2] = outline + np.asarray(center, dtype=np.float32)
-            self.slices(top[None], lid, tone)
+            top[:, :2] = outline
+            self.slices(top[None], lid)
 
     def ball(
         self,
@@ -187,14 +184,14 @@ class Solid:
         tone: float = 1.0,
         waist: float = 0.5,
     ) -> None:
-        """A ball-like body; with an outline, `radius` is a factor of its size. `waist` 0 gives a dome."""
+        """Add a ball-like body; with an outline, `radius` is a factor of its size. `waist` 0 gives a dome."""
         profile = ball_profile(radius, height, low, waist)
         self.lathe(profile, part, center=center, outline=outline, tone=tone)
 
     def tube(
         self, path: ArrayLike, radius: ArrayLike, part: int, *, low: float = 0.0, flat: float = 1.0, tone: float = 1.0
     ) -> None:
-        """A lying body of round section along a path.
+        """Add a lying body of round section along a path.
 
         Args:
             path: (k, 2) centre line.
@@ -225,12 +222,12 @@ class Solid:
         self.slices(polygons, part, tone, convex=False)
 
     def strand(self, points: ArrayLike, radius: float, part: int, *, tone: float = 1.0) -> None:
-        """A thin round body along a curve (k, 3) in space: handles, stems, straws."""
+        """Add a thin round body along a curve (k, 3) in space: a handle, stem or straw."""
         beads = resample(points, 0.004)
         self.slices(np.stack([beads[:-1], beads[1:]], axis=1), part, tone, stroke=2 * radius)
 
     def plate(self, outline: ArrayLike, height: float, part: int, *, low: float = 0.0, tone: float = 1.0) -> None:
-        """A flat piece of any outline (k, 2)."""
+        """Add a flat piece of any outline (k, 2)."""
         corners = np.asarray(outline, dtype=np.float32)
         levels = resample([(low, 0), (low + height, 0)])[:, 0]
         polygons = np.empty((len(levels), len(corners), 3), dtype=np.float32)
@@ -248,12 +245,12 @@ class Solid:
         angles: ArrayLike,
         tilt: float = 0.0,
     ) -> None:
-        """Many small pieces of one outline (k, 2), each a darker edge below a lighter top.
+        """Add many small pieces of one outline (k, 2), each a darker edge below a lighter top.
 
         Args:
             centers: (n, 3) undersides of the pieces, in the order of painting.
             outline: shape of a piece around the origin.
-            thickness: of a piece.
+            thickness: thickness of a piece.
             part: the material.
             tones: (n,) brightness.
             angles: (n,) rotations.

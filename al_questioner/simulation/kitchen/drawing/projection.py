@@ -1,4 +1,4 @@
-"""A pinhole camera that looks down at one thing on the table."""
+"""Pinhole camera that looks down at one object on the table."""
 
 from __future__ import annotations
 
@@ -16,21 +16,21 @@ from al_questioner.simulation.kitchen.drawing.geometry import Solid, turned
 Number = TypeVar('Number', bound=np.generic)
 
 FINE = 2
-"""Shapes are painted on a grid this much finer than the crop's pixels, so that their edges come out smooth."""
+"""Factor by which the painting grid is finer than the crop's pixels, for smooth edges."""
 
 SHIFT = 4
-"""Fractional bits of painted coordinates."""
+"""Number of fractional bits of painted coordinates."""
 
 
 @dataclass(frozen=True)
 class Pose:
-    """How a solid stands before the camera.
+    """Position of a solid before the camera.
 
     Attributes:
         size: factor of the solid's lengths.
         heading: its rotation about the vertical axis, radians.
-        distance: of its middle along the optical axis, metres.
-        elevation: of the camera above the table plane, radians.
+        distance: distance of its middle along the optical axis, metres.
+        elevation: elevation of the camera above the table plane, radians.
         offset_px: (right, up) of its middle from the frame's centre.
     """
 
@@ -43,14 +43,14 @@ class Pose:
 
 @dataclass(frozen=True, eq=False)
 class Projection:
-    """From points on the table, relative to the thing, to the pixels of a crop, and back.
+    """Mapping from points on the table, relative to the object, to the pixels of a crop, and back.
 
-    With the camera's elevation e, the thing's middle at height m, and the camera's axes right, up and forward, a point
+    With the camera's elevation e, the object's middle at height m, and the camera's axes right, up and forward, a point
     (x, y, z) lies at (a + x, b + y sin e + (z - m) cos e, d + y cos e - (z - m) sin e).
 
     Attributes:
         camera: intrinsics of the frame.
-        pose: how the solid stands.
+        pose: position of the solid.
         middle: m, metres.
         origin: column and row of the crop's first pixel in the frame.
         shape: rows and columns of the crop.
@@ -66,7 +66,7 @@ class Projection:
     def around(
         cls, solid: Solid, pose: Pose, camera: Camera, margin_px: int
     ) -> tuple[Projection, list[FloatArray], list[NDArray[np.int32]]]:
-        """The projection to the crop that shows a solid with a margin.
+        """Return the projection to the crop that shows a solid with a margin.
 
         Returns:
             The projection; the polygons of each of the solid's stacks placed on the table, (n, k, 3) metres; and where
@@ -84,7 +84,7 @@ class Projection:
 
     @property
     def scale(self) -> float:
-        """Pixels per metre at the thing's middle."""
+        """Pixels per metre at the object's middle."""
         return self.camera.fx / self.pose.distance
 
     @property
@@ -98,29 +98,26 @@ class Projection:
         return float(np.cos(self.pose.elevation))
 
     def place(self, points: FloatArray) -> FloatArray:
-        """Points (..., 3) of the solid's own frame, on the table."""
+        """Return points (..., 3) of the solid's own frame, on the table."""
         return turned(points, self.pose.heading) * np.float32(self.pose.size)
 
     def own(self, x: FloatArray, y: FloatArray, z: FloatArray) -> tuple[FloatArray, FloatArray, FloatArray]:
-        """Points on the table in the solid's own frame and size."""
+        """Return points on the table in the solid's own frame and size."""
         size, heading = self.pose.size, self.pose.heading
         c, s = np.float32(np.cos(heading) / size), np.float32(np.sin(heading) / size)
         return c * x + s * y, c * y - s * x, z / np.float32(size)
 
     def pixels(self, points: FloatArray, fine: float = FINE) -> NDArray[np.int32]:
-        """(..., 2) fixed-point pixels, on a grid `fine` times finer, of points (..., 3) on the table."""
+        """Return (..., 2) fixed-point pixels, on a grid `fine` times finer, of points (..., 3) on the table."""
         return self._fixed_point(*self._frame(points), fine)
 
     def pixels_of_all(self, polygons: Sequence[FloatArray], fine: float = FINE) -> list[NDArray[np.int32]]:
-        """`pixels` of many arrays at once, which is faster than one by one."""
+        """Return `pixels` of many arrays at once, which is faster than one by one."""
         together = np.concatenate([some.reshape(-1, 3) for some in polygons])
         return _split(self.pixels(together, fine), [some.shape[:-1] for some in polygons])
 
     def unproject(self, relief: FloatArray) -> tuple[FloatArray, FloatArray, FloatArray]:
-        """Where on the table the pixels look, given the height of what they show.
-
-        Args:
-            relief: (rows, columns) metres above the table.
+        """Return the points on the table that the pixels show, given their (rows, columns) height in metres.
 
         Returns:
             (rows, columns) x and y of the visible point, and its depth along the optical axis, in metres.
@@ -136,7 +133,7 @@ class Projection:
         return right * depth - across, y, depth
 
     def _frame(self, points: FloatArray) -> tuple[FloatArray, FloatArray]:
-        """Columns and rows in the frame of points (..., 3) on the table; a pixel's centre is a whole number."""
+        """Return columns and rows in the frame of points (..., 3) on the table; a pixel's centre is a whole number."""
         across, above = self._offset()
         lift = points[..., 2] - np.float32(self.middle)
         depth = points[..., 1] * self.cosine - lift * self.sine + self.pose.distance
@@ -149,7 +146,7 @@ class Projection:
         return right * self.pose.distance / self.camera.fx, up * self.pose.distance / self.camera.fy
 
     def _fixed_point(self, columns: FloatArray, rows: FloatArray, fine: float) -> NDArray[np.int32]:
-        """(..., 2) fixed-point pixels of the crop, see `pixels`, from columns and rows (...) of the frame."""
+        """Return (..., 2) fixed-point pixels of the crop, see `pixels`, from columns and rows (...) of the frame."""
         flat = np.empty((*columns.shape, 2), dtype=np.int32)
         for i, (frame, first) in enumerate(zip((columns, rows), self.origin, strict=True)):
             exact = frame + (np.float32(0.5) - np.float32(first))
@@ -161,7 +158,7 @@ class Projection:
 
 
 def _split(points: NDArray[Number], shapes: Sequence[tuple[int, ...]]) -> list[NDArray[Number]]:
-    """Rows (n, d) dealt out to arrays (*shape, d)."""
+    """Return rows (n, d) split into arrays (*shape, d)."""
     dealt, first = [], 0
     for shape in shapes:
         last = first + math.prod(shape)

@@ -1,4 +1,4 @@
-"""A solid as an RGB-D camera sees it."""
+"""Rendering of a solid as an RGB-D camera sees it."""
 
 from __future__ import annotations
 
@@ -22,12 +22,12 @@ FRAME = (640, 480)
 """Width and height of the camera's frame in pixels."""
 
 _WANDER_PX = 100
-"""How far the middle of a thing may lie from the frame's centre: the robot looks at it, but not exactly."""
+"""Largest distance of an object's middle from the frame's centre, in pixels, since the robot does not aim exactly."""
 
 
 @dataclass(frozen=True, eq=False)
 class Lighting:
-    """Where the light comes from, and on what table the thing stands.
+    """Direction and colour of the light, and the table top under the object.
 
     Attributes:
         toward: (3,) unit vector to the light in the camera's heading: x right, y away, z up.
@@ -41,7 +41,7 @@ class Lighting:
 
 
 def draw_pose(rng: np.random.Generator, solid: Solid, size: float, camera: CameraParameters) -> Pose:
-    """A random pose of a thing within the task's ranges, well inside the frame."""
+    """Draw a random pose of an object within the task's ranges, well inside the frame."""
     return Pose(
         size=size,
         heading=float(np.deg2rad(rng.uniform(*solid.turn_deg))),
@@ -52,7 +52,7 @@ def draw_pose(rng: np.random.Generator, solid: Solid, size: float, camera: Camer
 
 
 def draw_lighting(rng: np.random.Generator, looks: AppearanceParameters) -> Lighting:
-    """A random light within the task's ranges, from the side or from behind the camera."""
+    """Draw a random light within the task's ranges, from the side or from behind the camera."""
     height = np.deg2rad(rng.uniform(*looks.light_elevation_deg))
     bearing = rng.uniform(-0.85 * np.pi, -0.15 * np.pi)
     toward = np.array([np.cos(height) * np.cos(bearing), np.cos(height) * np.sin(bearing), np.sin(height)])
@@ -62,17 +62,10 @@ def draw_lighting(rng: np.random.Generator, looks: AppearanceParameters) -> Ligh
 
 
 def render(solid: Solid, pose: Pose, lighting: Lighting, camera: CameraParameters, rng: np.random.Generator) -> View:
-    """The crop of the frame that shows a solid on the table.
+    """Render the crop of the frame that shows a solid on the table.
 
-    Colour, depth and mask agree with the pinhole model of `View.camera`: what the mask and the depth readings measure
-    in metres is the solid's size.
-
-    Args:
-        solid: what is seen.
-        pose: how it stands before the camera.
-        lighting: the light.
-        camera: intrinsics, noise and margin.
-        rng: noise and grain.
+    Colour, depth and mask agree with the pinhole model of `View.camera`: the size in metres that the mask and the depth
+    readings give is the solid's size.
     """
     intrinsics = Camera(camera.focal_px, camera.focal_px, (FRAME[0] - 1) / 2, (FRAME[1] - 1) / 2)
     projection, placed, polygons = Projection.around(solid, pose, intrinsics, camera.margin_px)
@@ -92,7 +85,7 @@ def render(solid: Solid, pose: Pose, lighting: Lighting, camera: CameraParameter
 def _photograph(
     picture: FloatArray, lighting: Lighting, camera: CameraParameters, rng: np.random.Generator
 ) -> NDArray[np.uint8]:
-    """(rows, columns, 3) blue-green-red: what the camera makes of a picture in red, green and blue from 0 to 1."""
+    """Return the (rows, columns, 3) blue-green-red photograph of a picture in red, green and blue from 0 to 1."""
     if camera.blur_px > 0:
         picture = blurred(picture, camera.blur_px)
     height, width = picture.shape[:2]
@@ -106,10 +99,7 @@ def _photograph(
 
 
 def _paint(
-    stacks: Sequence[Stack],
-    placed: Sequence[FloatArray],
-    pixels: Sequence[NDArray[np.int32]],
-    projection: Projection,
+    stacks: Sequence[Stack], placed: Sequence[FloatArray], pixels: Sequence[NDArray[np.int32]], projection: Projection
 ) -> Painting:
     """Paint the polygons in order; each fine pixel keeps the number of the last polygon that covers it."""
     canvas = np.zeros((FINE * projection.shape[0], FINE * projection.shape[1]), dtype=np.int32)
@@ -158,7 +148,7 @@ def _table_picture(
     projection: Projection,
     rng: np.random.Generator,
 ) -> FloatArray:
-    """(3, rows, columns) the lit table with the thing's shadow, before the thing itself."""
+    """Return (3, rows, columns) the lit table with the object's shadow, before the object itself."""
     rows, columns = projection.shape
     tile = table_top(lighting.table)
     height = min(int(np.ceil(rows / projection.scale / projection.sine / TABLE_TILE_M)) + 1, tile.shape[0])

@@ -1,4 +1,4 @@
-"""Light on a surface: from the height, material and tone of each pixel to its colour."""
+"""Light on a surface: computation of a pixel's colour from its height, material and tone."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ from al_questioner.simulation.kitchen.drawing.texture import Decal, Material, gr
 
 @dataclass(frozen=True, eq=False)
 class Painting:
-    """Which of N painted polygons each fine pixel shows; number 0 is the table.
+    """Numbers of the painted polygons that the fine pixels show, of N; number 0 is the table.
 
     Attributes:
         numbers: (FINE h, FINE w) polygon.
@@ -32,13 +32,13 @@ class Painting:
 
 @dataclass(frozen=True, eq=False)
 class Surface:
-    """What the pixels of a crop show of a thing.
+    """Visible surface of an object in the pixels of a crop.
 
     Attributes:
-        coverage: (h, w) share of the pixel that the thing covers.
-        relief: (h, w) height of the visible point in metres; beyond the thing's edge, the height at the edge.
-        color: (3, h, w) colour under even light, printed pictures aside, times the coverage.
-        tone: (h, w) factor of the brightness of what is printed.
+        coverage: (h, w) share of the pixel that the object covers.
+        relief: (h, w) height of the visible point in metres; beyond the object's edge, the height at the edge.
+        color: (3, h, w) colour under even light, without printed pictures, times the coverage.
+        tone: (h, w) factor of the brightness of printed pictures.
         part: (h, w) index of the material, -1 for the table.
         materials: the materials.
     """
@@ -52,7 +52,7 @@ class Surface:
 
     @classmethod
     def of(cls, painting: Painting, materials: Sequence[Material]) -> Surface:
-        """Average the fine pixels."""
+        """Return the surface of a painting, by averaging the fine pixels."""
         numbers = painting.numbers
         size = numbers.shape[1] // FINE, numbers.shape[0] // FINE
         table = np.zeros((len(painting.heights), 4), dtype=np.float32)
@@ -77,18 +77,18 @@ def shade(
     projection: Projection,
     rng: np.random.Generator,
 ) -> FloatArray:
-    """Paint the lit thing into the picture of the table: diffuse light, sky light, highlights (Blinn 1977).
+    """Paint the lit object into the picture of the table: diffuse light, sky light, highlights (Blinn 1977).
 
     Args:
         picture: (3, h, w) the table; changed in place.
-        surface: the thing.
+        surface: the object.
         points: (h, w) x, y and depth of the visible points, from `Projection.unproject`.
         light: (3,) unit vector to the light.
         projection: the camera.
         rng: places the grain.
 
     Returns:
-        (h, w) in [0, 1]: how much highlights and transparency would disturb a depth sensor.
+        (h, w) in [0, 1]: disturbance of a depth sensor by highlights and transparency.
     """
     at = np.flatnonzero((surface.coverage > 0) & (surface.part >= 0))
     part, coverage = surface.part.take(at), surface.coverage.take(at)
@@ -135,7 +135,7 @@ def shade(
 
 
 def _normals(relief: FloatArray, projection: Projection, at: NDArray[np.intp]) -> FloatArray:
-    """(3, n) unit normals of the surface whose height over the picture is `relief`.
+    """Return (3, n) unit normals of the surface whose height over the picture is `relief`.
 
     Perspective is neglected over one pixel: with picture coordinates u to the right and v up, in metres, the surface is
     (u, (v - z cos e) / sin e, z(u, v)); the normal is the cross product of its two derivatives.
@@ -151,7 +151,7 @@ def _normals(relief: FloatArray, projection: Projection, at: NDArray[np.intp]) -
 
 
 def decal_colors(decal: Decal, x: FloatArray, y: FloatArray, z: FloatArray) -> FloatArray:
-    """(n, 3) colours of a printed picture at n points of the surface, in the solid's own frame."""
+    """Return (n, 3) colours of a printed picture at n points of the surface, in the solid's own frame."""
     rows, columns = decal.image.shape[:2]
     if decal.mapping == 'top':
         u, v = x / decal.size[0] + 0.5, 0.5 - y / decal.size[1]
@@ -169,7 +169,7 @@ def decal_colors(decal: Decal, x: FloatArray, y: FloatArray, z: FloatArray) -> F
 
 
 def _around_box(x: FloatArray, y: FloatArray) -> FloatArray:
-    """Position in [0, 1) along the walls of the square [-1, 1]^2, a quarter a wall."""
+    """Return the position in [0, 1) along the walls of the square [-1, 1]^2, a quarter a wall."""
     side = np.abs(x) > np.abs(y)
     wall = np.where(side, np.where(x > 0, 0, 2), np.where(y > 0, 1, 3))
     along = np.where(side, np.where(x > 0, y, -y), np.where(y > 0, -x, x))

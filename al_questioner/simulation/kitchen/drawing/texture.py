@@ -13,7 +13,7 @@ from al_questioner.domain import FloatArray, random_stream
 from al_questioner.simulation.kitchen.drawing.images import resized
 
 Color = tuple[float, float, float]
-"""Red, green, blue in [0, 1]; views turn them round to OpenCV's order at the end."""
+"""A colour, red, green, blue in [0, 1]; at the end, views are converted to OpenCV's order."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -35,7 +35,7 @@ class Decal:
 
 @dataclass(frozen=True, eq=False)
 class Material:
-    """How a surface reflects light.
+    """Reflection of light by a surface.
 
     Attributes:
         color: red, green, blue in [0, 1].
@@ -57,19 +57,19 @@ class Material:
 
 
 def hsv(hue_deg: float, saturation: float, value: float) -> Color:
-    """A colour by hue (degrees), saturation and value in [0, 1]."""
+    """Return a colour by hue (degrees), saturation and value in [0, 1]."""
     return colorsys.hsv_to_rgb(hue_deg % 360 / 360, min(max(saturation, 0), 1), min(max(value, 0), 1))
 
 
 def shifted(color: Color, hue_deg: float, tone: float) -> Color:
-    """A colour turned around the colour wheel and made lighter (tone > 1) or darker."""
+    """Return a colour turned around the colour wheel and made lighter (tone > 1) or darker."""
     hue, saturation, value = colorsys.rgb_to_hsv(*color)
     return hsv(hue * 360 + hue_deg, saturation, value * tone)
 
 
 @lru_cache(maxsize=1)
 def grain_tile() -> FloatArray:
-    """(512, 512) smooth mottling of mean 0 and standard deviation 1, seamless: three octaves of noise."""
+    """Return (512, 512) smooth mottling of mean 0 and standard deviation 1, seamless: three octaves of noise."""
     rng = random_stream(0, 'world/grain')
     total = np.zeros((512, 512), dtype=np.float32)
     for size, weight in ((32, 1.0), (96, 0.7), (256, 0.5)):
@@ -82,7 +82,7 @@ def grain_tile() -> FloatArray:
 
 @lru_cache(maxsize=1)
 def noise_tile() -> FloatArray:
-    """(640, 640, 3) white Gaussian noise of standard deviation 1: a piece of it is the camera's noise in a view."""
+    """Return (640, 640, 3) white Gaussian noise of standard deviation 1; a view takes a part of it as camera noise."""
     return random_stream(0, 'world/noise').standard_normal((640, 640, 3), dtype=np.float32)
 
 
@@ -100,7 +100,7 @@ _TABLE_TOPS: tuple[tuple[Color, float, float], ...] = (
 
 @lru_cache(maxsize=8)
 def table_top(index: int) -> FloatArray:
-    """(600, 900, 3) picture of a table top, red-green-blue in [0, 1]: three woods, a light and a dark stone.
+    """Return the (600, 900, 3) picture of a table top, red-green-blue in [0, 1]: three woods, a light and a dark stone.
 
     Index 0 is the table of every scene unless the task asks for a variety of backgrounds.
     """
@@ -119,12 +119,12 @@ def table_top(index: int) -> FloatArray:
 
 
 def table_top_count() -> int:
-    """How many table tops there are."""
+    """Return the number of table tops."""
     return len(_TABLE_TOPS)
 
 
 def blush_image(ground: Color, blush: Color, share: float) -> FloatArray:
-    """A skin (32, 64, 3) that turns from one colour into another around the thing; `share` of it has the second."""
+    """Return a skin (32, 64, 3) that turns from one colour into another around the fruit; `share` has the second."""
     angles = np.linspace(-np.pi, np.pi, 64, dtype=np.float32)[None, :]
     heights = np.linspace(-1, 1, 32, dtype=np.float32)[:, None]
     side = np.cos(angles + 0.5 * heights) + 0.35 * grain_tile()[100:132, 100:164] - 0.3 * np.abs(heights)
@@ -136,18 +136,10 @@ def blush_image(ground: Color, blush: Color, share: float) -> FloatArray:
 def label_image(
     ground: Color, ink: Color, accent: Color, word: str, place: float, repeats: int = 2, motif: str = 'disc'
 ) -> FloatArray:
-    """A printed label (96, 128 * repeats, 3), its design repeated: a band, a motif and a word.
+    """Return a printed label (96, 128 * repeats, 3), its design repeated: a band, a motif and a word.
 
-    Every view of a thing shows the same one.
-
-    Args:
-        ground: colour of the paper.
-        ink: colour of the word.
-        accent: colour of band and motif.
-        word: what is printed, short.
-        place: in [0, 1], moves the motif.
-        repeats: how often the design is repeated from left to right.
-        motif: 'disc', 'stripes', 'wave', 'blocks' or 'plain'.
+    Every view of an object shows the same label. The motif, of the accent's colour like the band, is 'disc', 'stripes',
+    'wave', 'blocks' or 'plain', and `place` in [0, 1] moves it.
     """
     paper, text, tint = ([round(255 * channel) for channel in color] for color in (ground, ink, accent))
     image = np.full((96, 128, 3), paper, dtype=np.uint8)

@@ -1,1 +1,1 @@
-"""What may lie on a table: vessels, food and clutter, and the catalogues of the tasks."""
+"""Objects that may lie on a table: vessels, food and clutter, and the catalogues of the tasks."""

@@ -1,4 +1,4 @@
-"""What may lie on the table of a task."""
+"""Catalogues of objects for the table of a task."""
 
 from __future__ import annotations
 
@@ -19,14 +19,14 @@ CATALOGUES: Mapping[str, tuple[Kind, ...]] = MappingProxyType(
 
 
 UNNAMED = ('pack_lunchbox', 'kitchen_table')
-"""Where a task names no catalogue: the first of these that holds all that it needs."""
+"""Catalogues to try for a task that names none; the first with all that the task needs is taken."""
 
 
 def kinds_by_symbol(task: Task) -> Mapping[str, tuple[Kind, ...]]:
-    """The kinds of things of each symbol of the task, and of 'none'.
+    """Return the kinds of objects of each symbol of the task, and of 'none'.
 
     Raises:
-        InputError: unknown catalogue, a symbol without a kind, or clutter wanted where there is none.
+        InputError: unknown catalogue, a symbol without a kind, or clutter wanted from a catalogue without any.
     """
     kinds = CATALOGUES[_catalogue_of(task)]
     return {symbol: tuple(kind for kind in kinds if kind.symbol == symbol) for symbol in (*task.symbols, NO_SYMBOL)}
@@ -56,7 +56,7 @@ def _catalogue_of(task: Task) -> str:
 
 
 def _lack(task: Task, catalogue: str) -> str | None:
-    """The first symbol, or 'none' where clutter is wanted, that a catalogue holds nothing of; None if it has all."""
+    """Return the first symbol that a catalogue has no object of ('none' for wanted clutter); None if it has all."""
     held = {kind.symbol for kind in CATALOGUES[catalogue]}
     wanted = (*task.symbols, NO_SYMBOL) if task.scenes.clutter_share > 0 else task.symbols
     return next((symbol for symbol in wanted if symbol not in held), None)

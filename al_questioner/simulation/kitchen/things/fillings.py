@@ -1,34 +1,35 @@
-"""Loose food: what fills bowls, plates and pots, or lies in a heap."""
+"""Loose food that fills bowls, plates and pots, or lies in a heap."""
 
 from __future__ import annotations
 
 import numpy as np
+from numpy.random import Generator
 
 from al_questioner.domain import FloatArray
 from al_questioner.simulation.kitchen.drawing.geometry import Solid, unit_circle
 from al_questioner.simulation.kitchen.drawing.texture import Color, Material
-from al_questioner.simulation.kitchen.things.vessels import Draw, Filling, Look
+from al_questioner.simulation.kitchen.things.vessels import Filling, Look, drawing
 
 
-def spots_on_disc(n: int, radius: float, rng: np.random.Generator) -> FloatArray:
-    """(n, 2) points spread over a disc, the farthest first."""
+def spots_on_disc(n: int, radius: float, rng: Generator) -> FloatArray:
+    """Return (n, 2) points spread over a disc, the farthest first."""
     distance = radius * np.sqrt((np.arange(n) + 0.5) / n)
     angle = 2.39996 * np.arange(n) + rng.uniform(0, 2 * np.pi)
     points = np.stack([distance * np.cos(angle), distance * np.sin(angle)], axis=1)
     return (points + rng.normal(0, 0.12 * radius / np.sqrt(n), (n, 2))).astype(np.float32)[::-1]
 
 
-def _heaped(n: int, radius: float, low: float, peak: float, rng: np.random.Generator) -> FloatArray:
-    """(n, 3) undersides of pieces heaped up, from the rim to the peak."""
+def _heaped(n: int, radius: float, low: float, peak: float, rng: Generator) -> FloatArray:
+    """Return (n, 3) undersides of pieces in a heap, from the rim to the peak."""
     spots = spots_on_disc(n, radius, rng)
     rise = 1 - np.linalg.norm(spots, axis=1) / radius
     return np.column_stack([spots, low + peak * np.clip(rise, 0, 1)]).astype(np.float32)
 
 
 def liquid(color: Color, bits: Color | None = None, count: int = 14, bit_m: float = 0.006) -> Filling:
-    """Soup or sauce, perhaps with bits in it."""
+    """Return a function that draws soup or sauce, perhaps with bits in it."""
 
-    def fill(solid: Solid, level: float, radius: float, look: Look, rng: np.random.Generator) -> None:
+    def fill(solid: Solid, level: float, radius: float, look: Look, rng: Generator) -> None:
         broth = solid.material(Material(look.color(color), shine=0.45, sharpness=40, grain=0.07, grain_m=0.015))
         solid.lathe([(level, radius), (level, 0.95 * radius)], broth)
         if bits is not None:
@@ -41,9 +42,9 @@ def liquid(color: Color, bits: Color | None = None, count: int = 14, bit_m: floa
 
 
 def noodles(color: Color, sauce: Color | None, strands: int = 34) -> Filling:
-    """A tangle of spaghetti, perhaps with sauce on top."""
+    """Return a function that draws a tangle of spaghetti, perhaps with sauce on top."""
 
-    def fill(solid: Solid, level: float, radius: float, look: Look, rng: np.random.Generator) -> None:
+    def fill(solid: Solid, level: float, radius: float, look: Look, rng: Generator) -> None:
         pasta = solid.material(Material(look.color(color), shine=0.3, sharpness=25, grain=0.05))
         solid.lathe([(level, radius), (level + 0.012, 0.55 * radius), (level + 0.016, 0.05 * radius)], pasta, tone=0.7)
         middles = _heaped(strands, 0.62 * radius, level, 0.022, rng)
@@ -75,21 +76,13 @@ def heap(
     bed: float = 0.62,
     chips: Color | None = None,
 ) -> Filling:
-    """A heap of pieces of one outline (k, 2) and some colours.
+    """Return a function that draws a heap of pieces of one outline (k, 2) and some colours.
 
-    Args:
-        colors: of the pieces.
-        piece: outline.
-        count: number of pieces.
-        peak: height of the heap.
-        thickness: of a piece.
-        tilt: of a piece, rise over length.
-        shine: of a piece.
-        bed: brightness of what shows between the pieces.
-        chips: colour of the dots on each piece, if any.
+    A piece rises over its length by `tilt`, the ground between the pieces has the brightness `bed`, and each piece has
+    dots of the colour `chips`, if any.
     """
 
-    def fill(solid: Solid, level: float, radius: float, look: Look, rng: np.random.Generator) -> None:
+    def fill(solid: Solid, level: float, radius: float, look: Look, rng: Generator) -> None:
         base = solid.material(Material(look.color(colors[0]), grain=0.2))
         profile = [(level, 0.95 * radius), (level + 0.5 * peak, 0.5 * radius), (level + 0.8 * peak, 0.05 * radius)]
         solid.lathe(profile, base, tone=bed)
@@ -111,9 +104,9 @@ def heap(
 
 
 def ring_slices(rind: Color, flesh: Color, core: Color, radius_m: float = 0.016, count: int = 11) -> Filling:
-    """Round slices with a rind and a core, laid in a fan."""
+    """Return a function that draws round slices with a rind and a core, laid in a fan."""
 
-    def fill(solid: Solid, level: float, radius: float, look: Look, rng: np.random.Generator) -> None:
+    def fill(solid: Solid, level: float, radius: float, look: Look, rng: Generator) -> None:
         parts = [solid.material(Material(look.color(c), shine=0.2, grain=0.05)) for c in (rind, flesh, core)]
         spread = max(0.0, min(radius - radius_m, 0.055))
         spots = _heaped(count, spread + 1e-4, level, 0.012, rng)
@@ -129,9 +122,9 @@ def ring_slices(rind: Color, flesh: Color, core: Color, radius_m: float = 0.016,
 
 
 def wedges(skin: Color, flesh: Color, count: int = 8, length_m: float = 0.034) -> Filling:
-    """Half-moon slices with the skin on."""
+    """Return a function that draws half-moon slices with the skin on."""
 
-    def fill(solid: Solid, level: float, radius: float, look: Look, rng: np.random.Generator) -> None:
+    def fill(solid: Solid, level: float, radius: float, look: Look, rng: Generator) -> None:
         peel = solid.material(Material(look.color(skin), shine=0.3))
         pulp = solid.material(Material(look.color(flesh), shine=0.25, grain=0.05))
         arc = np.linspace(0, np.pi, 12)
@@ -146,12 +139,7 @@ def wedges(skin: Color, flesh: Color, count: int = 8, length_m: float = 0.034) -
     return fill
 
 
-def pile(filling: Filling, radius: float = 0.05) -> Draw:
-    """Something loose, straight on the table."""
-
-    def draw(look: Look, rng: np.random.Generator) -> Solid:
-        solid = Solid()
-        filling(solid, 0.0005, radius, look, rng)
-        return solid
-
-    return draw
+@drawing
+def pile(solid: Solid, look: Look, rng: Generator, filling: Filling, radius: float = 0.05) -> None:
+    """Draw loose food straight on the table."""
+    filling(solid, 0.0005, radius, look, rng)

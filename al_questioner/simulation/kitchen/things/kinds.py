@@ -1,4 +1,4 @@
-"""A kind of thing and the states it goes through."""
+"""Kinds of objects and the states that they go through."""
 
 from __future__ import annotations
 
@@ -9,10 +9,10 @@ from al_questioner.simulation.kitchen.things.vessels import Draw
 
 @dataclass(frozen=True)
 class State:
-    """How a kind of thing looks at some stage.
+    """Look of a kind of object at some stage.
 
     Attributes:
-        name: of the state.
+        name: name of the state.
         draw: makes the solid.
         weight_kg: typical weight.
     """
@@ -24,10 +24,10 @@ class State:
 
 @dataclass(frozen=True)
 class Kind:
-    """A kind of thing.
+    """A kind of object.
 
     Attributes:
-        name: what people call it.
+        name: its everyday name.
         symbol: the concept it belongs to, or 'none'.
         states: one, or several that it goes through in this order.
         cold: it is kept in the refrigerator.
@@ -40,5 +40,5 @@ class Kind:
 
 
 def thing(name: str, symbol: str, draw: Draw, weight_kg: float, cold: bool = False) -> Kind:
-    """A kind of thing that always looks the same."""
+    """Return a kind of object that always looks the same."""
     return Kind(name, symbol, (State(name, draw, weight_kg),), cold)

@@ -1,4 +1,4 @@
-"""The loose food of the simulated tasks, in the sizes and colours that people know."""
+"""Loose food of the simulated tasks, in common sizes and colours."""
 
 from __future__ import annotations
 

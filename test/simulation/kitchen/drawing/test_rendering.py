@@ -31,6 +31,11 @@ def cylinder(radius: float, height: float) -> Solid:
     return solid
 
 
+def rendered(solid: Solid, pose: Pose, light: Lighting = LIGHT, **camera: float) -> View:
+    """A view by a camera that is perfect but for these members."""
+    return render(solid, pose, light, replace(PERFECT, **camera), random_stream(0, 'test'))
+
+
 def points(view: View) -> NDArray[np.float64]:
     """(h, w, 3) metres in the camera's frame, by the pinhole model alone."""
     rows, columns = np.indices(view.mask.shape)
@@ -51,7 +56,7 @@ def test_size_in_metres_follows_from_mask_depth_and_intrinsics(
     Tolerances: a pixel at each end, and a millimetre for the rounding of the depth.
     """
     pose = Pose(1.0, 0.3, 1.0, np.deg2rad(elevation), offset)
-    view = render(cylinder(radius, height), pose, LIGHT, PERFECT, random_stream(0, 'test'))
+    view = rendered(cylinder(radius, height), pose)
     cloud, table = points(view), (view.depth > 0) & ~view.mask
     center = cloud[table].mean(axis=0)
     _, _, axes = np.linalg.svd(cloud[table] - center, full_matrices=False)
@@ -66,12 +71,8 @@ def test_size_in_metres_follows_from_mask_depth_and_intrinsics(
 
 
 def test_size_factor_scales_the_thing() -> None:
-    single, double = (
-        render(
-            cylinder(0.03, 0.06), Pose(size, 0, 1.0, 0.8, (0, 0)), LIGHT, PERFECT, random_stream(0, 'test')
-        ).mask.sum()
-        for size in (1.0, 2.0)
-    )
+    poses = (Pose(size, 0, 1.0, 0.8, (0, 0)) for size in (1.0, 2.0))
+    single, double = (rendered(cylinder(0.03, 0.06), pose).mask.sum() for pose in poses)
     assert double / single == pytest.approx(4, rel=0.08)
 
 
@@ -101,26 +102,19 @@ def test_the_depth_camera_misses_what_a_kinect_misses() -> None:
     """Outline, shadow of the projector to the left, glass, and specks here and there; each can be turned off."""
     solid = cylinder(0.05, 0.1)
     pose = Pose(1.0, 0, 1.0, 0.8, (0, 0))
-    holes = {
-        name: render(solid, pose, LIGHT, camera, random_stream(0, 'test')).depth == 0
-        for name, camera in (
-            ('none', PERFECT),
-            ('edge', replace(PERFECT, edge_holes=0.5)),
-            ('random', replace(PERFECT, random_holes=0.5)),
-        )
-    }
-    mask = render(solid, pose, LIGHT, PERFECT, random_stream(0, 'test')).mask
-    shadow = holes['none']
+    perfect = rendered(solid, pose)
+    shadow, mask = perfect.depth == 0, perfect.mask
+    edge, random = (rendered(solid, pose, **{name: 0.5}).depth == 0 for name in ('edge_holes', 'random_holes'))
     assert not (shadow & mask).any()
     columns = np.flatnonzero(shadow.any(axis=0))
     assert len(columns) > 0
     assert columns.mean() < np.flatnonzero(mask.any(axis=0)).mean()
-    assert 0.4 < holes['random'][mask].mean() < 0.6
-    assert (holes['edge'] & mask).any()
+    assert 0.4 < random[mask].mean() < 0.6
+    assert (edge & mask).any()
 
     glass = Solid()
     glass.lathe([(0, 0.05), (0.1, 0.05)], glass.material(Material((1, 1, 1), clear=0.8)))
-    seen = render(glass, pose, LIGHT, replace(PERFECT, shiny_holes=0.5), random_stream(0, 'test'))
+    seen = rendered(glass, pose, shiny_holes=0.5)
     assert 0.25 < (seen.depth[seen.mask] == 0).mean() < 0.75
 
 
@@ -129,14 +123,12 @@ def test_depth_noise_and_steps_grow_with_the_square_of_the_distance() -> None:
     solid = cylinder(0.08, 0.05)
     for distance in (1.0, 2.0):
         pose = Pose(1.0, 0, distance, 0.8, (0, 0))
-        exact = render(solid, pose, LIGHT, PERFECT, random_stream(0, 'test')).depth.astype(float)
-        noisy = render(
-            solid, pose, LIGHT, replace(PERFECT, depth_noise_m=0.004), random_stream(0, 'test')
-        ).depth.astype(float)
+        exact = rendered(solid, pose).depth.astype(float)
+        noisy = rendered(solid, pose, depth_noise_m=0.004).depth.astype(float)
         both = (exact > 0) & (noisy > 0)
         expected = 4 * (exact[both] / 1000) ** 2
         assert np.std((noisy - exact)[both] / expected) == pytest.approx(1, abs=0.08)
-        stepped = render(solid, pose, LIGHT, replace(PERFECT, disparity_step=0.125), random_stream(0, 'test')).depth
+        stepped = rendered(solid, pose, disparity_step=0.125).depth
         levels = np.unique(stepped[stepped > 0])
         step = 0.125 * distance**2 / (525 * 0.075) * 1000
         assert np.median(np.diff(levels)) == pytest.approx(step, abs=1)
@@ -147,7 +139,7 @@ def test_light_from_the_left_brightens_the_left() -> None:
     ball = Solid()
     ball.ball(0.05, 0.1, ball.material(Material((0.7, 0.7, 0.7), shine=0, grain=0)))
     left = replace(LIGHT, toward=np.array([-0.8, 0, 0.6], dtype=np.float32))
-    view = render(ball, Pose(1.0, 0, 1.0, 0.8, (0, 0)), left, PERFECT, random_stream(0, 'test'))
+    view = rendered(ball, Pose(1.0, 0, 1.0, 0.8, (0, 0)), left)
     columns = np.flatnonzero(view.mask.any(axis=0))
     half = int(columns.mean())
     grey = view.color.mean(axis=2)

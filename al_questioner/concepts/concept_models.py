@@ -1,0 +1,351 @@
+"""One binary Gaussian process classifier per symbol, and their predictions after one more label."""
+
+from __future__ import annotations
+
+import logging
+from collections.abc import Iterator, Sequence
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from al_questioner.concepts.laplace.gaussian_process import expected_logistic, rbf_kernel
+from al_questioner.concepts.laplace.posterior import Marginals, Posterior, laplace_posterior
+from al_questioner.domain import NO_SYMBOL, InputError
+from al_questioner.support.arrays import Array
+
+EXACT_OPERATIONS = 2e10
+"""Largest cost of an exact look-ahead, in multiplications and additions (some seconds); above, it is approximated."""
+
+CHUNK_NUMBERS = 4_000_000
+"""Largest array of a look-ahead beside its result, in numbers: about 200 MB."""
+
+WARM_FIT_TOLERANCE = 1e-9
+"""Distance from the mode, in posterior standard deviations, at which Newton's method takes over a warm fit."""
+
+_LOGGER = logging.getLogger(__name__)
+
+
+class ConceptModels:
+    """Classifiers of every symbol y: q_y(x) is the degree to which an object x is a y (docs/explanation/method.md).
+
+    All classifiers learn from the same examples: a label y is a positive example for y and a negative one for every
+    other symbol, the label `NO_SYMBOL` is negative for all. Without examples q is 1/2; examples of one class are valid.
+
+    Args:
+        symbols: names of the concepts; they order the columns of every result.
+        amplitude: variance of the Gaussian processes' kernel.
+        length_scale: length scale of the kernel, in the unit of the features; None for a multiple of the root of their
+            number.
+        relative_length_scale: this multiple.
+
+    Raises:
+        InputError: no symbols or a repeated one, or an amplitude or length scale that is not a number above 0.
+    """
+
+    def __init__(
+        self,
+        symbols: Sequence[str],
+        amplitude: float = 4.0,
+        length_scale: float | None = None,
+        relative_length_scale: float = 1.0,
+    ) -> None:
+        self.symbols = tuple(symbols)
+        if not self.symbols or len(set(self.symbols)) < len(self.symbols) or NO_SYMBOL in self.symbols:
+            raise InputError(f'symbols must be distinct names other than {NO_SYMBOL!r}, not {list(symbols)}')
+        self.amplitude, self.length_scale, self.relative_length_scale = amplitude, length_scale, relative_length_scale
+        for name in ('amplitude', 'length_scale', 'relative_length_scale'):
+            value = getattr(self, name)
+            if value is not None and not (np.isfinite(value) and value > 0):
+                raise InputError(f'{name} must be a number above 0, not {value}')
+        self._points: Array = np.empty((0, 0))
+        self._labels: tuple[str, ...] = ()
+        nothing = np.empty((len(self.symbols), 0))
+        self._posterior: Posterior = laplace_posterior(np.empty((0, 0)), nothing, nothing)
+        self._last_seen: tuple[Array, Marginals] | None = None
+        self._last_table: tuple[bool, Array] | None = None
+        self._warned = False
+
+    def fit(self, features: ArrayLike, labels: Sequence[str]) -> ConceptModels:
+        """Fit every classifier, and return the models themselves.
+
+        If the labels continue those of the last fit, the fit starts from its result. If one label was added to the same
+        features, the new modes follow from the old by the steps of the look-ahead. The result equals that of a fresh
+        fit to about 1e-9.
+
+        Args:
+            features: (n, m) standardised features; n = 0 removes all examples.
+            labels: n names, each a symbol or `NO_SYMBOL`.
+
+        Raises:
+            InputError: a shape that does not fit, a value that is not finite, or an unknown label.
+        """
+        points = _matrix(features).copy()
+        names = tuple(labels)
+        if len(names) != len(points):
+            raise InputError(f'{len(names)} labels for {len(points)} feature vectors')
+        self._check_labels(names)
+        targets = np.array([[float(label == symbol) for label in names] for symbol in self.symbols])
+        n_known = len(self._labels)
+        if len(points) == n_known + 1 and names[:-1] == self._labels and np.array_equal(points[:-1], self._points):
+            kernel, start = self._with_one_more(points[-1:], targets[:, -1:])
+        else:
+            kernel = self._covariance(points, points)
+            start = np.zeros_like(targets)
+            if names[:n_known] == self._labels:
+                start = np.matmul(self._posterior.gradient, kernel[:n_known])
+        self._posterior = laplace_posterior(kernel, targets, start)
+        self._points, self._labels = points, names
+        self._last_seen = self._last_table = None
+        return self
+
+    def refitted(self, features: ArrayLike) -> ConceptModels:
+        """Return new models of the same labels on (n, m') other features of the n objects, for example a subset.
+
+        Raises:
+            InputError: not n rows, or a value that is not finite.
+        """
+        models = ConceptModels(self.symbols, self.amplitude, self.length_scale, self.relative_length_scale)
+        models._labels, models._posterior = self._labels, self._posterior
+        return models.fit(features, self._labels)
+
+    def length_scale_of(self, n_features: int) -> float:
+        """Return the kernel's length scale for this number of features, in their unit."""
+        if self.length_scale is not None:
+            return self.length_scale
+        return self.relative_length_scale * float(np.sqrt(max(n_features, 1)))
+
+    def with_kernel(self, amplitude: float, relative_length_scale: float) -> ConceptModels:
+        """Return models without examples and with another kernel; its length scale is a multiple of the root of m.
+
+        Raises:
+            InputError: a number that is not above 0.
+        """
+        models = ConceptModels(self.symbols, amplitude, relative_length_scale=relative_length_scale)
+        models._warned = self._warned
+        return models
+
+    def predict_proba(self, features: ArrayLike) -> Array:
+        """Return the (k, |Y|) degrees q_y(x), in (0, 1) and not normalised over y, of (k, m) standardised features.
+
+        Raises:
+            InputError: not m columns, or a value that is not finite.
+        """
+        marginals = self._marginals(self._matching(features))
+        if not self._labels:
+            # Exactly 1/2; the approximation of the logistic function has an error at 0.
+            return np.full((len(marginals.mean[0]), len(self.symbols)), 0.5)
+        return expected_logistic(marginals.mean, self.amplitude - marginals.explained).T
+
+    @property
+    def classes_(self) -> NDArray[np.str_]:
+        """Symbols, (|Y|,), under the name that scikit-learn uses."""
+        return np.array(self.symbols)
+
+    def predict(self, features: ArrayLike) -> NDArray[np.str_]:
+        """Return the (k,) most probable symbols of (k, m) standardised features, the first of equal ones.
+
+        Raises:
+            InputError: not m columns, or a value that is not finite.
+        """
+        best = self.predict_proba(features).argmax(axis=1)
+        return np.array([self.symbols[column] for column in best])
+
+    def score(self, features: ArrayLike, labels: Sequence[str]) -> float:
+        """Return the share of k > 0 objects, (k, m) standardised features, whose most probable symbol is the true one.
+
+        Raises:
+            InputError: not k rows of m columns, none at all, or a value that is not finite.
+        """
+        found = self.predict(features)
+        if len(found) != len(labels) or not len(found):
+            raise InputError(f'{len(labels)} labels for {len(found)} feature vectors')
+        return float(np.mean(found == np.asarray(labels)))
+
+    def look_ahead(self, scene_features: ArrayLike, exact: bool | None = None) -> Array:
+        """Return the predictions for a scene if one of its objects were labelled.
+
+        A classifier only sees whether the new example is positive or negative, so the effects of all |X| |Y| labels on
+        |Y| classifiers follow from 2 |X| |Y| hypotheses. None is fitted: all are computed from the present posterior,
+        see docs/explanation/look_ahead.md, and a hypothesis whose error may exceed 8e-7 is refitted.
+
+        Args:
+            scene_features: (|X|, m) standardised features.
+            exact: False for an approximation that takes |X|^2 |Y| n operations beyond `predict_proba`
+                (docs/results/look_ahead.md gives its error); None to use it, with a warning, above `EXACT_OPERATIONS`.
+
+        Returns:
+            (|X|, |Y|, |X|, |Y|): [i, j] is `predict_proba(scene_features)` if object i were labelled symbol j.
+
+        Raises:
+            InputError: not m columns, or a value that is not finite.
+        """
+        scene = self._matching(scene_features)
+        shape = (len(scene), len(self.symbols))
+        expected = np.empty((*shape, *shape))
+        for rows, part in self.look_ahead_chunks(scene, exact):
+            expected[rows] = part
+        return expected
+
+    def look_ahead_chunks(self, scene_features: ArrayLike, exact: bool | None = None) -> Iterator[tuple[slice, Array]]:
+        """Yield `look_ahead` in parts, for pools whose whole table does not fit into memory.
+
+        The models must not be fitted between the parts. The arguments are those of `look_ahead`.
+
+        Yields:
+            Consecutive rows of the table, as a slice, and their part of it, (e, |Y|, |X|, |Y|).
+
+        Raises:
+            InputError: not m columns, or a value that is not finite.
+        """
+        scene = self._matching(scene_features)
+        marginals = self._marginals(scene)
+        n_things, n_symbols, n = len(scene), len(self.symbols), len(self._labels)
+        if exact is None:
+            exact = self._is_affordable(n_things)
+        if self._last_table is not None and self._last_table[0] == exact:
+            # A turn without a query changes neither the models nor the scene.
+            yield slice(0, n_things), self._last_table[1].copy()
+            return
+        # Imported here because it loads numba, which takes as long as all other imports of a process.
+        from al_questioner.concepts.laplace.look_ahead import predict_each
+
+        # The five terms of the expected logistic function and a part's copies for every label need memory, too.
+        per_thing = 2 * n_symbols * n_things * max(n_symbols, 5, n if exact else 0)
+        size = max(1, CHUNK_NUMBERS // max(1, per_thing))
+        own = np.arange(n_symbols)
+        for first in range(0, n_things, size):
+            things = np.arange(first, min(first + size, n_things))
+            prior = self._covariance(scene[things], scene)
+            table = predict_each(self._posterior, marginals, things, prior, self.amplitude, exact)
+            as_negative, as_positive = table[:, : len(things)], table[:, len(things) :]
+            part = np.repeat(as_negative.transpose(1, 2, 0)[:, None], n_symbols, axis=1)
+            part[:, own, :, own] = as_positive
+            if len(things) == n_things:
+                self._last_table = exact, part.copy()
+            yield slice(first, first + len(things)), part
+
+    def predict_after_each(self, examples: ArrayLike, labels: Sequence[str], features: ArrayLike) -> Array:
+        """Return the predictions for objects after one more example, for several such examples, each alone.
+
+        As in `look_ahead`, only a hypothesis whose error may exceed 8e-7 is fitted.
+
+        Args:
+            examples: (e, m) standardised features.
+            labels: e names, each a symbol or `NO_SYMBOL`.
+            features: (k, m) standardised features of the objects.
+
+        Returns:
+            (e, k, |Y|): [i] is `predict_proba(features)` if the i-th example had been learnt.
+
+        Raises:
+            InputError: not m columns, a value that is not finite, or labels that do not fit.
+        """
+        new, things = self._matching(examples), self._matching(features)
+        if len(labels) != len(new):
+            raise InputError(f'{len(labels)} labels for {len(new)} feature vectors')
+        self._check_labels(labels)
+        points = np.concatenate([new, things])
+        known = self._points if self._labels else np.empty((0, points.shape[1]))
+        marginals = self._posterior.at(self._covariance(known, points))
+        from al_questioner.concepts.laplace.look_ahead import predict_each
+
+        n_symbols, own = len(self.symbols), np.array([[label == symbol for symbol in self.symbols] for label in labels])
+        found = np.empty((len(new), len(things), n_symbols))
+        per_example = 2 * n_symbols * len(points) * max(5, len(self._labels))
+        size = max(1, CHUNK_NUMBERS // per_example)
+        for first in range(0, len(new), size):
+            rows = np.arange(first, min(first + size, len(new)))
+            prior = self._covariance(new[rows], points)
+            table = predict_each(self._posterior, marginals, rows, prior, self.amplitude, exact=True)[:, :, len(new) :]
+            as_negative, as_positive = table[:, : len(rows)], table[:, len(rows) :]
+            found[rows] = np.where(own[rows].T[:, :, None], as_positive, as_negative).transpose(1, 2, 0)
+        return found
+
+    def _check_labels(self, labels: Sequence[str]) -> None:
+        for label in labels:
+            if label not in self.symbols and label != NO_SYMBOL:
+                raise InputError(f'unknown label {label!r}; known: {", ".join((*self.symbols, NO_SYMBOL))}')
+
+    def _is_affordable(self, n_things: int) -> bool:
+        """Return whether an exact look-ahead takes no more than some seconds; if not, log a warning once."""
+        operations = exact_operations(n_things, len(self.symbols), len(self._labels))
+        if operations > EXACT_OPERATIONS and not self._warned:
+            self._warned = True
+            text = 'look-ahead approximates: %d things, %d symbols and %d labels would cost %.0e operations'
+            _LOGGER.warning(text, n_things, len(self.symbols), len(self._labels), operations)
+        return operations <= EXACT_OPERATIONS
+
+    def _with_one_more(self, point: Array, targets: Array) -> tuple[Array, Array]:
+        """Return kernel matrix and modes, (n + 1, n + 1) and (|Y|, n + 1), after one more example.
+
+        That has (1, m) features and (|Y|, 1) targets, 1 where it is positive and 0 where it is negative.
+        """
+        from al_questioner.concepts.laplace.mode_shift import find_shift
+
+        n = len(self._labels)
+        kernel = np.empty((n + 1, n + 1))
+        kernel[:n, :n] = self._posterior.kernel
+        kernel[n, :n] = kernel[:n, n] = self._covariance(point, self._points)[0] if n else 0.0
+        kernel[n, n] = self.amplitude
+        marginals = self._posterior.at(kernel[:n, n:])
+        shift = find_shift(
+            self._posterior,
+            marginals.solved.transpose(0, 2, 1),
+            self.amplitude - marginals.explained,
+            marginals.mean,
+            targets,
+            WARM_FIT_TOLERANCE,
+        )
+        modes = self._posterior.modes + shift.change[:, 0] / self._posterior.root
+        start = np.concatenate([modes, shift.latent], axis=1)
+        # If the search did not converge, start from 0.
+        start[~(shift.error[:, 0] < 1)] = 0.0
+        return kernel, start
+
+    def _marginals(self, points: Array) -> Marginals:
+        """Return the beliefs at points; the last result is kept, because a turn asks about its scene repeatedly."""
+        if self._last_seen is None or not np.array_equal(self._last_seen[0], points):
+            known = self._points if self._labels else np.empty((0, points.shape[1]))
+            self._last_seen = points.copy(), self._posterior.at(self._covariance(known, points))
+            self._last_table = None
+        return self._last_seen[1]
+
+    def _covariance(self, first: Array, second: Array) -> Array:
+        return rbf_kernel(first, second, self.amplitude, self.length_scale_of(first.shape[1]))
+
+    def _matching(self, features: ArrayLike) -> Array:
+        points = _matrix(features)
+        if len(self._points) and points.shape[1] != self._points.shape[1]:
+            found, fitted = points.shape[1], self._points.shape[1]
+            raise InputError(f'features have {found} columns, the models were fitted on {fitted}')
+        return points
+
+
+def exact_operations(n_things: int, n_symbols: int, n_labels: int) -> float:
+    """Return the cost of an exact look-ahead in multiplications and additions, which `EXACT_OPERATIONS` limits."""
+    return 8.0 * n_symbols * (n_things * n_labels) ** 2
+
+
+def compile_models() -> None:
+    """Compile the loops of the look-ahead, so that no turn waits for it.
+
+    This takes about ten seconds if they were never compiled before, otherwise half a second.
+    """
+    ConceptModels(('a', 'b')).fit([[0.0], [1.0]], ('a', 'b')).look_ahead([[0.5]])
+
+
+def _matrix(features: ArrayLike) -> Array:
+    try:
+        matrix = np.asarray(features, dtype=np.float64)
+    except (TypeError, ValueError):
+        raise InputError('features are not a table of numbers') from None
+    if matrix.shape == (0,):
+        return np.empty((0, 0))
+    if matrix.ndim != 2:
+        raise InputError(f'features must have a row per thing and a column per feature, not shape {matrix.shape}')
+    if len(matrix) and matrix.shape[1] == 0:
+        raise InputError(f'features have shape {matrix.shape}: there is nothing to tell things apart by')
+    if not np.isfinite(matrix).all():
+        row, column = np.argwhere(~np.isfinite(matrix))[0]
+        raise InputError(f'features[{row}, {column}] is not finite ({matrix[row, column]})')
+    return matrix

@@ -1,0 +1,103 @@
+"""Concepts of a learner with all that they were learnt from, to learn them again when the past is corrected."""
+
+from __future__ import annotations
+
+from functools import partial
+
+import numpy as np
+from numpy.typing import NDArray
+
+from al_questioner.concepts import VIEW_TOLERANCE, ConceptLearner, ViewMemory
+from al_questioner.concepts.view_memory import corrected
+from al_questioner.domain import AUTO, EpisodeSettings, Outcome, QueryRecord, Scene, ViewTolerance
+from al_questioner.questioning.initial_concepts import new_concept_learner
+from al_questioner.questioning.query_status import QueryBook
+from al_questioner.questioning.reliability import label_beliefs
+from al_questioner.questioning.strategies.choice import Strategy
+
+
+class ConceptHistory:
+    """The concepts of an episode, and the scenes and the tunings that they come from beside the queries.
+
+    Attributes:
+        concepts: what is known now.
+        scenes: those of the turns so far, without the sensors' noise.
+        beliefs: by turn, (L,) what was believed of the thing that was named in it, before it was named.
+    """
+
+    def __init__(
+        self, settings: EpisodeSettings, view_tolerance: ViewTolerance, strategy: Strategy, queries: QueryBook
+    ) -> None:
+        tolerance = VIEW_TOLERANCE if view_tolerance == AUTO else view_tolerance
+        self._new_concepts = partial(new_concept_learner, settings, tolerance, strategy)
+        self._views = ViewMemory() if view_tolerance == AUTO else None
+        self._queries = queries
+        self._tuned_turns: set[int] = set()
+        self.concepts = self._new_concepts()
+        self.scenes: list[Scene] = []
+        self.beliefs: dict[int, NDArray[np.float64]] = {}
+
+    @property
+    def view_noise(self) -> dict[str, float]:
+        """Noise of each feature by its name, as share of its spread among things; empty if it is not estimated."""
+        return {} if self._views is None else self._views.noise
+
+    def observe(self, scene: Scene) -> Scene:
+        """Learn how the features vary from what is seen now, and return it without the sensors' noise.
+
+        What it shows to have been a wrong look at a thing is corrected in the scenes before.
+
+        Raises:
+            SceneError: the scene's features are not those of the scenes before.
+        """
+        self.concepts.check_features(scene)
+        if self._views is not None:
+            scene = self._views.steady(scene, self.concepts.spread, self.concepts.are_implausible(scene))
+            if self._views.corrections:
+                self.scenes = [corrected(past, self._views.corrections) for past in self.scenes]
+                self._learn_again()
+        self.concepts.observe(scene)
+        return scene
+
+    def begin_turn(self, scene: Scene) -> None:
+        """Take an observed scene for that of the next turn."""
+        last = self.scenes[-1] if self.scenes else None
+        # A scene that stays is kept once: an episode of a camera would fill the memory.
+        self.scenes.append(last if last is not None and last.equals(scene) else scene)
+
+    def learn(self, record: QueryRecord, is_correction: bool) -> None:
+        """Learn what came of a query, as if it had been known in the query's turn."""
+        # After it was tuned, a turn's answer comes too late for the order in which everything else is learnt.
+        if record.turn == len(self.scenes) and not is_correction and record.turn not in self._tuned_turns:
+            self._learn(self.concepts, record)
+        else:
+            self._learn_again()
+
+    def was_tuned(self, turn: int) -> bool:
+        """Return whether the kernel was tuned at the end of a turn."""
+        return turn in self._tuned_turns
+
+    def tune(self) -> bool:
+        """Re-optimise the kernel, and return whether the beliefs may have changed."""
+        self._tuned_turns.add(len(self.scenes))
+        return self.concepts.tune()
+
+    def _learn(self, concepts: ConceptLearner, record: QueryRecord) -> None:
+        """Learn what came of a query, after a note of what was believed of the thing before."""
+        scene = self.scenes[record.turn - 1]
+        if record.outcome is Outcome.ANSWERED and record.object_id is not None and record.symbol is not None:
+            features = scene.features[[scene.index_of(record.object_id)]]
+            self.beliefs[record.turn] = label_beliefs(concepts.predict_proba(features)[0])
+        concepts.learn(record, scene)
+
+    def _learn_again(self) -> None:
+        """Learn the concepts again from the scenes and the records, event by event as it happened."""
+        concepts, records = self._new_concepts(), {record.turn: record for record in self._queries.records}
+        self.beliefs.clear()
+        for turn, scene in enumerate(self.scenes, start=1):
+            concepts.observe(scene)
+            if turn in records:
+                self._learn(concepts, records[turn])
+            if turn in self._tuned_turns:
+                concepts.tune()
+        self.concepts = concepts

@@ -1,0 +1,82 @@
+"""The events that a bag tells of: those of the session log that it was written from, as far as a bag tells them."""
+
+from __future__ import annotations
+
+import dataclasses
+from pathlib import Path
+
+import pytest
+
+from al_questioner.bags import RecordedEpisode, read_episodes
+from al_questioner.bags.events import NOT_RECORDED
+from al_questioner.bags.from_session import write_bag
+from al_questioner.domain import Answer, Outcome
+from al_questioner.event_log.events import ActionChosen, AnswerAccepted, KernelTuned, SceneObserved, TurnTimedOut
+from al_questioner.event_log.log import read_log
+from al_questioner.event_log.replay import first_divergence
+from al_questioner.event_log.summary import summarise_session
+from al_questioner.simulation import PerceivedWorld, WorldSpec
+from shared.durable_sessions import TASK, ask, events, play_turns, started
+
+
+@pytest.fixture
+def log(tmp_path: Path) -> Path:
+    """A session in which an answer was corrected, another came a turn late, and another not at all."""
+    world = PerceivedWorld(WorldSpec(TASK, 4, 4).open())
+    session = started(tmp_path / 'log')
+    (first, *_) = play_turns(session, world, 2)
+    ask(session, world)
+    session.take(Answer(first.query_id, 'c1', 'anna', Outcome.UNKNOWN, replaces=first.answer_id))
+    session.time_out()
+    late = ask(session, world)
+    assert late.query is None
+    assert session.episode.pending is not None
+    session.take(Answer(session.episode.pending.query_id, 'a3', 'bert', Outcome.SKIP))
+    session.tune()
+    play_turns(session, world, 1)
+    assert ask(session, world).query is not None
+    session.time_out()
+    session.tune()
+    session.close()
+    return tmp_path / 'log'
+
+
+@pytest.fixture
+def recorded(log: Path, tmp_path: Path) -> RecordedEpisode:
+    write_bag(summarise_session(log, read_log(log)), tmp_path / 'bag')
+    (episode,) = read_episodes(tmp_path / 'bag')
+    return episode
+
+
+def told(event: object) -> object:
+    """What a bag tells of an event of a log."""
+    if isinstance(event, SceneObserved):
+        return event.turn, event.stamp, event.frame_id, event.scene.features.tobytes()
+    if isinstance(event, ActionChosen):
+        return event.turn, event.action
+    if isinstance(event, AnswerAccepted):
+        answer = event.answer
+        return answer.query_id, answer.outcome, answer.content, answer.replaces is not None
+    if isinstance(event, TurnTimedOut):
+        return event.turn
+    return event
+
+
+def test_bag_and_log_tell_of_the_same_events(log: Path, recorded: RecordedEpisode) -> None:
+    """What is replayed would depend on where it was written down."""
+    begun, *others = events(log)
+    assert dataclasses.replace(recorded.begun, version=begun.version) == begun
+    expected = [dataclasses.replace(e, model_version=None) if isinstance(e, KernelTuned) else e for e in others]
+    assert [(type(event), told(event)) for event in recorded.events] == [(type(e), told(e)) for e in expected]
+    assert {type(event) for event in others} == {SceneObserved, ActionChosen, AnswerAccepted, KernelTuned, TurnTimedOut}
+    assert first_divergence(begun, others) is None
+    assert first_divergence(recorded.begun, recorded.events) is None
+
+
+def test_what_a_bag_does_not_tell_is_not_made_up(recorded: RecordedEpisode) -> None:
+    """Somebody would look for a teacher who does not exist, or take a guess for what was recorded."""
+    answers = [event.answer for event in recorded.events if isinstance(event, AnswerAccepted)]
+    assert {answer.teacher_id for answer in answers} == {NOT_RECORDED}
+    assert [answer.answer_id for answer in answers if answer.query_id == 'q1'] == ['not recorded 1', 'not recorded 2']
+    assert {event.query_id for event in recorded.events if isinstance(event, TurnTimedOut)} == {None}
+    assert {event.query for event in recorded.events if isinstance(event, ActionChosen)} == {None}

@@ -1,5 +1,0 @@
-"""Where the checkout under test lies, for what is no part of the package: `docs/`, `launch/`, `scripts/`, `bags/`."""
-
-from pathlib import Path
-
-ROOT = Path(__file__).resolve().parent.parent

@@ -1,0 +1,5 @@
+"""Where the checkout under test lies, for what is no part of the package: `docs/`, `launch/`, `scripts/`, `bags/`."""
+
+from pathlib import Path
+
+ROOT = Path(__file__).resolve().parents[2]
