@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import itertools
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 
@@ -10,6 +11,7 @@ from numpy.typing import NDArray
 
 from al_questioner.concepts.concept_models import ConceptModels
 from al_questioner.concepts.feature_selection import Selector, select_features
+from al_questioner.concepts.kernel import RBF, KernelShape
 from al_questioner.concepts.laplace.hyperparameters import Kernel, tuned_kernel
 from al_questioner.concepts.standardiser import Standardiser
 from al_questioner.domain import (
@@ -57,6 +59,8 @@ class ConceptLearner:
         selector: selects features computationally after every label; None for all that the teacher has not ruled out.
         view_tolerance: largest change of an object's features in the same view; root mean square over the features, in
             standard deviations. The default allows rounding only.
+        shape: how the kernel treats groups of features and single large differences.
+        class_balance: how much of the effect of the counts of examples is taken from the degrees, 0 to 1.
     """
 
     def __init__(
@@ -66,6 +70,8 @@ class ConceptLearner:
         length_scale: float | None = None,
         selector: Selector | None = None,
         view_tolerance: float = VIEW_TOLERANCE,
+        shape: KernelShape = RBF,
+        class_balance: float = 0.0,
     ) -> None:
         if not (isinstance(view_tolerance, (int, float)) and np.isfinite(view_tolerance) and view_tolerance >= 0):
             raise InputError(f"view_tolerance must be 'auto' or a number of 0 or more, not {view_tolerance!r}")
@@ -74,7 +80,7 @@ class ConceptLearner:
         self.groups: tuple[str, ...] = ()
         self.labelled_views: list[LabelledView] = []
         self._unnamed_views: list[tuple[int, NDArray[np.float32]]] = []
-        self._models = ConceptModels(self.symbols, amplitude, length_scale)
+        self._models = ConceptModels(self.symbols, amplitude, length_scale, shape=shape, class_balance=class_balance)
         self._configured = (amplitude, length_scale)
         self._selector = selector
         self._view_tolerance = view_tolerance
@@ -252,7 +258,7 @@ class ConceptLearner:
         """
         table = self._standardiser.transform(self._labelled_features())
         chosen = select_features(table, self._labels())
-        models = self._models.refitted(table[:, chosen])
+        models = self._models.refitted(table[:, chosen], self._groups_of(chosen))
         return models.predict_proba(self._standardiser.transform(scene.features)[:, chosen])
 
     def is_labelled(self, scene: Scene) -> NDArray[np.bool_]:
@@ -333,7 +339,11 @@ class ConceptLearner:
         self._active = np.ones(len(self.feature_names), dtype=bool) if told is None else told.copy()
         if self._selector is not None:
             self._active[self._active] = self._selector(table[:, self._active], labels)
-        self._models.fit(table[:, self._active], labels)
+        self._models.fit(table[:, self._active], labels, self._groups_of(self._active))
+
+    def _groups_of(self, chosen: NDArray[np.bool_]) -> list[str]:
+        """Return the groups of the chosen ones of all features."""
+        return [group_of(name) for name in itertools.compress(self.feature_names, chosen)]
 
     def _labels(self) -> list[str]:
         return [view.label for view in self.labelled_views]

@@ -8,7 +8,8 @@ from collections.abc import Iterator, Sequence
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from al_questioner.concepts.laplace.gaussian_process import expected_logistic, rbf_kernel
+from al_questioner.concepts.kernel import RBF, KernelShape, rbf_kernel, saturating_kernel
+from al_questioner.concepts.laplace.gaussian_process import expected_logistic
 from al_questioner.concepts.laplace.posterior import Marginals, Posterior, laplace_posterior
 from al_questioner.domain import NO_SYMBOL, InputError
 from al_questioner.support.arrays import Array
@@ -37,9 +38,12 @@ class ConceptModels:
         length_scale: length scale of the kernel, in the unit of the features; None for a multiple of the root of their
             number.
         relative_length_scale: this multiple.
+        shape: how the kernel treats groups of features and single large differences.
+        class_balance: how much of the effect of the counts of examples is taken from the degrees: 0 none, 1 all.
 
     Raises:
-        InputError: no symbols or a repeated one, or an amplitude or length scale that is not a number above 0.
+        InputError: no symbols or a repeated one, an amplitude or length scale that is not a number above 0, or a class
+            balance outside [0, 1].
     """
 
     def __init__(
@@ -48,6 +52,8 @@ class ConceptModels:
         amplitude: float = 4.0,
         length_scale: float | None = None,
         relative_length_scale: float = 1.0,
+        shape: KernelShape = RBF,
+        class_balance: float = 0.0,
     ) -> None:
         self.symbols = tuple(symbols)
         if not self.symbols or len(set(self.symbols)) < len(self.symbols) or NO_SYMBOL in self.symbols:
@@ -57,6 +63,10 @@ class ConceptModels:
             value = getattr(self, name)
             if value is not None and not (np.isfinite(value) and value > 0):
                 raise InputError(f'{name} must be a number above 0, not {value}')
+        if not 0 <= class_balance <= 1:
+            raise InputError(f'class_balance must lie in [0, 1], not {class_balance}')
+        self.shape, self.class_balance = shape, class_balance
+        self._groups: tuple[str, ...] | None = None
         self._points: Array = np.empty((0, 0))
         self._labels: tuple[str, ...] = ()
         nothing = np.empty((len(self.symbols), 0))
@@ -65,7 +75,7 @@ class ConceptModels:
         self._last_table: tuple[bool, Array] | None = None
         self._warned = False
 
-    def fit(self, features: ArrayLike, labels: Sequence[str]) -> ConceptModels:
+    def fit(self, features: ArrayLike, labels: Sequence[str], groups: Sequence[str] | None = None) -> ConceptModels:
         """Fit every classifier, and return the models themselves.
 
         If the labels continue those of the last fit, the fit starts from its result. If one label was added to the same
@@ -75,18 +85,24 @@ class ConceptModels:
         Args:
             features: (n, m) standardised features; n = 0 removes all examples.
             labels: n names, each a symbol or `NO_SYMBOL`.
+            groups: m names, the group of each feature; None for one group of all.
 
         Raises:
             InputError: a shape that does not fit, a value that is not finite, or an unknown label.
         """
         points = _matrix(features).copy()
         names = tuple(labels)
+        if groups is not None and len(points) and len(groups) != points.shape[1]:
+            raise InputError(f'{len(groups)} groups for {points.shape[1]} features')
+        named = None if groups is None else tuple(groups)
+        same_groups, self._groups = named == self._groups, named
         if len(names) != len(points):
             raise InputError(f'{len(names)} labels for {len(points)} feature vectors')
         self._check_labels(names)
         targets = np.array([[float(label == symbol) for label in names] for symbol in self.symbols])
         n_known = len(self._labels)
-        if len(points) == n_known + 1 and names[:-1] == self._labels and np.array_equal(points[:-1], self._points):
+        known_points = same_groups and np.array_equal(points[:-1], self._points)
+        if len(points) == n_known + 1 and names[:-1] == self._labels and known_points:
             kernel, start = self._with_one_more(points[-1:], targets[:, -1:])
         else:
             kernel = self._covariance(points, points)
@@ -98,15 +114,17 @@ class ConceptModels:
         self._last_seen = self._last_table = None
         return self
 
-    def refitted(self, features: ArrayLike) -> ConceptModels:
+    def refitted(self, features: ArrayLike, groups: Sequence[str] | None = None) -> ConceptModels:
         """Return new models of the same labels on (n, m') other features of the n objects, for example a subset.
+
+        The groups are those of the m' features, None for one group.
 
         Raises:
             InputError: not n rows, or a value that is not finite.
         """
-        models = ConceptModels(self.symbols, self.amplitude, self.length_scale, self.relative_length_scale)
+        models = self._without_examples(self.amplitude, self.length_scale, self.relative_length_scale)
         models._labels, models._posterior = self._labels, self._posterior
-        return models.fit(features, self._labels)
+        return models.fit(features, self._labels, groups)
 
     def length_scale_of(self, n_features: int) -> float:
         """Return the kernel's length scale for this number of features, in their unit."""
@@ -120,7 +138,7 @@ class ConceptModels:
         Raises:
             InputError: a number that is not above 0.
         """
-        models = ConceptModels(self.symbols, amplitude, relative_length_scale=relative_length_scale)
+        models = self._without_examples(amplitude, None, relative_length_scale)
         models._warned = self._warned
         return models
 
@@ -134,7 +152,8 @@ class ConceptModels:
         if not self._labels:
             # Exactly 1/2; the approximation of the logistic function has an error at 0.
             return np.full((len(marginals.mean[0]), len(self.symbols)), 0.5)
-        return expected_logistic(marginals.mean, self.amplitude - marginals.explained).T
+        degrees = expected_logistic(marginals.mean, self.amplitude - marginals.explained).T
+        return self._balanced(degrees, self._counts())
 
     @property
     def classes_(self) -> NDArray[np.str_]:
@@ -220,6 +239,7 @@ class ConceptModels:
             as_negative, as_positive = table[:, : len(things)], table[:, len(things) :]
             part = np.repeat(as_negative.transpose(1, 2, 0)[:, None], n_symbols, axis=1)
             part[:, own, :, own] = as_positive
+            part = self._balanced(part, (self._counts() + np.eye(n_symbols))[:, None])
             if len(things) == n_things:
                 self._last_table = exact, part.copy()
             yield slice(first, first + len(things)), part
@@ -259,7 +279,31 @@ class ConceptModels:
             table = predict_each(self._posterior, marginals, rows, prior, self.amplitude, exact=True)[:, :, len(new) :]
             as_negative, as_positive = table[:, : len(rows)], table[:, len(rows) :]
             found[rows] = np.where(own[rows].T[:, :, None], as_positive, as_negative).transpose(1, 2, 0)
-        return found
+        return self._balanced(found, (self._counts() + own)[:, None])
+
+    def _without_examples(
+        self, amplitude: float, length_scale: float | None, relative_length_scale: float
+    ) -> ConceptModels:
+        return ConceptModels(
+            self.symbols, amplitude, length_scale, relative_length_scale, self.shape, self.class_balance
+        )
+
+    def _counts(self) -> Array:
+        """Return the (|Y|,) numbers of positive examples."""
+        return np.array([self._labels.count(symbol) for symbol in self.symbols], dtype=np.float64)
+
+    def _balanced(self, degrees: Array, counts: Array) -> Array:
+        """Return degrees (..., |Y|) as they would be had every symbol as many examples, to the extent `class_balance`.
+
+        The counts, (..., |Y|), act on the degrees like a prior, of which the labels that were asked for say nothing:
+        logit q_y - balance (log(n_y + 1/2) - its mean over y).
+        """
+        if self.class_balance == 0:
+            return degrees
+        logs = np.log(counts + 0.5)
+        odds = np.exp(self.class_balance * (logs - logs.mean(axis=-1, keepdims=True)))
+        balanced: Array = degrees / (degrees + (1 - degrees) * odds)
+        return balanced
 
     def _check_labels(self, labels: Sequence[str]) -> None:
         for label in labels:
@@ -311,7 +355,12 @@ class ConceptModels:
         return self._last_seen[1]
 
     def _covariance(self, first: Array, second: Array) -> Array:
-        return rbf_kernel(first, second, self.amplitude, self.length_scale_of(first.shape[1]))
+        n_features = second.shape[1]
+        if self.shape == RBF:
+            return rbf_kernel(first, second, self.amplitude, self.length_scale_of(n_features))
+        relative = self.length_scale_of(n_features) / np.sqrt(max(n_features, 1))
+        shares = self.shape.shares(self._groups or ('',) * n_features)
+        return saturating_kernel(first, second, self.amplitude, relative, shares, self.shape.saturation)
 
     def _matching(self, features: ArrayLike) -> Array:
         points = _matrix(features)

@@ -13,7 +13,8 @@ from sklearn.gaussian_process import GaussianProcessClassifier
 from sklearn.gaussian_process.kernels import RBF, ConstantKernel
 
 from al_questioner.concepts import ConceptModels
-from al_questioner.concepts.laplace.gaussian_process import find_modes, rbf_kernel
+from al_questioner.concepts.kernel import rbf_kernel
+from al_questioner.concepts.laplace.gaussian_process import find_modes
 from al_questioner.concepts.laplace.posterior import Marginals, Posterior, laplace_posterior
 from al_questioner.domain import NO_SYMBOL
 from al_questioner.support.arrays import Array

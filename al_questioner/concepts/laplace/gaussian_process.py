@@ -9,11 +9,9 @@ from __future__ import annotations
 
 import numpy as np
 
-from al_questioner.domain import FloatArray
 from al_questioner.support.arrays import Array, Index
 from al_questioner.support.late_imports import late
 
-cdist = late('scipy.spatial.distance', 'cdist')
 erf = late('scipy.special', 'erf')
 expit = late('scipy.special', 'expit')
 
@@ -40,24 +38,6 @@ VARIANCE_SLOPE = (0.1225, 2.5)
 
 PROBABILITY_MARGIN = 1e-9
 """Smallest distance of a probability from 0 and 1; by rounding, the five-term sum exceeds (0, 1) by up to 5e-13."""
-
-
-def rbf_kernel(first: FloatArray, second: FloatArray, amplitude: float, length_scale: float) -> Array:
-    """Return the covariance amplitude * exp(-d^2 / (2 length_scale^2)) of every pair of rows.
-
-    Args:
-        first: (n, m) points.
-        second: (k, m) points.
-        amplitude: variance of the process.
-        length_scale: length scale, in the unit of the points.
-
-    Returns:
-        (n, k) covariances.
-    """
-    # Differences, not |a|^2 + |b|^2 - 2ab: by its rounding, duplicated points would have a distance.
-    squared = cdist(first, second, 'sqeuclidean')
-    covariance: Array = amplitude * np.exp(squared * (-0.5 / length_scale**2))
-    return covariance
 
 
 def find_modes(kernels: Array, owners: Index, targets: Array, start: Array) -> Array:

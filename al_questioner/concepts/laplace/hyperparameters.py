@@ -10,10 +10,11 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from al_questioner.concepts.laplace.gaussian_process import cdist, expit, find_modes, well_conditioned
+from al_questioner.concepts.laplace.gaussian_process import expit, find_modes, well_conditioned
 from al_questioner.support.arrays import Array
 from al_questioner.support.late_imports import late
 
+cdist = late('scipy.spatial.distance', 'cdist')
 minimize = late('scipy.optimize', 'minimize')
 
 AMPLITUDE_FACTOR = 4.0

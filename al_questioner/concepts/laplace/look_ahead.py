@@ -1,4 +1,4 @@
-"""What the classifiers would say after one more example, without fitting them again.
+"""Predictions of the classifiers after one more example, without fitting them again.
 
 A hypothesis is a thing and whether it is a positive or a negative example of a classifier. Along the axis of hypotheses
 (2e of them for e things) come first all things as negative examples, then all as positive ones. Arrays over the n
@@ -33,7 +33,7 @@ MAX_REFIT_NUMBERS = 1_000_000
 def predict_each(
     posterior: Posterior, marginals: Marginals, things: Index, prior: Array, amplitude: float, exact: bool
 ) -> Array:
-    """Predictions for all points of a scene had each of some of its things been an example.
+    """Return the predictions for all points of a scene had each of some of its things been an example.
 
     Args:
         posterior: without the example.
@@ -63,7 +63,7 @@ def predict_each(
 def _predict(
     posterior: Posterior, marginals: Marginals, things: Index, prior: Array, amplitude: float, exact: bool
 ) -> tuple[Array, Array]:
-    """Probabilities as `predict_each`, and (|Y|, 2e) a bound on the error of each hypothesis, if `exact`."""
+    """Return probabilities as `predict_each` does, and (|Y|, 2e) bounds on each hypothesis' error, if `exact`."""
     both, twice = np.tile(things, 2), np.tile(np.arange(len(things)), 2)
     points = marginals.solved.transpose(0, 2, 1)
     variance = amplitude - marginals.explained
@@ -95,7 +95,7 @@ def _predict(
 def _refit(
     posterior: Posterior, marginals: Marginals, things: Index, prior: Array, amplitude: float, y: Index, h: Index
 ) -> Array:
-    """(F, k) predictions of the classifiers y under the hypotheses h, F of each, fitted from scratch."""
+    """Return the (F, k) predictions of the classifiers y under the hypotheses h, F of each, fitted from scratch."""
     n, k = posterior.modes.shape[1], prior.shape[1]
     example = h % len(things)
     old_cross = marginals.cross
@@ -114,5 +114,5 @@ def _refit(
 
 
 def _at_new(values: Array, both: Index) -> Array:
-    """(..., h, 1) of (..., h, k) values at the points, that at each hypothesis' own new example."""
+    """Return (..., h, 1) of (..., h, k) values at the points: that at each hypothesis' own new example."""
     return values[..., np.arange(len(both)), both][..., None]
