@@ -17,6 +17,9 @@ from al_questioner.support.arrays import Array
 EXACT_OPERATIONS = 2e10
 """Largest cost of an exact look-ahead, in multiplications and additions (some seconds); above, it is approximated."""
 
+PROBABILITY_TOLERANCE = 8e-7
+"""Largest bound on the error of a degree in a look-ahead; what may exceed it is computed by refitting."""
+
 CHUNK_NUMBERS = 4_000_000
 """Largest array of a look-ahead beside its result, in numbers: about 200 MB."""
 
@@ -94,11 +97,11 @@ class ConceptModels:
         names = tuple(labels)
         if groups is not None and len(points) and len(groups) != points.shape[1]:
             raise InputError(f'{len(groups)} groups for {points.shape[1]} features')
-        named = None if groups is None else tuple(groups)
-        same_groups, self._groups = named == self._groups, named
         if len(names) != len(points):
             raise InputError(f'{len(names)} labels for {len(points)} feature vectors')
         self._check_labels(names)
+        same_groups = (None if groups is None else tuple(groups)) == self._groups
+        self._groups = None if groups is None else tuple(groups)
         targets = np.array([[float(label == symbol) for label in names] for symbol in self.symbols])
         n_known = len(self._labels)
         known_points = same_groups and np.array_equal(points[:-1], self._points)
@@ -231,11 +234,11 @@ class ConceptModels:
         # The five terms of the expected logistic function and a part's copies for every label need memory, too.
         per_thing = 2 * n_symbols * n_things * max(n_symbols, 5, n if exact else 0)
         size = max(1, CHUNK_NUMBERS // max(1, per_thing))
-        own = np.arange(n_symbols)
+        own, tolerance = np.arange(n_symbols), self._tolerance() if exact else None
         for first in range(0, n_things, size):
             things = np.arange(first, min(first + size, n_things))
             prior = self._covariance(scene[things], scene)
-            table = predict_each(self._posterior, marginals, things, prior, self.amplitude, exact)
+            table = predict_each(self._posterior, marginals, things, prior, self.amplitude, tolerance)
             as_negative, as_positive = table[:, : len(things)], table[:, len(things) :]
             part = np.repeat(as_negative.transpose(1, 2, 0)[:, None], n_symbols, axis=1)
             part[:, own, :, own] = as_positive
@@ -276,7 +279,8 @@ class ConceptModels:
         for first in range(0, len(new), size):
             rows = np.arange(first, min(first + size, len(new)))
             prior = self._covariance(new[rows], points)
-            table = predict_each(self._posterior, marginals, rows, prior, self.amplitude, exact=True)[:, :, len(new) :]
+            table = predict_each(self._posterior, marginals, rows, prior, self.amplitude, self._tolerance())
+            table = table[:, :, len(new) :]
             as_negative, as_positive = table[:, : len(rows)], table[:, len(rows) :]
             found[rows] = np.where(own[rows].T[:, :, None], as_positive, as_negative).transpose(1, 2, 0)
         return self._balanced(found, (self._counts() + own)[:, None])
@@ -292,18 +296,27 @@ class ConceptModels:
         """Return the (|Y|,) numbers of positive examples."""
         return np.array([self._labels.count(symbol) for symbol in self.symbols], dtype=np.float64)
 
-    def _balanced(self, degrees: Array, counts: Array) -> Array:
-        """Return degrees (..., |Y|) as they would be had every symbol as many examples, to the extent `class_balance`.
+    def _odds(self, counts: Array) -> Array:
+        """Return (..., |Y|) factors by which counts of examples, (..., |Y|), are taken to have raised the odds of q_y.
 
-        The counts, (..., |Y|), act on the degrees like a prior, of which the labels that were asked for say nothing:
-        logit q_y - balance (log(n_y + 1/2) - its mean over y).
+        The counts act like a prior, of which the labels that were asked for say nothing: n_y + 1/2, over its geometric
+        mean over y, to the power of the class balance.
         """
+        logs = np.log(counts + 0.5)
+        odds: Array = np.exp(self.class_balance * (logs - logs.mean(axis=-1, keepdims=True)))
+        return odds
+
+    def _balanced(self, degrees: Array, counts: Array) -> Array:
+        """Return degrees (..., |Y|) as they would be had every symbol as many examples, as far as `class_balance`."""
         if self.class_balance == 0:
             return degrees
-        logs = np.log(counts + 0.5)
-        odds = np.exp(self.class_balance * (logs - logs.mean(axis=-1, keepdims=True)))
-        balanced: Array = degrees / (degrees + (1 - degrees) * odds)
+        balanced: Array = degrees / (degrees + (1 - degrees) * self._odds(counts))
         return balanced
+
+    def _tolerance(self) -> float:
+        """Return the error of a degree, after one more example, that balancing makes no larger than it may be."""
+        odds = self._odds(self._counts() + np.eye(len(self.symbols)))
+        return PROBABILITY_TOLERANCE / float(max(odds.max(), 1 / odds.min()))
 
     def _check_labels(self, labels: Sequence[str]) -> None:
         for label in labels:

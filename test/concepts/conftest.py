@@ -9,11 +9,10 @@ import numpy as np
 import pytest
 from scipy.spatial.distance import cdist
 from scipy.special import expit
-from sklearn.gaussian_process import GaussianProcessClassifier
-from sklearn.gaussian_process.kernels import RBF, ConstantKernel
+from sklearn.gaussian_process import GaussianProcessClassifier, kernels
 
 from al_questioner.concepts import ConceptModels
-from al_questioner.concepts.kernel import rbf_kernel
+from al_questioner.concepts.kernel import RBF, KernelShape, rbf_kernel
 from al_questioner.concepts.laplace.gaussian_process import find_modes
 from al_questioner.concepts.laplace.posterior import Marginals, Posterior, laplace_posterior
 from al_questioner.domain import NO_SYMBOL
@@ -30,12 +29,22 @@ class LearningState:
     symbols: tuple[str, ...]
     amplitude: float
     length_scale: float | None
+    shape: KernelShape = RBF
+    class_balance: float = 0.0
+
+    @property
+    def groups(self) -> list[str]:
+        """A group of each feature: one of half of them, the rest in pairs."""
+        count = self.features.shape[1]
+        return [str(max(0, column - count // 2) // 2) for column in range(count)]
 
     def models(self) -> ConceptModels:
-        return ConceptModels(self.symbols, self.amplitude, self.length_scale)
+        return ConceptModels(
+            self.symbols, self.amplitude, self.length_scale, shape=self.shape, class_balance=self.class_balance
+        )
 
     def fitted(self) -> ConceptModels:
-        return self.models().fit(self.features, self.labels)
+        return self.models().fit(self.features, self.labels, self.groups)
 
     def had_been_labelled(self, thing: int, symbol: str) -> tuple[Array, list[str]]:
         """Features and labels with one more."""
@@ -43,7 +52,7 @@ class LearningState:
 
     def after(self, thing: int, symbol: str) -> Array:
         """Prediction for the scene by models that never looked ahead: fitted from nothing with one label more."""
-        return self.models().fit(*self.had_been_labelled(thing, symbol)).predict_proba(self.scene)
+        return self.models().fit(*self.had_been_labelled(thing, symbol), self.groups).predict_proba(self.scene)
 
     def largest_error(self, table: Array, pairs: list[tuple[int, int]] | None = None) -> float:
         """Of a look-ahead table, over some or all (thing, symbol); not a number if the table holds one."""
@@ -67,6 +76,8 @@ def learning_state() -> Callable[..., LearningState]:
         length_scale: float | None = None,
         duplicates: bool = False,
         one_class: bool = False,
+        shape: KernelShape = RBF,
+        class_balance: float = 0.0,
     ) -> LearningState:
         rng = np.random.default_rng(seed)
 
@@ -91,7 +102,7 @@ def learning_state() -> Callable[..., LearningState]:
             scene[: (n_objects + 1) // 2] = features[rng.integers(0, n_labels, size=(n_objects + 1) // 2)]
         if one_class:
             labels = [names[0]] * n_labels
-        return LearningState(features, labels, scene, symbols, variance, length_scale)
+        return LearningState(features, labels, scene, symbols, variance, length_scale, shape, class_balance)
 
     return state
 
@@ -103,7 +114,7 @@ def sklearn_probability() -> Callable[..., Array | None]:
     def probability(
         features: Array, targets: Array, test: Array, amplitude: float, length_scale: float
     ) -> Array | None:
-        kernel = ConstantKernel(amplitude, 'fixed') * RBF(length_scale, 'fixed')
+        kernel = kernels.ConstantKernel(amplitude, 'fixed') * kernels.RBF(length_scale, 'fixed')
         classifier = GaussianProcessClassifier(kernel, optimizer=None).fit(features, targets)
         binary = classifier.base_estimator_
         binary.warm_start = True

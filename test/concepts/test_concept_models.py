@@ -2,11 +2,11 @@
 
 import numpy as np
 import pytest
-from scipy.special import expit
+from scipy.special import expit, logit
 
 from al_questioner.concepts import ConceptModels, concept_models
+from al_questioner.concepts.concept_models import PROBABILITY_TOLERANCE
 from al_questioner.concepts.laplace import mode_shift
-from al_questioner.concepts.laplace.look_ahead import PROBABILITY_TOLERANCE
 from al_questioner.domain import NO_SYMBOL, InputError
 from shared.textbook import optimised_probability
 
@@ -75,6 +75,31 @@ def test_contradicting_duplicates_settle_in_the_middle():
     """The same thing called a and b equally often: 1/2, also where the plain Newton iteration could oscillate."""
     q = ConceptModels(['a', 'b'], 100.0, 1.0).fit(np.zeros((20, 3)), ['a', 'b'] * 10).predict_proba(np.zeros((1, 3)))
     np.testing.assert_allclose(q, 0.5, atol=1e-8)
+
+
+@pytest.mark.parametrize('balance', [0.25, 0.5, 1.0])
+def test_class_balance_takes_the_counts_of_examples_from_the_logits(balance):
+    """Each logit is lowered by balance times log(n + 1/2) less its mean over the symbols, and nothing else changes."""
+    rng = np.random.default_rng(5)
+    features, test = rng.normal(size=(12, 3)), rng.normal(size=(6, 3))
+    labels = [SYMBOLS[0]] * 7 + [SYMBOLS[1]] * 3 + [SYMBOLS[2], NO_SYMBOL]
+    plain = ConceptModels(SYMBOLS).fit(features, labels).predict_proba(test)
+    balanced = ConceptModels(SYMBOLS, class_balance=balance).fit(features, labels).predict_proba(test)
+    logs = np.log(np.array([7, 3, 1, 0]) + 0.5)
+    assert_close(logit(balanced), logit(plain) - balance * (logs - logs.mean()), atol=1e-9)
+
+
+def test_class_balance_changes_nothing_where_all_symbols_have_as_many_examples():
+    """Without examples, all degrees are still exactly 1/2."""
+    models = ConceptModels(SYMBOLS, class_balance=0.5)
+    assert (models.predict_proba([[0.0, 1.0]]) == 0.5).all()
+
+
+@pytest.mark.parametrize('balance', [-0.1, 1.5, np.nan])
+def test_a_class_balance_out_of_range_is_refused(balance):
+    """It is a share."""
+    with pytest.raises(InputError, match='class_balance must lie in'):
+        ConceptModels(SYMBOLS, class_balance=balance)
 
 
 @pytest.mark.parametrize('amplitude', [1.0, 4.0, 100.0])

@@ -23,15 +23,12 @@ from al_questioner.concepts.laplace.posterior import Marginals, Posterior
 from al_questioner.concepts.laplace.variance_change import find_variances
 from al_questioner.support.arrays import Array, Index
 
-PROBABILITY_TOLERANCE = 8e-7
-"""A probability whose error bound is larger is computed by refitting."""
-
 MAX_REFIT_NUMBERS = 1_000_000
 """Largest stack of kernel matrices that is refitted at once, in numbers: bounds its memory to some 50 MB."""
 
 
 def predict_each(
-    posterior: Posterior, marginals: Marginals, things: Index, prior: Array, amplitude: float, exact: bool
+    posterior: Posterior, marginals: Marginals, things: Index, prior: Array, amplitude: float, tolerance: float | None
 ) -> Array:
     """Return the predictions for all points of a scene had each of some of its things been an example.
 
@@ -41,17 +38,17 @@ def predict_each(
         things: (e,) the points that are hypothetical examples.
         prior: (e, k) their prior covariance with all points.
         amplitude: prior variance of a point.
-        exact: refit what is not within `PROBABILITY_TOLERANCE`; False stops after the first step of the modes and the
-            first moment of the variances.
+        tolerance: a hypothesis whose probabilities may be off by more is refitted; None stops after the first step of
+            the modes and the first moment of the variances, and refits nothing.
 
     Returns:
         (|Y|, 2e, k) probability of the positive class.
     """
     # What overflows or divides by zero at large amplitudes has no finite bound, and is refitted.
     with np.errstate(all='ignore'):
-        probabilities, error = _predict(posterior, marginals, things, prior, amplitude, exact)
-    if exact:
-        symbols, hypotheses = np.nonzero(~(error <= PROBABILITY_TOLERANCE))
+        probabilities, error = _predict(posterior, marginals, things, prior, amplitude, tolerance)
+    if tolerance is not None:
+        symbols, hypotheses = np.nonzero(~(error <= tolerance))
         size = len(posterior.kernel) + 1
         per_batch = max(1, MAX_REFIT_NUMBERS // (size * (size + prior.shape[1])))
         for first in range(0, len(symbols), per_batch):
@@ -61,9 +58,9 @@ def predict_each(
 
 
 def _predict(
-    posterior: Posterior, marginals: Marginals, things: Index, prior: Array, amplitude: float, exact: bool
+    posterior: Posterior, marginals: Marginals, things: Index, prior: Array, amplitude: float, tolerance: float | None
 ) -> tuple[Array, Array]:
-    """Return probabilities as `predict_each` does, and (|Y|, 2e) bounds on each hypothesis' error, if `exact`."""
+    """Return probabilities as `predict_each` does, and, with a tolerance, (|Y|, 2e) bounds on their errors."""
     both, twice = np.tile(things, 2), np.tile(np.arange(len(things)), 2)
     points = marginals.solved.transpose(0, 2, 1)
     variance = amplitude - marginals.explained
@@ -71,21 +68,18 @@ def _predict(
     targets = np.repeat([0.0, 1.0], len(things))
     # Half of the tolerance is for the modes, half for the variances.
     mode_weight = MEAN_SLOPE[0] + VARIANCE_SLOPE[0] * np.sqrt(amplitude)
-    tolerance = PROBABILITY_TOLERANCE / 2 / mode_weight
-    steps = MOST_MODE_STEPS if exact else 1
-    shift = find_shift(
-        posterior, points[:, both], variance[:, both], marginals.mean[:, both], targets, tolerance, steps
-    )
+    of_modes, steps = (0.0, 1) if tolerance is None else (tolerance / 2 / mode_weight, MOST_MODE_STEPS)
+    shift = find_shift(posterior, points[:, both], variance[:, both], marginals.mean[:, both], targets, of_modes, steps)
     mean = marginals.mean[:, None] + cross * shift.pull[:, :, None] - np.matmul(shift.bend, marginals.solved)
     p = expit(shift.latent)
     curvature = p * (1 - p)
-    if not exact:
+    if tolerance is None:
         own = variance[:, None] - np.matmul(shift.relative, marginals.solved**2)
         joint = cross - np.matmul(shift.relative * points[:, both], marginals.solved)
         weight = curvature[:, :, None] / (1 + curvature[:, :, None] * _at_new(own, both))
         return expected_logistic(mean, own - weight * joint**2), np.zeros_like(p)
     found, error = find_variances(
-        posterior.covariance, points, shift.relative, both, curvature, variance, cross, PROBABILITY_TOLERANCE / 2
+        posterior.covariance, points, shift.relative, both, curvature, variance, cross, tolerance / 2
     )
     probability_error = slope_in_variance(np.maximum(found, 0)) * error
     # Modes that are off by d deviations change the curvatures, and so the variances, by a share of d sqrt(amplitude).

@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 
 from al_questioner.concepts import ConceptLearner, ConceptModels, concept_models
+from al_questioner.concepts.kernel import GROUPED, KernelShape
 from al_questioner.concepts.laplace import look_ahead
 from al_questioner.domain import NO_SYMBOL, InputError, Scene
 
@@ -50,6 +51,15 @@ def test_equals_fitting_again(learning_state, n, amplitude):
     state = learning_state(n, n=n, amplitude=amplitude)
     pairs = some_pairs(state, 2 if n == 150 else 8)
     assert state.largest_error(state.fitted().look_ahead(state.scene), pairs) <= TOLERANCE
+
+
+@pytest.mark.parametrize('amplitude', AMPLITUDES)
+@pytest.mark.parametrize('class_balance', [0.0, 0.5, 1.0])
+@pytest.mark.parametrize('shape', [GROUPED, KernelShape(1.0, 1.0), KernelShape(np.inf, 0.5)])
+def test_equals_fitting_again_with_every_kernel_and_balance(learning_state, shape, class_balance, amplitude):
+    """The promise holds for the kernels that ship, and for degrees that balancing moves."""
+    state = learning_state(7, n=30, amplitude=amplitude, shape=shape, class_balance=class_balance, n_symbols=4)
+    assert state.largest_error(state.fitted().look_ahead(state.scene), some_pairs(state, 8)) <= TOLERANCE
 
 
 @pytest.mark.parametrize('amplitude', AMPLITUDES)
@@ -136,7 +146,7 @@ def test_what_is_not_certain_is_refitted(learning_state, monkeypatch, amplitude)
 
     monkeypatch.setattr(look_ahead, '_refit', refit)
     with monkeypatch.context() as patch:
-        patch.setattr(look_ahead, 'PROBABILITY_TOLERANCE', -1.0)
+        patch.setattr(concept_models, 'PROBABILITY_TOLERANCE', -1.0)
         assert state.largest_error(state.fitted().look_ahead(state.scene)) <= TOLERANCE
         assert sum(refitted) == 2 * 4 * 3
         patch.setattr(look_ahead, 'MAX_REFIT_NUMBERS', 1)
@@ -242,7 +252,7 @@ def test_stacks_of_refits_stay_within_their_bound(learning_state, monkeypatch):
 
     fitted = state.fitted()
     monkeypatch.setattr(look_ahead, 'find_modes', find)
-    monkeypatch.setattr(look_ahead, 'PROBABILITY_TOLERANCE', -1.0)
+    monkeypatch.setattr(concept_models, 'PROBABILITY_TOLERANCE', -1.0)
     monkeypatch.setattr(look_ahead, 'MAX_REFIT_NUMBERS', 4 * 61 * 63)
     fitted.look_ahead(state.scene)
     assert sizes == [4 * 61 * 61] * 3
