@@ -59,7 +59,20 @@ REFUSAL_SHOWN = 60.0
 """Seconds for which a refusal makes the node's status a warning; its count stays."""
 
 
-class QuestionerNode(Node):
+class _LeavesOnError(type):
+    """Type of nodes that leave the graph if their constructor refuses its input: their timers keep them alive."""
+
+    def __call__(cls: Any, *arguments: Any, **node_arguments: Any) -> Any:
+        node = object.__new__(cls)
+        try:
+            node.__init__(*arguments, **node_arguments)
+        except InputError:
+            QuestionerNode.destroy_node(node)
+            raise
+        return node
+
+
+class QuestionerNode(Node, metaclass=_LeavesOnError):
     """A node whose callbacks only hand messages to its worker.
 
     Input that cannot be used is refused: counted, logged, and shown on /diagnostics; the node goes on.
@@ -75,6 +88,7 @@ class QuestionerNode(Node):
 
     def __init__(self, name: str, topics: Collection[str] = qos.TOPICS, **node_arguments: Any) -> None:
         super().__init__(name, **node_arguments)
+        self._worker = Worker(name, self._failed)
         check_overrides(self, topics)
         self.episode_id = ''
         self._advertised: list[str] = []
@@ -90,7 +104,6 @@ class QuestionerNode(Node):
         self._overdue = math.inf
         self._said_overdue = False
         self._concerns: list[str] = []
-        self._worker = Worker(name, self._failed)
         self._diagnostics = self.advertise(DiagnosticArray, '/diagnostics', qos.DIAGNOSTICS)
         steady = Clock(clock_type=ClockType.STEADY_TIME)
         self.create_timer(DIAGNOSTICS_PERIOD, self._publish_diagnostics, clock=steady)

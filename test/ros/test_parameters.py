@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import threading
 from pathlib import Path
 from typing import Any
 
@@ -101,6 +102,15 @@ def test_a_frame_without_a_name_is_refused(graph: Any) -> None:
     """Nobody could say where the objects are."""
     with pytest.raises(InputError, match='frame_id must not be empty'):
         graph.start(PerceptionNode, task=TASK, frame_id=' ')
+
+
+def test_a_node_that_refuses_its_parameters_leaves_the_graph(graph: Any) -> None:
+    """Its thread and its timers would stay in the process, and others would see a node that does nothing."""
+    threads = threading.active_count()
+    with pytest.raises(InputError, match='frame_id must not be empty'):
+        graph.start(PerceptionNode, task=TASK, frame_id=' ')
+    graph.wait_for(lambda: 'perception' not in graph.ears.get_node_names(), 'the node to leave')
+    assert threading.active_count() == threads
 
 
 def test_misspelt_parameters_are_refused(graph: Any) -> None:
