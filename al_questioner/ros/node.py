@@ -1,4 +1,4 @@
-"""The base of all nodes: a worker thread, counted refusals, and diagnostics."""
+"""The base of all nodes: a worker thread, counted rejections, and diagnostics."""
 
 from __future__ import annotations
 
@@ -51,11 +51,11 @@ RECORDER = 'recorder'
 SECONDS_FOR_RECORDER = 10.0
 """Seconds without a recorder, after which a node that waits for one warns."""
 
-REFUSALS_PER_SECOND = 10
+REJECTIONS_PER_SECOND = 10
 """Refusals that are logged each second, one for each reason. The rest is counted."""
 DETAIL = re.compile(r"""'[^']*'|"[^"]*"|\S*[\d_]\S*|\b(nan|inf)\b""")
 """Names and numbers, by which refusals for one reason differ."""
-REFUSAL_SHOWN = 60.0
+REJECTION_SHOWN = 60.0
 """Seconds for which a refusal makes the node's status a warning; its count stays."""
 
 
@@ -93,10 +93,10 @@ class QuestionerNode(Node, metaclass=_LeavesOnError):
         self.episode_id = ''
         self._advertised: list[str] = []
         self._hearings: list[FlexibleSubscription] = []
-        self._refused: Counter[str] = Counter()
-        self._last_refusal = ''
-        self._refused_at = -math.inf
-        self._said = RepeatLimiter(REFUSALS_PER_SECOND, 1.0)
+        self._rejected: Counter[str] = Counter()
+        self._last_rejection = ''
+        self._rejected_at = -math.inf
+        self._said = RepeatLimiter(REJECTIONS_PER_SECOND, 1.0)
         self._failure = ''
         self._activity = 'starting'
         self._awaited = ''
@@ -113,10 +113,11 @@ class QuestionerNode(Node, metaclass=_LeavesOnError):
         """Set all of the parameters, or none, as `ros2 param set` asks for; rclpy's own refusals say less."""
         unknown = [one.name for one in parameter_list if not self.has_parameter(one.name)]
         if unknown:
-            return _refused(f'no parameter {", ".join(unknown)}; known: {", ".join(self.get_parameters_by_prefix(""))}')
+            known = ', '.join(self.get_parameters_by_prefix(''))
+            return _rejection(f'no parameter {", ".join(unknown)}; known: {known}')
         fixed = [one.name for one in parameter_list if self.describe_parameter(one.name).read_only]
         if fixed:
-            return _refused(f'{", ".join(fixed)}: only read when the node starts: -p NAME:=VALUE')
+            return _rejection(f'{", ".join(fixed)}: only read when the node starts: -p NAME:=VALUE')
         return super().set_parameters_atomically(parameter_list)
 
     def advertise(self, message_type: type, topic: str, profile: QoSProfile) -> Publisher:
@@ -176,9 +177,9 @@ class QuestionerNode(Node, metaclass=_LeavesOnError):
 
     def reject(self, topic: str, reason: str) -> None:
         """Count and show input that cannot be used."""
-        self._refused[topic] += 1
-        self._last_refusal = f'{topic}: {reason}'
-        self._refused_at = time.monotonic()
+        self._rejected[topic] += 1
+        self._last_rejection = f'{topic}: {reason}'
+        self._rejected_at = time.monotonic()
         if self._said.passes(f'{topic}: {DETAIL.sub("", reason)}'):
             more = self._said.held_back()
             others = f' ({number_of(more, "other refusal was", "other refusals were")} only counted)' if more else ''
@@ -236,7 +237,7 @@ class QuestionerNode(Node, metaclass=_LeavesOnError):
 
     def counts(self) -> Mapping[str, int]:
         """Return the counters of the node, for /diagnostics."""
-        return {f'refused on {topic}': count for topic, count in dict(self._refused).items()}
+        return {f'refused on {topic}': count for topic, count in dict(self._rejected).items()}
 
     def measurements(self) -> Mapping[str, str]:
         """Return the measurements of the node, in words, for /diagnostics."""
@@ -294,8 +295,8 @@ class QuestionerNode(Node, metaclass=_LeavesOnError):
                 if health_warning not in self._concerns:
                     self.get_logger().warning(health_warning)
         self._concerns = concerns
-        if time.monotonic() - self._refused_at < REFUSAL_SHOWN:
-            level, message = DiagnosticStatus.WARN, f'{self._activity}; refused {self._last_refusal}'
+        if time.monotonic() - self._rejected_at < REJECTION_SHOWN:
+            level, message = DiagnosticStatus.WARN, f'{self._activity}; refused {self._last_rejection}'
         if self._failure:
             level, message = DiagnosticStatus.ERROR, self._failure
         status = DiagnosticStatus(
@@ -312,5 +313,5 @@ class QuestionerNode(Node, metaclass=_LeavesOnError):
         self._diagnostics.publish(array)
 
 
-def _refused(reason: str) -> SetParametersResult:
+def _rejection(reason: str) -> SetParametersResult:
     return SetParametersResult(successful=False, reason=reason)
