@@ -27,7 +27,8 @@ from measuring import median_and_spread, print_table
 from scipy.stats import wilcoxon
 
 from al_questioner.concepts.laplace import hyperparameters
-from al_questioner.questioning import known_strategies
+from al_questioner.questioning import STRATEGIES
+from al_questioner.questioning.strategies.names import contributions
 from al_questioner.simulation import (
     PerceivedWorld,
     ScriptedTeacher,
@@ -136,7 +137,7 @@ def main() -> None:
     """Print a table."""
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     parser.add_argument('--task', nargs='+', default=TASKS)
-    parser.add_argument('--strategy', nargs='+', default=FAST_STRATEGIES, choices=known_strategies())
+    parser.add_argument('--strategy', nargs='+', default=FAST_STRATEGIES, choices=(*STRATEGIES, *contributions()))
     parser.add_argument('--tune-every', nargs='+', type=int, default=[5, 10])
     parser.add_argument('--amplitude', type=float, default=4.0, help='configured where K applies (%(default)s)')
     parser.add_argument('--budget', type=float, default=25)

@@ -27,8 +27,9 @@ from scipy.stats import mannwhitneyu
 
 from al_questioner.concepts import Selector
 from al_questioner.domain import NO_SYMBOL, InputError, random_stream
-from al_questioner.questioning import Choice, Episode, Strategy, TurnContext, known_strategies, make_strategy
+from al_questioner.questioning import STRATEGIES, Choice, Episode, Strategy, TurnContext, make_strategy
 from al_questioner.questioning.beliefs import class_beliefs
+from al_questioner.questioning.strategies.names import contributions
 from al_questioner.questioning.strategies.value_per_cost import DEFAULTS, called_shares
 from al_questioner.simulation import (
     PerceivedWorld,
@@ -172,7 +173,7 @@ def main() -> None:
     """Print both tables."""
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument('--task', nargs='+', default=['prepare_lunch', 'pack_lunchbox', 'kitchen_table'])
-    strategies = [name for name in known_strategies() if name != 'human']
+    strategies = [name for name in (*STRATEGIES, *contributions()) if name != 'human']
     parser.add_argument('--strategy', nargs='+', default=['random_fsq', 'value_per_cost'], choices=strategies)
     parser.add_argument('--budget', type=NumberWithin(float, 0, 1e6), default=25.0)
     parser.add_argument('--turns', type=NumberWithin(int, 1, 10_000), default=40)

@@ -79,7 +79,7 @@ def play_episode(cell: Cell, variation: Variation, dataset: str = '') -> Episode
     world = _open_world(cell.task, cell.sample, variation.change_interval, variation.synchrony, dataset)
     if cell.strategy in CEILINGS:
         settings = episode_settings(task, CEILING_SETTINGS, cell.budget, cell.turns, amplitude=variation.amplitude)
-        return CEILINGS[cell.strategy](Evaluation(choice, settings, world), task, teacher)
+        return CEILINGS[cell.strategy](Evaluation(choice, settings, None, world), task, teacher)
     settings = episode_settings(task, cell.strategy, cell.budget, cell.turns, amplitude=variation.amplitude)
     if cell.strategy in variation.weights:
         settings = dataclasses.replace(settings, weights=variation.weights[cell.strategy])

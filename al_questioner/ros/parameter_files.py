@@ -64,7 +64,7 @@ def addresses(pattern: str, name: str) -> bool:
     return re.fullmatch(regex, name) is not None
 
 
-def refuse_files_without_parameters(arguments: Sequence[str]) -> None:
+def reject_files_without_parameters(arguments: Sequence[str]) -> None:
     """Refuse what ROS takes for a file without parameters.
 
     Raises:

@@ -63,7 +63,7 @@ def descriptor(setting: Setting[Any]) -> ParameterDescriptor:
     return described
 
 
-def refuse_unknown(node: Node, known_elsewhere: Collection[str]) -> None:
+def reject_unknown(node: Node, known_elsewhere: Collection[str]) -> None:
     """Refuse parameters that were set but that no node has: most likely misspelt.
 
     What is known elsewhere are parameters of the other nodes, which a common file may set.

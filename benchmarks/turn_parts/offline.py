@@ -95,10 +95,10 @@ class PlayedEpisode:
 def play_timed(choice: WorldSpec, settings: EpisodeSettings, teacher: ScriptedTeacher) -> PlayedEpisode:
     """Play the episode of `run_episode`, with the stopwatch on."""
     start = time.perf_counter()
-    evaluation = Evaluation(choice, settings)
+    episode = Episode(settings, random_stream(choice.seed, 'learner'))
+    evaluation = Evaluation(choice, settings, episode.strategy.selector)
     making = time.perf_counter() - start
     world = evaluation.world
-    episode = Episode(settings, random_stream(choice.seed, 'learner'))
     stages = Stages(settings.turns)
     turns = []
     accuracy = float('nan')

@@ -33,26 +33,26 @@ def test_an_episode_is_what_was_lived(bags, tmp_path, storage):
     """The expert's scenes, choices and answers would be others than those learnt from."""
     lived = bags.write_episode(tmp_path / 'b', storage)
     (episode,) = read_episodes(tmp_path / 'b')
-    assert episode.begun.settings == lived.settings
-    assert episode.begun.world['task'] == 'prepare_lunch'
+    assert episode.started.settings == lived.settings
+    assert episode.started.world['task'] == 'prepare_lunch'
     assert episode.change_turns == (5,) or episode.change_turns == ()
     assert [turn.record for turn in episode.turns if turn.record] == list(lived.episode.records)
     for turn in episode.turns:
         np.testing.assert_array_equal(turn.scene.features, lived.world.scene(turn.turn).features)
-    assert first_divergence(episode.begun, episode.events) is None
+    assert first_divergence(episode.started, episode.events) is None
 
 
 def test_another_learner_diverges_and_the_turn_is_named(bags, tmp_path):
     """A check that finds nothing would be worth nothing."""
     bags.write_episode(tmp_path / 'b', strategy='random_fsq')
     (episode,) = read_episodes(tmp_path / 'b')
-    assert first_divergence(episode.begun, episode.events) is None
-    begun = episode.begun
-    other = first_divergence(dataclasses.replace(begun, seed=begun.seed + 1), episode.events)
+    assert first_divergence(episode.started, episode.events) is None
+    started = episode.started
+    other = first_divergence(dataclasses.replace(started, seed=started.seed + 1), episode.events)
     assert other is not None
     assert int(other.split()[1].rstrip(':')) >= 2
     assert 'was recorded' in other
-    changed = dataclasses.replace(begun, settings=dataclasses.replace(begun.settings, strategy='farthest_fsq'))
+    changed = dataclasses.replace(started, settings=dataclasses.replace(started.settings, strategy='farthest_fsq'))
     assert first_divergence(changed, episode.events) is not None
 
 
@@ -71,7 +71,7 @@ def test_features_of_another_look_are_a_divergence_and_rounding_is_none(bags, tm
     """The same choice for other reasons is not the same decision; but processors differ in their last digits."""
     bags.write_episode(tmp_path / 'b')
     (episode,) = read_episodes(tmp_path / 'b')
-    assert first_divergence(episode.begun, with_other_features(episode, 1, change)) == found
+    assert first_divergence(episode.started, with_other_features(episode, 1, change)) == found
 
 
 @pytest.mark.parametrize('accepted', [True, False])
@@ -107,7 +107,7 @@ def test_an_episode_without_a_whole_turn_is_told_of_beside_others(bags, tmp_path
         read_episodes(tmp_path / 'b')
     left_out: list[LeftOut] = []
     (episode,) = read_episodes(tmp_path / 'b', left_out)
-    assert (episode.begun.episode_id, [what for what, _ in left_out]) == ('e1', ['e2'])
+    assert (episode.started.episode_id, [what for what, _ in left_out]) == ('e1', ['e2'])
 
 
 def test_an_unfinished_recording_counts_as_far_as_it_goes(bags, tmp_path):
@@ -189,7 +189,7 @@ def test_what_latched_topics_tell_of_an_earlier_episode_is_left_out(tmp_path):
         for message in (*left_over, *new.messages):
             bag.write(f'/r/{last_part(message.topic)}', message.data, message.stamp)
     (episode,) = read_episodes(tmp_path / 'b')
-    assert episode.begun.seed == 1
+    assert episode.started.seed == 1
     assert len(episode.turns) == 30
 
 
@@ -229,7 +229,7 @@ def test_a_clock_that_was_put_back_hides_nothing(tmp_path, storage, at, by, is_s
     (before,) = read_episodes(SHIPPED)
     assert len(episode.turns) == 30
     assert episode.records == before.records
-    assert first_divergence(episode.begun, episode.events) is None
+    assert first_divergence(episode.started, episode.events) is None
 
 
 @pytest.mark.parametrize(
@@ -247,7 +247,7 @@ def test_the_order_of_a_file_is_not_that_of_the_episode(tmp_path, arranged):
     """Whatever rewrites a bag has an order of its own."""
     (episode,) = read_episodes(written(tmp_path / 'b', arranged(read_bag(SHIPPED).messages)))
     assert len(episode.turns) == 30
-    assert first_divergence(episode.begun, episode.events) is None
+    assert first_divergence(episode.started, episode.events) is None
 
 
 @pytest.mark.parametrize('later', [HOUR, -HOUR, 0], ids=['later', 'on a clock that began anew', 'at the same times'])
@@ -260,9 +260,9 @@ def test_two_learners_stay_apart(bags, tmp_path, later):
         ids = (b'"episode_id":"e1"', b'"episode_id":"e2"')
         second = [dataclasses.replace(message, data=message.data.replace(*ids)) for message in second]
     episodes = read_episodes(written(tmp_path / 'b', [*first, *second]))
-    assert [episode.begun.settings.strategy for episode in episodes] == ['expert', 'random_fsq']
+    assert [episode.started.settings.strategy for episode in episodes] == ['expert', 'random_fsq']
     assert [len(episode.turns) for episode in episodes] == [8, 4]
-    assert [first_divergence(episode.begun, episode.events) for episode in episodes] == [None, None]
+    assert [first_divergence(episode.started, episode.events) for episode in episodes] == [None, None]
 
 
 @pytest.mark.parametrize(
@@ -297,7 +297,7 @@ def test_what_other_nodes_say_on_such_names_is_passed_over(bags, tmp_path, name,
     left_out: list[LeftOut] = []
     (episode,) = read_episodes(path, left_out)
     assert (len(episode.turns), left_out) == (8, [])
-    assert first_divergence(episode.begun, episode.events) is None
+    assert first_divergence(episode.started, episode.events) is None
 
 
 def cloud_of_others(bags, messages):
@@ -356,9 +356,9 @@ def test_the_last_decision_of_a_recording_that_ended_early_is_checked_and_counte
     bags.write_episode(tmp_path / 'b', missing=[('learner_state', 8)])
     (episode,) = read_episodes(tmp_path / 'b')
     assert (len(episode.turns), episode.decisions) == (7, 8)
-    assert first_divergence(episode.begun, episode.events) is None
+    assert first_divergence(episode.started, episode.events) is None
     other = with_other_features(episode, 8, 1)
-    assert first_divergence(episode.begun, other) == 'turn 8: the features differ by up to 1'
+    assert first_divergence(episode.started, other) == 'turn 8: the features differ by up to 1'
     assert main(['replay', str(tmp_path / 'b'), '--check']) == 0
     assert '8 decisions, all as recorded' in capsys.readouterr().out.replace('\n', ' ')
 
@@ -380,7 +380,7 @@ def test_the_scenes_of_a_camera_whose_clock_went_back_are_found(bags, tmp_path):
     ]
     (episode,) = read_episodes(written(tmp_path / 'b', messages))
     assert len(episode.turns) == 8
-    assert first_divergence(episode.begun, episode.events) is None
+    assert first_divergence(episode.started, episode.events) is None
 
 
 def test_what_a_camera_with_a_fast_clock_showed_before_the_turn_is_not_its_scene(bags, tmp_path):

@@ -19,7 +19,7 @@ def test_every_turn_has_the_scene_that_its_learner_took(bags, tmp_path):
     bags.write_episode(tmp_path / 'b')
     found = scenes_of(read_bag(tmp_path / 'b'))
     (episode,) = read_episodes(tmp_path / 'b')
-    assert found.world == episode.begun.world
+    assert found.world == episode.started.world
     assert list(found.clouds) == [turn.turn for turn in episode.turns]
     for turn in episode.turns:
         scene = scene_of_cloud(deserialize(found.clouds[turn.turn]))

@@ -42,7 +42,7 @@ def test_a_corrected_episode_is_that_of_the_right_answer(toy, data, strategy):
         expected[query.turn] = episode.tell(answer)
         last_ids[query.query_id].append(answer_id)
         assert before == (episode.turn, episode.spent, episode.pending, [(r.turn, r.cost) for r in episode.records])
-        assert episode.take(answer) is Receipt.DUPLICATE
+        assert episode.take(answer).receipt is Receipt.DUPLICATE
         check()
 
     def check():
@@ -156,13 +156,13 @@ def test_what_was_taken_is_known_again(answered, toy):
     """A teacher that resends would be refused, or counted twice; another's late answer would be learnt."""
     episode, queries = answered
     records, version = episode.records, episode.concepts.model_version
-    assert episode.take(toy.reply(queries[0], records[0].symbol)) is Receipt.DUPLICATE
+    assert episode.take(toy.reply(queries[0], records[0].symbol)).receipt is Receipt.DUPLICATE
     other = 'fruit' if records[0].symbol != 'fruit' else 'snack'
     with pytest.raises(AnswerError, match="another answer 'a1' to query 'q1' was taken already"):
         episode.take(toy.reply(queries[0], other))
     late = Answer('q1', 'b1', 'bert', Outcome.ANSWERED, 'snack')
     for _ in range(2):
-        assert episode.take(late) is Receipt.LATE
+        assert episode.take(late).receipt is Receipt.LATE
     assert (episode.records, episode.concepts.model_version, episode.pending) == (records, version, queries[2])
     assert list(episode.answers.late) == [late]
     with pytest.raises(AnswerError, match="unknown label 'pizza'"):

@@ -2,7 +2,6 @@
 
 import subprocess
 import sys
-from pathlib import Path
 
 import numpy as np
 import pytest
@@ -104,14 +103,14 @@ def test_controls_never_repeat_themselves(toy, strategy, seed):
 def test_same_seed_same_queries_in_another_process(toy):
     """Hash randomisation and iteration order must not reach a decision."""
     program = (
-        'import sys; sys.path[:0] = sys.argv[1:]; import conftest as toy\n'
+        'import sys; sys.path[:0] = sys.argv[1:]; from shared import toys as toy\n'
         'from al_questioner.domain import random_stream; from al_questioner.questioning import STRATEGIES, Episode\n'
         'for name in STRATEGIES:\n'
         '    if name == "human": continue\n'
         '    episode = Episode(toy.make_settings(name), random_stream(3, "strategy"))\n'
         '    toy.play(episode, toy.ToyWorld(3)); print(name, episode.records)\n'
     )
-    command = [sys.executable, '-c', program, str(Path(__file__).parent), str(ROOT / 'test')]
+    command = [sys.executable, '-c', program, str(ROOT / 'test')]
     child = subprocess.run(command, cwd=ROOT, capture_output=True, text=True, check=True)
     expected = [f'{name} {play(toy, name, seed=3)[0].records}' for name in AUTOMATIC]
     assert child.stdout.splitlines() == expected

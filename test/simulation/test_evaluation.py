@@ -47,7 +47,7 @@ def test_what_is_said_later_is_measured_as_if_it_had_been_said_at_once() -> None
     settings = episode_settings(TASK, 'random_fsq', budget=8, turns=8)
     whole = run_episode(CHOICE, settings, teacher())
     early, late = whole.queries[:2], whole.queries[2]
-    evaluation = Evaluation(CHOICE, settings)
+    evaluation = Evaluation(CHOICE, settings, None)
     for turn in range(1, late.turn + 1):
         evaluation.next_turn(next((record for record in early if record.turn == turn), None))
     evaluation.correct(whole.queries)
@@ -63,9 +63,9 @@ def test_what_is_said_later_is_measured_as_if_it_had_been_said_at_once() -> None
 def test_evaluation_believes_what_the_learner_believes(strategy: str, tune_every: int) -> None:
     """Accuracy would be that of other models than the robot has."""
     settings = episode_settings(TASK, strategy, budget=8, turns=12, tune_every=tune_every)
-    evaluation = Evaluation(CHOICE, settings)
-    features, labels = evaluation.world.test_set
     episode = Episode(settings, random_stream(4, 'learner'))
+    evaluation = Evaluation(CHOICE, settings, episode.strategy.selector)
+    features, labels = evaluation.world.test_set
     for turn in range(1, 13):
         decision = episode.ask(evaluation.world.scene(turn))
         record = None

@@ -12,6 +12,7 @@ from al_questioner.commands.demo.progress import ProgressView
 from al_questioner.commands.demo.report import episode_document, summary
 from al_questioner.concepts import compile_models
 from al_questioner.domain import InputError, QueryRecord
+from al_questioner.questioning import make_strategy
 from al_questioner.simulation import (
     Evaluation,
     PerceivedWorld,
@@ -24,6 +25,7 @@ from al_questioner.simulation import (
 )
 from al_questioner.simulation.made_up_world import MadeUpWorld, made_up_scene
 from al_questioner.support.files import check_writable, make_folder, write_text
+from al_questioner.terminal.menu import make_picker
 
 PATIENCE = 30.0
 """Seconds without progress after which the warning of a node ends the demo."""
@@ -53,7 +55,8 @@ def main(given: argparse.Namespace) -> int:
         repeat_shown=given.repeat_shown,
     )
     world = None if made_up is None else PerceivedWorld(made_up, made_up_scene)
-    evaluation = Evaluation(choice, settings, world)
+    strategy = make_strategy(settings.strategy, settings.weights, make_picker())
+    evaluation = Evaluation(choice, settings, strategy.selector, world)
     make_folder(given.out)
     if given.json is not None:
         check_writable(given.json)
@@ -65,7 +68,7 @@ def main(given: argparse.Namespace) -> int:
         compile_models()
     with ProgressView(console, choice.task, settings) as progress:
         if given.offline:
-            play(evaluation, teacher, progress.after_turn)
+            play(evaluation, strategy, teacher, progress.after_turn)
         else:
             _play_graph(given, evaluation, progress.after_turn)
     result = evaluation.result()

@@ -15,7 +15,7 @@ from al_questioner.messages.documents import Document
 from al_questioner.ros.answer_sender import AnswerSender
 from al_questioner.ros.node import QuestionerNode
 from al_questioner.ros.nodes.terminal_teacher import RunTerminal, TerminalTeacher, login_name
-from al_questioner.ros.parameters import Value, declare, refuse_unknown
+from al_questioner.ros.parameters import Value, declare, reject_unknown
 from al_questioner.ros.running import spin_node
 from al_questioner.ros.settings import ALL_NAMES, TEACHER_MODES, TEACHER_SETTINGS
 from al_questioner.ros.worlds import check_world, declare_world
@@ -35,7 +35,7 @@ class TeacherNode(QuestionerNode):
         super().__init__('teacher', **node_arguments)
         choice = declare_world(self)
         given = declare(self, TEACHER_SETTINGS)
-        refuse_unknown(self, ALL_NAMES)
+        reject_unknown(self, ALL_NAMES)
         mode, teacher_id = str(given['mode']), str(given['teacher_id'])
         if mode not in TEACHER_MODES:
             raise InputError(f'parameter mode: unknown mode {mode!r}; known: {", ".join(TEACHER_MODES)}')

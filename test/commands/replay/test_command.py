@@ -38,8 +38,8 @@ def test_checking_names_what_differs_and_what_cannot_be_checked(
 ) -> None:
     """A recording that is no good, or of which a part is, would be taken for a whole one."""
     (recorded,) = read_episodes(BAG)
-    other = dataclasses.replace(recorded.begun.settings, strategy='random_fsq')
-    changed = dataclasses.replace(recorded, begun=dataclasses.replace(recorded.begun, settings=other))
+    other = dataclasses.replace(recorded.started.settings, strategy='random_fsq')
+    changed = dataclasses.replace(recorded, started=dataclasses.replace(recorded.started, settings=other))
     for episode, status, text in (
         (recorded, 1, 'short: cannot be checked: too short'),
         (changed, 1, ' was recorded\n'),

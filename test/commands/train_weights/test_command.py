@@ -52,7 +52,7 @@ def test_the_shipped_bags_are_demonstrations_of_the_training_scenario() -> None:
 def test_the_shipped_bags_replay_to_the_same_decisions(bag: str) -> None:
     """Training would learn from decisions that this software does not make; another processor may round otherwise."""
     (episode,) = read_episodes(Path(bag))
-    divergence = first_divergence(episode.begun, episode.events)
+    divergence = first_divergence(episode.started, episode.events)
     rounding = divergence and re.fullmatch(r'turn \d+: the (features|utilities) differ by up to (\S+)', divergence)
     assert divergence is None or (rounding and float(rounding[2]) < 1e-9)
 

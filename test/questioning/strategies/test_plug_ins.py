@@ -20,9 +20,9 @@ import pytest
 from al_questioner.cli import main
 from al_questioner.domain import QueryKind, SettingsError, random_stream
 from al_questioner.messages.documents import read, settings_members, settings_of, write
-from al_questioner.questioning import STRATEGIES, Choice, Episode, TurnContext, known_strategies, make_strategy
+from al_questioner.questioning import STRATEGIES, Choice, Episode, TurnContext, make_strategy
 from al_questioner.questioning.strategies import names as strategy_names
-from al_questioner.questioning.strategies.names import SHIPPED, check_strategy
+from al_questioner.questioning.strategies.names import SHIPPED, check_strategy, contributions
 from al_questioner.simulation import episode_settings
 from shared.checkout import ROOT
 from shared.lunches import TASK
@@ -78,7 +78,7 @@ def refusal(make: Callable[..., object], *arguments: object, **options: object) 
 def test_a_contributed_strategy_is_made_by_its_name(contribute: Contribute) -> None:
     """Nobody could try an idea without editing this package."""
     contribute('pack', mine='contributed_module:Weighted')
-    assert known_strategies() == (*STRATEGIES, 'mine')
+    assert list(contributions()) == ['mine']
     strategy = make_strategy('mine', {'discriminability': 2.0})
     assert (type(strategy).__name__, strategy.weights) == ('Weighted', {'discriminability': 2.0})
 
@@ -111,7 +111,7 @@ def test_our_own_strategies_do_not_wait_for_a_search(monkeypatch: pytest.MonkeyP
     """Every start would read the metadata of all installed packages."""
     monkeypatch.setattr(strategy_names, 'contributions', lambda: pytest.fail('searched'))
     for name in STRATEGIES:
-        make_strategy(check_strategy(name), toy.weights.get(name, {}))
+        make_strategy(check_strategy(name), toy.weights.get(name, {}), lambda _: 0)
 
 
 def test_the_names_of_our_own_strategies_are_known_without_them() -> None:
@@ -124,7 +124,7 @@ def test_a_name_of_ours_cannot_be_taken(contribute: Contribute, caplog: pytest.L
     contribute('pack', random_fsq='contributed_module:Weighted', mine='contributed_module:Weighted')
     assert type(make_strategy('random_fsq', {})).__name__ == 'RandomLabel'
     assert type(make_strategy('mine', {})).__name__ == 'Weighted'
-    assert known_strategies().count('random_fsq') == 1
+    assert 'random_fsq' not in contributions()
     assert 'entry point "random_fsq = contributed_module:Weighted" of package pack is ignored' in caplog.text
 
 

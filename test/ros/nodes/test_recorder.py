@@ -57,7 +57,7 @@ def test_a_recording_holds_the_whole_episode(graph: Any, tmp_path: Path, storage
     assert [turn.record.turn for turn in episode.turns if turn.record] == [
         query['turn'] for query in documents(bag, 'learner_state')[-1]['queries']
     ]
-    assert first_divergence(episode.begun, episode.events) is None
+    assert first_divergence(episode.started, episode.events) is None
 
 
 def test_a_correction_is_replayed_in_the_turn_in_which_it_was_made(graph: Any, tmp_path: Path) -> None:
@@ -90,7 +90,7 @@ def test_a_correction_is_replayed_in_the_turn_in_which_it_was_made(graph: Any, t
     assert [event.turn if isinstance(event, ActionChosen) else event.answer.query_id for event in answered] == [
         *(1, 'q1', 2, 'q2', 3, 'q1', 'q3', 4, 'q4')
     ]
-    assert first_divergence(episode.begun, episode.events) is None
+    assert first_divergence(episode.started, episode.events) is None
 
 
 def test_what_was_missed_is_said(graph: Any, tmp_path: Path) -> None:

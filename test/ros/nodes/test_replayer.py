@@ -114,7 +114,7 @@ def test_nothing_is_played_before_somebody_listens(graph: Any, diagnostics: Any)
         return ours.count('waiting for listeners')
 
     graph.wait_for(lambda: waiting() >= 2, 'two signs of life')
-    assert not node.begun
+    assert not node.started
     decisions = graph.listen('decision', PointCloud2, qos.RECORDED_EVENTS)
     graph.wait_for(lambda: decisions, 'a decision')
     assert stamp_in(decisions[0]) == stamp_in(deserialize(recorded('decision')[0]))
@@ -144,7 +144,7 @@ def test_a_replay_does_not_begin_on_the_names_of_a_live_learner(graph: Any) -> N
     assert f'/{graph.namespace}/learner publishes on /{graph.namespace}/turn, too' in str(node.failure)
     node.press('n')
     graph.wait_for(lambda: turns, 'the turn of the live learner')
-    assert not node.begun
+    assert not node.started
     assert {document['episode_id'].rsplit('-', 1)[0] for document in turns} == {'prepare_lunch-4'}
 
 
