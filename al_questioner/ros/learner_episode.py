@@ -11,7 +11,7 @@ from al_questioner.domain import COSTS, Costs, EpisodeSettings, InputError
 from al_questioner.event_log.durable_episode import DurableEpisode
 from al_questioner.event_log.events import EpisodeStarted
 from al_questioner.event_log.log import SessionLog
-from al_questioner.event_log.storage import SqliteStorage, StorageFactory
+from al_questioner.event_log.storage import StorageFactory
 from al_questioner.questioning import Strategy
 from al_questioner.ros.worlds import new_episode_id, world_members
 from al_questioner.simulation import Task, WorldSpec, episode_settings
@@ -38,11 +38,7 @@ def settings_of(task: Task, given: Mapping[str, Any]) -> EpisodeSettings:
 
 
 def durable_episode_of(
-    settings: EpisodeSettings,
-    strategy: Strategy,
-    world: WorldSpec,
-    given: Mapping[str, Any],
-    storage: StorageFactory = SqliteStorage,
+    settings: EpisodeSettings, strategy: Strategy, world: WorldSpec, given: Mapping[str, Any], storage: StorageFactory
 ) -> DurableEpisode:
     """Return the episode of these parameters, new or as far as its log goes, not yet started.
 
