@@ -46,7 +46,9 @@ from al_questioner.ros.nodes.perception import PerceptionNode
 class UnwaitedStorage(SqliteStorage):
     """Does not wait for the disk."""
 
-    synchronous = 'OFF'
+    def __init__(self, folder: Path, head: bytes) -> None:
+        super().__init__(folder, head)
+        self._database.execute('PRAGMA synchronous=OFF')
 
 
 KINDS: dict[str, StorageFactory | None] = {

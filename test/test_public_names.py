@@ -13,7 +13,9 @@ import al_questioner
 from al_questioner import simulation
 
 
-@pytest.mark.parametrize('package', ['al_questioner', 'al_questioner.bags', 'al_questioner.simulation'])
+@pytest.mark.parametrize(
+    'package', ['al_questioner', 'al_questioner.bags', 'al_questioner.event_log', 'al_questioner.simulation']
+)
 def test_every_public_name_is_there(package: str) -> None:
     """A name that is imported when it is asked for would be missed no sooner than by its first user."""
     module = importlib.import_module(package)

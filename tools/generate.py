@@ -124,7 +124,8 @@ def parameters_page() -> str:
 def parameter_row(each: Setting[Any]) -> tuple[str, ...]:
     """Return the cells of a parameter."""
     kind = f'double or `{each.word}`' if each.word else TYPES[type(each.default)]
-    return f'`{each.name}`', kind, f'`{yaml_of(each.default)}`', each.limits, each.unit, each.description
+    accepted = each.limits or quoted(each.choices)
+    return f'`{each.name}`', kind, f'`{yaml_of(each.default)}`', accepted, each.unit, each.description
 
 
 def commands_page() -> str:
@@ -143,6 +144,11 @@ def commands_page() -> str:
     return '\n\n'.join(parts) + '\n'
 
 
+def quoted(choices: Iterable[str]) -> str:
+    """Return names as code in a cell."""
+    return ', '.join(f'`{choice}`' for choice in choices)
+
+
 def option_row(action: argparse.Action) -> tuple[str, ...]:
     """Return the cells of an option."""
     value = str(action.metavar or action.dest.upper())
@@ -158,7 +164,7 @@ def option_row(action: argparse.Action) -> tuple[str, ...]:
 def range_of(action: argparse.Action) -> str:
     """Return what an option accepts, if there are limits."""
     if action.choices:
-        return ', '.join(f'`{choice}`' for choice in action.choices)
+        return quoted(action.choices)
     kind = action.type
     if not isinstance(kind, NumberWithin):
         return ''

@@ -122,3 +122,13 @@ def test_a_study_shows_the_comparison_only_if_it_has_it(own: bool) -> None:
     assert '| beside it: `dt_task_env` | 0.705 ± 0.007 (3) |' in page
     better = 'More accurate than dt_task_env, in the mean:\n\n- kitchen_table, C1: budget 25, 40 turns: as it is'
     assert (better in page) == own
+
+
+def test_the_page_begins_with_what_holds_and_what_does_not() -> None:
+    """A reader would have to gather it from the tables."""
+    order = ('u_sampling', 'dt_iros', 'dt_task')
+    page = page_of(made({'dt_task_env': BETTER, **dict.fromkeys(order, WORSE)}, 'prepare_lunch'))
+    conclusion = page.partition('## What the paper claims')[0]
+    hold, _, fail = conclusion.partition('These claims of the paper do not hold:')
+    assert 'hold:\n\n- prepare_lunch, C1: accuracy order: dt_task_env first\n' in hold
+    assert '- prepare_lunch: the decision-theoretic strategies ask the FSQ early' in fail

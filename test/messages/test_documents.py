@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import dataclasses
+import hashlib
 import json
 from typing import Any
 
@@ -13,6 +14,7 @@ from hypothesis import strategies as st
 from al_questioner.domain import Action, Answer, EpisodeSettings, InputError, Outcome, Query, QueryKind, QueryRecord
 from al_questioner.messages import documents
 from al_questioner.messages.documents import DocumentError
+from al_questioner.messages.schemas import SCHEMAS
 
 QUERY = Query('q3', 5, Action(QueryKind.LABEL, object_id=7), ('fruit', 'snack'), 1.0, 12.5, 35, 9, 'What is object 7?')
 ANSWERS = [
@@ -21,6 +23,16 @@ ANSWERS = [
     Answer('q3', 'a1', 'anna', Outcome.ANSWERED, ('colour', 'weight')),
     Answer('q3', 'a1', 'anna', Outcome.UNKNOWN),
 ]
+
+DIGESTS = {
+    'episode': 'afc2e4ee8422ca18',
+    'turn': '8eb0cae17fdfbbfa',
+    'query': '715018136c2b1652',
+    'answer': '111698b2786b6413',
+    'answer_ack': '227c4e7bc1f95c28',
+    'learner_state': '97c811283554ffc7',
+}
+"""Of the schemas. If one changes on purpose, tell it in docs/reference/documents.md and copy here what pytest shows."""
 
 
 def answer_text(**changes: object) -> str:
@@ -31,6 +43,12 @@ def answer_text(**changes: object) -> str:
 def sent(kind: str, members: dict[str, object]) -> Any:
     """What arrives of a document."""
     return documents.read(kind, documents.write(kind, 'e', members))
+
+
+def test_the_schemas_are_the_agreed_ones() -> None:
+    """Programs of others, and old logs, would no longer be understood."""
+    texts = {kind: json.dumps(schema, sort_keys=True) for kind, schema in SCHEMAS.items()}
+    assert {kind: hashlib.sha256(text.encode()).hexdigest()[:16] for kind, text in texts.items()} == DIGESTS
 
 
 def test_query_survives() -> None:

@@ -34,7 +34,9 @@ class WatchedStorage(SqliteStorage):
 class UnwaitedStorage(SqliteStorage):
     """Does not wait for the disk, which a test of many logs would take long for."""
 
-    synchronous = 'OFF'
+    def __init__(self, folder: Path, head: bytes) -> None:
+        super().__init__(folder, head)
+        self._database.execute('PRAGMA synchronous=OFF')
 
 
 def killer(last: int) -> Callable[[str], None]:

@@ -12,7 +12,7 @@ from rich.console import Console
 from rich.table import Table
 
 from al_questioner.bags import digest
-from al_questioner.bags.storages import STORAGE_SUFFIXES
+from al_questioner.bags.settings import STORAGE_SUFFIXES
 from al_questioner.commands.train_weights.query_counts import FreePlay, tell_eagerness, warn_of_amplitudes
 from al_questioner.domain import InputError
 from al_questioner.imitation.assessment import predict_queries

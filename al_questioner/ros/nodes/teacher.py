@@ -17,7 +17,7 @@ from al_questioner.ros.node import QuestionerNode
 from al_questioner.ros.nodes.terminal_teacher import RunTerminal, TerminalTeacher, login_name
 from al_questioner.ros.parameters import Value, declare, reject_unknown
 from al_questioner.ros.running import spin_node
-from al_questioner.ros.settings import ALL_NAMES, TEACHER_MODES, TEACHER_SETTINGS
+from al_questioner.ros.settings import ALL_NAMES, TEACHER_SETTINGS
 from al_questioner.ros.worlds import check_world, declare_world
 from al_questioner.simulation import ScriptedTeacher, WorldSpec
 from al_questioner.terminal.run import run_terminal
@@ -37,8 +37,6 @@ class TeacherNode(QuestionerNode):
         given = declare(self, TEACHER_SETTINGS)
         reject_unknown(self, ALL_NAMES)
         mode, teacher_id = str(given['mode']), str(given['teacher_id'])
-        if mode not in TEACHER_MODES:
-            raise InputError(f'parameter mode: unknown mode {mode!r}; known: {", ".join(TEACHER_MODES)}')
         if len(teacher_id) > LONGEST_NAME:
             raise InputError(f'parameter teacher_id: at most {LONGEST_NAME} characters, not {len(teacher_id)}')
         if given['wait_for_recorder']:
