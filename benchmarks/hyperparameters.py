@@ -103,8 +103,8 @@ def play(case: Case) -> Outcome:
     settings = episode_settings(
         task, case.strategy, case.budget, case.turns, amplitude=case.amplitude, tune_every=case.tune_every
     )
-    choice = WorldSpec(task, case.sample, case.sample)
-    result = run_episode(choice, settings, teacher, world=opened(case.task, case.sample))
+    world_spec = WorldSpec(task, case.sample, case.sample)
+    result = run_episode(world_spec, settings, teacher, world=opened(case.task, case.sample))
     return Outcome(
         result.final_accuracy, statistics.mean(result.accuracy), result.kernel.amplitude, result.kernel.length_scale
     )

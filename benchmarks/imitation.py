@@ -62,10 +62,10 @@ def held_out(like: EpisodeSettings, task_name: str, count: int) -> list[tuple[De
     task = load_task(task_name)
     found = []
     for seed in range(FIRST_HELD_OUT, FIRST_HELD_OUT + count):
-        choice = WorldSpec(task, seed, seed)
-        world = PerceivedWorld(choice.open())
+        world_spec = WorldSpec(task, seed, seed)
+        world = PerceivedWorld(world_spec.open())
         teacher = ScriptedTeacher(task.symbols, task.relevant_groups, seed, repeat_shown=True)
-        found.append((demonstrate(choice, like, teacher, world), world))
+        found.append((demonstrate(world_spec, like, teacher, world), world))
     return found
 
 

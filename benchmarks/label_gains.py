@@ -121,11 +121,11 @@ def measured(
 
 def play(case: Case) -> list[Label]:
     """The labels that an episode measured."""
-    choice = WorldSpec(load_task(case.task), case.sample, case.sample)
-    settings = episode_settings(choice.task, case.strategy, case.budget, case.turns)
-    world = PerceivedWorld(choice.open())
+    world_spec = WorldSpec(load_task(case.task), case.sample, case.sample)
+    settings = episode_settings(world_spec.task, case.strategy, case.budget, case.turns)
+    world = PerceivedWorld(world_spec.open())
     strategy = Measuring(make_strategy(settings.strategy, settings.weights), world, case.every)
-    teacher = ScriptedTeacher(choice.task.symbols, choice.task.relevant_groups, case.sample, repeat_shown=True)
+    teacher = ScriptedTeacher(world_spec.task.symbols, world_spec.task.relevant_groups, case.sample, repeat_shown=True)
     for _ in turns(Episode(settings, random_stream(case.sample, 'learner'), strategy=strategy), world, teacher):
         pass
     return strategy.found

@@ -111,11 +111,11 @@ class _Stage:
 
     def __init__(self, demonstration: Demonstration) -> None:
         try:
-            choice, self._world = demonstration.choice, demonstration.open_world()
+            world_spec, self._world = demonstration.world_spec, demonstration.open_world()
         except InputError as error:
             raise InputError(f'{error}; use --method choice, which needs none') from error
-        self._seed = choice.seed
-        self._teacher = teacher_of(choice)
+        self._seed = world_spec.seed
+        self._teacher = teacher_of(world_spec)
         self._settings, self._tolerance = demonstration.settings, demonstration.view_tolerance
         self._feature_set = demonstration.feature_set
         # Of a demonstration that was cut off, a rollout is to be compared with what there is.

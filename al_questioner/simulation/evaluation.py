@@ -46,14 +46,14 @@ class EpisodeResult:
     """Result of an episode.
 
     Attributes:
-        choice, settings: world and settings of the episode.
+        world_spec, settings: world and settings of the episode.
         queries: every query, in order.
         accuracy: on the held-out observations, after each turn.
         test_size: number of held-out observations.
         kernel: kernel of the learner's models after the last turn.
     """
 
-    choice: WorldSpec
+    world_spec: WorldSpec
     settings: EpisodeSettings
     queries: tuple[QueryRecord, ...]
     accuracy: tuple[float, ...]
@@ -75,15 +75,15 @@ class Evaluation:
     """Evaluation that follows an episode turn by turn and measures accuracy on held-out observations.
 
     Args:
-        choice: the world of the episode.
+        world_spec: of the world of the episode.
         settings: settings of the episode.
         world: that world, if it is open already: episodes that share it draw and measure every view once.
     """
 
-    def __init__(self, choice: WorldSpec, settings: EpisodeSettings, world: PerceivedWorld | None = None) -> None:
-        self.choice = choice
+    def __init__(self, world_spec: WorldSpec, settings: EpisodeSettings, world: PerceivedWorld | None = None) -> None:
+        self.world_spec = world_spec
         self.settings = settings
-        self.world = PerceivedWorld(choice.open()) if world is None else world
+        self.world = PerceivedWorld(world_spec.open()) if world is None else world
         self._concepts = new_concept_learner(settings)
         self._features, self._labels = self.world.test_set
         self._queries: list[QueryRecord] = []
@@ -135,7 +135,7 @@ class Evaluation:
     def result(self) -> EpisodeResult:
         """Return the result of the episode so far."""
         return EpisodeResult(
-            self.choice,
+            self.world_spec,
             self.settings,
             tuple(self._queries),
             tuple(self._accuracy),

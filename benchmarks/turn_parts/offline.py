@@ -92,13 +92,13 @@ class PlayedEpisode:
         return np.sum([self.seconds.get(stage, np.zeros(len(self.turns))) for stage in stages], axis=0)
 
 
-def play_timed(choice: WorldSpec, settings: EpisodeSettings, teacher: ScriptedTeacher) -> PlayedEpisode:
+def play_timed(world_spec: WorldSpec, settings: EpisodeSettings, teacher: ScriptedTeacher) -> PlayedEpisode:
     """Play the episode of `run_episode`, with the stopwatch on."""
     start = time.perf_counter()
-    evaluation = Evaluation(choice, settings)
+    evaluation = Evaluation(world_spec, settings)
     making = time.perf_counter() - start
     world = evaluation.world
-    episode = Episode(settings, random_stream(choice.seed, 'learner'))
+    episode = Episode(settings, random_stream(world_spec.seed, 'learner'))
     stages = Stages(settings.turns)
     turns = []
     accuracy = float('nan')

@@ -88,12 +88,12 @@ def test_the_oracle_needs_a_second_draw(tmp_path) -> None:
 
 def test_all_labels_are_all_that_was_in_sight() -> None:
     """The ceiling would know too little, or what lies in the future."""
-    choice = WorldSpec(TASK, 3, 3)
+    world_spec = WorldSpec(TASK, 3, 3)
     settings = episode_settings(TASK, 'random_fsq', 25, 12)
-    result = follow_all_labels(Evaluation(choice, settings), TASK, teacher_of(TASK, 3))
+    result = follow_all_labels(Evaluation(world_spec, settings), TASK, teacher_of(TASK, 3))
     assert result.queries == ()
     assert len(set(result.accuracy[:10])) == 1
-    world = PerceivedWorld(choice.open())
+    world = PerceivedWorld(world_spec.open())
     concepts = ConceptLearner(TASK.symbols, settings.amplitude)
     for turn in (1, 11):
         scene = world.scene(turn)

@@ -67,9 +67,9 @@ def test_strategies_share_sample_scenes_and_teacher(monkeypatch: pytest.MonkeyPa
     """The design is paired: what differs between strategies must not be chance."""
     seen = []
 
-    def watched(choice, settings, teacher, **others):
-        seen.append((choice, teacher))
-        return run_episode(choice, settings, teacher, **others)
+    def watched(world_spec, settings, teacher, **others):
+        seen.append((world_spec, teacher))
+        return run_episode(world_spec, settings, teacher, **others)
 
     monkeypatch.setattr(playing, 'run_episode', watched)
     for strategy in ('random_fsq', 'dt_task_env'):

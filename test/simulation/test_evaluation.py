@@ -10,7 +10,7 @@ import pytest
 from al_questioner.domain import random_stream
 from al_questioner.questioning import Episode
 from al_questioner.simulation import Evaluation, accuracy, episode_settings, run_episode
-from shared.lunches import CHOICE, TASK, teacher
+from shared.lunches import TASK, WORLD_SPEC, teacher
 
 SYMBOLS = ('a', 'b')
 
@@ -45,9 +45,9 @@ def test_an_accuracy_is_one_number_whatever_the_order(symbols: int) -> None:
 def test_what_is_said_later_is_measured_as_if_it_had_been_said_at_once() -> None:
     """The demo would show an episode in which late answers and corrections never came."""
     settings = episode_settings(TASK, 'random_fsq', budget=8, turns=8)
-    whole = run_episode(CHOICE, settings, teacher())
+    whole = run_episode(WORLD_SPEC, settings, teacher())
     early, late = whole.queries[:2], whole.queries[2]
-    evaluation = Evaluation(CHOICE, settings)
+    evaluation = Evaluation(WORLD_SPEC, settings)
     for turn in range(1, late.turn + 1):
         evaluation.next_turn(next((record for record in early if record.turn == turn), None))
     evaluation.correct(whole.queries)
@@ -63,7 +63,7 @@ def test_what_is_said_later_is_measured_as_if_it_had_been_said_at_once() -> None
 def test_evaluation_believes_what_the_learner_believes(strategy: str, tune_every: int) -> None:
     """Accuracy would be that of other models than the robot has."""
     settings = episode_settings(TASK, strategy, budget=8, turns=12, tune_every=tune_every)
-    evaluation = Evaluation(CHOICE, settings)
+    evaluation = Evaluation(WORLD_SPEC, settings)
     features, labels = evaluation.world.test_set
     episode = Episode(settings, random_stream(4, 'learner'))
     for turn in range(1, 13):

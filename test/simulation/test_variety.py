@@ -51,11 +51,11 @@ def test_the_robot_is_told_the_interval_of_its_kitchen(mixed: Task) -> None:
     """The paper's strategies, which need it, would be handicapped."""
     small = replace(mixed, scenes=replace(mixed.scenes, training_size=60, test_size=4))
     for sample in range(3):
-        choice = WorldSpec(small, sample, sample)
-        world, interval = PerceivedWorld(choice.open()), choice.task.scenes.change_interval
-        assert episode_settings(choice.task).change_interval == interval
+        world_spec = WorldSpec(small, sample, sample)
+        world, interval = PerceivedWorld(world_spec.open()), world_spec.task.scenes.change_interval
+        assert episode_settings(world_spec.task).change_interval == interval
         assert world.change_turns(40)[:1] == [1 + interval]
-        assert len(world.truth(1)) == choice.task.scenes.objects
+        assert len(world.truth(1)) == world_spec.task.scenes.objects
 
 
 def test_an_interval_may_be_fixed_for_all_kitchens(mixed: Task) -> None:

@@ -63,8 +63,8 @@ def measured_accuracy(summary: SessionSummary) -> tuple[list[float], str | None]
         return [], 'the world was not simulated'
     try:
         dataset = None if world['dataset'] is None else Path(world['dataset'])
-        choice = WorldSpec(load_task(world['task']), world['seed'], world['sample'], dataset)
-        evaluation = Evaluation(choice, summary.begun.settings)
+        world_spec = WorldSpec(load_task(world['task']), world['seed'], world['sample'], dataset)
+        evaluation = Evaluation(world_spec, summary.begun.settings)
         by_turn = {record.turn: record for record in summary.episode.records}
         for seen in summary.seen[: summary.turns_over]:
             if not evaluation.world.scene(seen.turn).equals(seen.scene):

@@ -86,7 +86,7 @@ def test_what_the_learner_asks_by_itself_is_told_for_both_amplitudes(
         asked.append(0)
         for shown in read_demonstrations(bags):
             settings = dataclasses.replace(shown.settings, strategy='dt_task_env', weights=weights, amplitude=amplitude)
-            asked[-1] += len(run_episode(shown.choice, settings, teacher_of(shown.choice)).queries)
+            asked[-1] += len(run_episode(shown.world_spec, settings, teacher_of(shown.world_spec)).queries)
     assert [int(count) for count in found.groups()] == asked
     assert asked[1] < 21 < asked[0]
     assert 'WARNING: with these weights it hardly asks (with 100, as learners have unless told otherwise)' in output
@@ -295,10 +295,10 @@ def test_only_weights_are_overwritten_and_by_a_whole_training(tmp_path: Path, re
 )
 def test_the_shipped_weights_ask_as_the_documentation_says(budget: int, turns: int, least: int, latest: int) -> None:
     """The default questioner would spend its budget at once, or be silent where it may ask as much as it likes."""
-    choice = WorldSpec(load_task('prepare_lunch'), 1, 1)
+    world_spec = WorldSpec(load_task('prepare_lunch'), 1, 1)
     # Of the demonstrations that they were learnt from.
-    settings = episode_settings(choice.task, 'dt_task_env', budget, turns, amplitude=4.0)
-    result = run_episode(choice, settings, teacher_of(choice))
+    settings = episode_settings(world_spec.task, 'dt_task_env', budget, turns, amplitude=4.0)
+    result = run_episode(world_spec, settings, teacher_of(world_spec))
     assert len(result.queries) >= least
     assert result.spent <= budget
     assert max(query.turn for query in result.queries) >= latest
