@@ -47,7 +47,7 @@ class DurableEpisode:
         self._events: list[EpisodeEvent] = []
         self._replay: Replay | None = None
         self._last_refused: InputRejected | None = None
-        self._throttle = RateLimiter(REFUSED_KEPT, REFUSED_PERIOD)
+        self._limiter = RateLimiter(REFUSED_KEPT, REFUSED_PERIOD)
         self._only_counted = 0
         self.begun = wanted
         if log is not None and log.events:
@@ -129,7 +129,7 @@ class DurableEpisode:
         if refused == self._last_refused:
             return
         self._last_refused = refused
-        if self._throttle.passes():
+        if self._limiter.passes():
             self._note_counted()
             self._write(refused)
         else:

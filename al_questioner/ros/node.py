@@ -103,7 +103,7 @@ class QuestionerNode(Node, metaclass=_LeavesOnError):
         self._began = time.monotonic()
         self._overdue = math.inf
         self._said_overdue = False
-        self._concerns: list[str] = []
+        self._last_warnings: list[str] = []
         self._diagnostics = self.advertise(DiagnosticArray, '/diagnostics', qos.DIAGNOSTICS)
         steady = Clock(clock_type=ClockType.STEADY_TIME)
         self.create_timer(DIAGNOSTICS_PERIOD, self._publish_diagnostics, clock=steady)
@@ -287,13 +287,13 @@ class QuestionerNode(Node, metaclass=_LeavesOnError):
             if not self._said_overdue:
                 self._said_overdue = True
                 self.get_logger().warning(f'{message}: is everything running that should be?')
-        concerns = [*filter(None, [self.health_warning()]), *self._mismatches()]
-        if concerns:
-            level, message = DiagnosticStatus.WARN, '; '.join([self._activity, *concerns])
-            for health_warning in concerns:
-                if health_warning not in self._concerns:
-                    self.get_logger().warning(health_warning)
-        self._concerns = concerns
+        warnings = [*filter(None, [self.health_warning()]), *self._mismatches()]
+        if warnings:
+            level, message = DiagnosticStatus.WARN, '; '.join([self._activity, *warnings])
+            for warning in warnings:
+                if warning not in self._last_warnings:
+                    self.get_logger().warning(warning)
+        self._last_warnings = warnings
         if time.monotonic() - self._refused_at < REFUSAL_SHOWN:
             level, message = DiagnosticStatus.WARN, f'{self._activity}; refused {self._last_refusal}'
         if self._failure:

@@ -82,7 +82,7 @@ OPTIONS = {
 }
 """Of the genuine tools, those that a line may use. `topic echo` asks for best effort with any `--qos-` option."""
 
-OWN = [line for line, who in LINES.items() if who in (NODE, ENDS)]
+OWN_LINES = [line for line, who in LINES.items() if who in (NODE, ENDS)]
 
 
 def documented() -> Iterator[tuple[str, str]]:
@@ -164,7 +164,7 @@ def make_node(executable: str, own: list[str], **arguments: Any) -> QuestionerNo
 
 
 @pytest.mark.usefixtures('workplace')
-@pytest.mark.parametrize('line', OWN)
+@pytest.mark.parametrize('line', OWN_LINES)
 def test_our_lines_are_taken_as_they_stand(line: str) -> None:
     """A parameter that was renamed would live on in the documentation."""
     executable, own, ros = arguments_of(line)
@@ -180,7 +180,7 @@ def test_our_lines_are_taken_as_they_stand(line: str) -> None:
 
 @pytest.mark.slow
 @pytest.mark.usefixtures('workplace')
-@pytest.mark.parametrize('line', OWN)
+@pytest.mark.parametrize('line', OWN_LINES)
 def test_our_lines_run_as_they_stand(line: str, processes: Any) -> None:
     """What is taken could still end at once."""
     command = as_here(line).replace('ros2 run al_questioner', f'exec {shlex.quote(sys.executable)} -m al_questioner')

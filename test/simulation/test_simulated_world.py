@@ -160,7 +160,7 @@ def test_synchrony_is_the_share_of_states_that_follow_the_clock(lunch: Task, syn
 def test_a_state_change_shows_another_view(lunch: Task) -> None:
     world = SimulatedWorld(lunch, 3)
     before, after = world._seen(1), world._seen(11)
-    assert all(a.sight != b.sight for a, b in zip(before, after, strict=True))
+    assert all(a.pool_row != b.pool_row for a, b in zip(before, after, strict=True))
 
 
 @pytest.mark.parametrize(('persistence', 'staying'), [(0.0, 0), (0.3, 12), (1.0, 40)])
@@ -188,19 +188,19 @@ def test_test_observations_are_balanced_as_configured(kitchen: Task, lunch: Task
 
 def test_every_object_and_state_of_prepare_lunch_is_in_training_and_test(lunch: Task) -> None:
     sample = pool.make_sample(lunch, 3)
-    for sights, each in ((sample.training, 8), (sample.test, 4)):
-        assert set(Counter(sight.thing.slot for sight in sights).values()) == {each}
+    for specs, each in ((sample.training, 8), (sample.test, 4)):
+        assert set(Counter(spec.thing.slot for spec in specs).values()) == {each}
         assert all(
-            {s.state for s in sights if s.thing.slot == slot} == {0, 1, 2} for slot in range(lunch.scenes.objects)
+            {s.state for s in specs if s.thing.slot == slot} == {0, 1, 2} for slot in range(lunch.scenes.objects)
         )
 
 
 def test_fewer_kinds_make_an_easier_world(kitchen: Task) -> None:
     looks = replace(kitchen.appearance, kinds_per_symbol=3, kinds_of_clutter=5)
     sample = pool.make_sample(replace(kitchen, appearance=looks), 2)
-    kinds = {(sight.symbol, sight.thing.kind.name) for sight in sample.training}
+    kinds = {(spec.symbol, spec.thing.kind.name) for spec in sample.training}
     assert Counter(symbol for symbol, _ in kinds) == {**dict.fromkeys(kitchen.symbols, 3), NO_SYMBOL: 5}
-    assert {(sight.symbol, sight.thing.kind.name) for sight in sample.test} == {k for k in kinds if k[0] != NO_SYMBOL}
+    assert {(spec.symbol, spec.thing.kind.name) for spec in sample.test} == {k for k in kinds if k[0] != NO_SYMBOL}
 
 
 def test_nothing_overlaps_and_everything_stands_on_the_table(kitchen: Task, monkeypatch: pytest.MonkeyPatch) -> None:
@@ -231,9 +231,9 @@ def test_cold_things_stand_near_the_refrigerator_if_asked_to(lunchbox: Task, mon
 
     def mean_x(pull: float) -> tuple[float, float]:
         task = replace(lunchbox, scenes=scenes, sensors=replace(lunchbox.sensors, cold_pull=pull))
-        sights = pool.make_sample(task, 1).training
-        x = np.array([pool.observe(s, task, 1, 0).position[0] for s in sights])
-        cold = np.array([s.thing.kind.cold for s in sights])
+        specs = pool.make_sample(task, 1).training
+        x = np.array([pool.observe(s, task, 1, 0).position[0] for s in specs])
+        cold = np.array([s.thing.kind.cold for s in specs])
         return float(x[cold].mean()), float(x[~cold].mean())
 
     cold, warm = mean_x(1.0)
@@ -249,10 +249,10 @@ def test_the_second_draw_is_like_the_test_set_and_none_of_it(name: str, request:
     world = SimulatedWorld(task, 1, 2)
     assert Counter(world.validation_labels()) == Counter(world.test_labels())
     drawn = [pool.make_sample(task, 2).test, pool.make_validation(task, 2)]
-    assert {sight.thing.kind.name for sight in drawn[0]} == {sight.thing.kind.name for sight in drawn[1]}
+    assert {spec.thing.kind.name for spec in drawn[0]} == {spec.thing.kind.name for spec in drawn[1]}
     if task.scenes.turnover == 'state':
-        assert {sight.thing for sight in drawn[0]} == {sight.thing for sight in drawn[1]}
-    seen = [digest([pool.observe(sight, task, 2, 0)]) for sights in drawn for sight in sights[:6]]
+        assert {spec.thing for spec in drawn[0]} == {spec.thing for spec in drawn[1]}
+    seen = [digest([pool.observe(spec, task, 2, 0)]) for specs in drawn for spec in specs[:6]]
     assert len(set(seen)) == 12
     again = SimulatedWorld(task, 5, 2)
     assert again.validation_labels() == world.validation_labels()

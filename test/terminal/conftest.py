@@ -89,7 +89,7 @@ class Person:
     def asked(self, query: Query) -> ViewState:
         """What is shown once this is asked."""
         self.dialogue.ask(query)
-        return self.dialogue.board()
+        return self.dialogue.view_state()
 
     def answered(self, query: Query, word: str = 'fruit') -> ViewState:
         """What is shown once this is asked, answered, and the answer taken."""
@@ -100,7 +100,7 @@ class Person:
     def taken(self, accepted: bool = True, reason: str = '') -> ViewState:
         """What is shown once the learner has said whether it takes the last answer."""
         self.dialogue.acknowledge(self.sent[-1][1].answer_id, accepted, reason)
-        return self.dialogue.board()
+        return self.dialogue.view_state()
 
 
 @pytest.fixture

@@ -18,7 +18,7 @@ def test_an_answer_is_on_its_way_until_it_is_taken(person: Any, made: Any) -> No
     view_state = person.asked(made.label(1))
     assert (view_state.phase, view_state.prompt.query.query_id) == (Phase.ASKED, 'q1')
     person.dialogue.say('Fruit')
-    assert person.dialogue.board().phase is Phase.SENDING
+    assert person.dialogue.view_state().phase is Phase.SENDING
     view_state = person.taken()
     assert (view_state.phase, view_state.prompt) == (Phase.THINKING, None)
     assert view_state.notice == 'Noted: object 7 is fruit.'
@@ -34,7 +34,7 @@ def test_what_is_no_answer_is_explained_and_nothing_is_sent(person: Any, made: A
     with pytest.raises(AnswerError, match=r"'pudding' does not answer .* expected one of: main_dish, snack"):
         person.dialogue.say('pudding')
     assert not person.sent
-    assert person.dialogue.board().phase is Phase.ASKED
+    assert person.dialogue.view_state().phase is Phase.ASKED
 
 
 def test_a_refused_answer_is_asked_for_again_with_the_reason(person: Any, made: Any) -> None:
@@ -53,7 +53,7 @@ def test_the_last_answer_is_taken_back_by_one_that_names_it(person: Any, made: A
     person.answered(made.label(1))
     person.asked(made.label(2, object_id=12))
     person.dialogue.undo()
-    view_state = person.dialogue.board()
+    view_state = person.dialogue.view_state()
     assert (view_state.phase, view_state.prompt.query.query_id) == (Phase.CORRECTING, 'q1')
     assert view_state.corrected.answer.content == 'fruit'
     person.dialogue.say('snack')
@@ -84,7 +84,7 @@ def test_to_take_back_twice_leaves_the_answer_as_it_was(person: Any, made: Any) 
     person.answered(made.label(1))
     person.dialogue.undo()
     person.dialogue.undo()
-    assert person.dialogue.board().phase is Phase.THINKING
+    assert person.dialogue.view_state().phase is Phase.THINKING
     assert len(person.sent) == 1
 
 
@@ -107,22 +107,22 @@ def test_a_question_that_others_answered_is_open_no_more(person: Any, made: Any)
     """Two teachers, or one who comes back, would be asked what is settled."""
     person.asked(made.label(3))
     person.progress(3, made.record(2))
-    assert person.dialogue.board().phase is Phase.ASKED
+    assert person.dialogue.view_state().phase is Phase.ASKED
     person.progress(3, made.record(2), made.record(3))
-    assert person.dialogue.board().phase is Phase.THINKING
+    assert person.dialogue.view_state().phase is Phase.THINKING
 
 
 def test_the_episode_is_over_when_the_learner_says_so(person: Any, made: Any) -> None:
     """The person would wait for a question that never comes."""
     person.progress(8, made.record(2), done=True)
-    assert person.dialogue.board().phase is Phase.OVER
+    assert person.dialogue.view_state().phase is Phase.OVER
 
 
 def test_another_episode_forgets_what_was_asked_in_the_last(person: Any, made: Any) -> None:
     """An answer to the first question of one episode would be given to that of the next."""
     person.answered(made.label(1))
     person.dialogue.enter('another')
-    assert person.dialogue.board().phase is Phase.THINKING
+    assert person.dialogue.view_state().phase is Phase.THINKING
     with pytest.raises(AnswerError, match='nothing to take back'):
         person.dialogue.undo()
     assert person.asked(made.label(1)).phase is Phase.ASKED
@@ -134,18 +134,18 @@ def test_acknowledgements_of_others_answers_are_passed_over(person: Any, made: A
     person.dialogue.say('fruit')
     for other in (None, 'q1/plain'):
         person.dialogue.acknowledge(other, True, '')
-    assert person.dialogue.board().phase is Phase.SENDING
+    assert person.dialogue.view_state().phase is Phase.SENDING
 
 
 def test_a_picture_of_what_lay_there_before_is_not_shown(person: Any, made: Any) -> None:
     """The person would name the thing that has just been taken away."""
     assert person.asked(made.label(1)).prompt.picture is not None
     person.dialogue.look(made.scene_of({1: (0.1, 0.1), 7: (1.2, 0.41), 12: (0.6, 0.7)}), 2)
-    assert person.dialogue.board().prompt.picture is not None
+    assert person.dialogue.view_state().prompt.picture is not None
     person.dialogue.look(made.scene_of({1: (0.1, 0.1), 8: (1.2, 0.4), 12: (0.6, 0.7)}), 3)
-    assert person.dialogue.board().prompt.picture is None
+    assert person.dialogue.view_state().prompt.picture is None
     person.dialogue.see(made.picture_of(), 3)
-    assert person.dialogue.board().prompt.picture is not None
+    assert person.dialogue.view_state().prompt.picture is not None
 
 
 def test_a_correction_shows_what_was_there_when_it_was_asked(person: Any, made: Any) -> None:
@@ -153,7 +153,7 @@ def test_a_correction_shows_what_was_there_when_it_was_asked(person: Any, made: 
     person.answered(made.label(1))
     person.dialogue.look(made.scene_of({20: (0.5, 0.5)}), 2)
     person.dialogue.undo()
-    assert person.dialogue.board().prompt.scene.object_ids == (1, 7, 12)
+    assert person.dialogue.view_state().prompt.scene.object_ids == (1, 7, 12)
 
 
 def test_what_was_said_before_the_program_began_can_be_taken_back(person: Any, made: Any) -> None:
@@ -164,15 +164,15 @@ def test_what_was_said_before_the_program_began_can_be_taken_back(person: Any, m
         person.dialogue.undo()
     mine = dataclasses.replace(theirs, teacher_id='anna')
     person.progress(4, made.record(4), last=(query, mine), done=True)
-    assert person.dialogue.board().can_undo
+    assert person.dialogue.view_state().can_undo
     person.dialogue.undo()
-    view_state = person.dialogue.board()
+    view_state = person.dialogue.view_state()
     assert (view_state.phase, view_state.prompt.query, view_state.corrected.answer) == (Phase.CORRECTING, query, mine)
     person.dialogue.say('fruit')
     _, correction = person.sent[-1]
     assert (correction.query_id, correction.replaces, correction.content) == ('q4', 'a7', 'fruit')
     person.taken()
-    assert person.dialogue.board().phase is Phase.OVER
+    assert person.dialogue.view_state().phase is Phase.OVER
 
 
 def test_what_was_said_of_an_earlier_turn_comes_too_late(person: Any, made: Any) -> None:
@@ -181,7 +181,7 @@ def test_what_was_said_of_an_earlier_turn_comes_too_late(person: Any, made: Any)
     person.progress(4, made.record(2))
     assert person.asked(made.label(3)).prompt.query.query_id == 'q4'
     person.progress(2, done=False)
-    assert person.dialogue.board().progress.turn == 4
+    assert person.dialogue.view_state().progress.turn == 4
 
 
 def test_a_key_pressed_for_one_question_does_not_answer_the_next(made: Any) -> None:
@@ -207,16 +207,16 @@ def test_an_answer_that_nobody_replies_to_is_said_to_be_so(made: Any) -> None:
     dialogue.ask(made.label(1))
     dialogue.say('fruit')
     now[0] += 4.0
-    assert dialogue.board().notice == ''
+    assert dialogue.view_state().notice == ''
     now[0] += 2.0
-    assert dialogue.board().notice == 'No reply so far; is the learner running?'
+    assert dialogue.view_state().notice == 'No reply so far; is the learner running?'
     dialogue.enter('another')
-    assert dialogue.board().notice == ''
+    assert dialogue.view_state().notice == ''
 
 
 def test_the_last_words_fit_what_was_heard(person: Any, made: Any) -> None:
     """Of a robot that never was, one would read that it goes on."""
-    assert farewell(TeacherDialogue('anna', lambda *_: None).board()).startswith('No robot was heard')
-    assert farewell(person.dialogue.board()).startswith('The robot goes on')
+    assert farewell(TeacherDialogue('anna', lambda *_: None).view_state()).startswith('No robot was heard')
+    assert farewell(person.dialogue.view_state()).startswith('The robot goes on')
     person.progress(8, made.record(1), done=True)
-    assert 'spent on 1 question. Thank you.' in farewell(person.dialogue.board())
+    assert 'spent on 1 question. Thank you.' in farewell(person.dialogue.view_state())

@@ -157,7 +157,7 @@ def test_commands_are_the_same_at_every_question(person: Any, made: Any, kind: s
 
 def test_between_questions_keys_answer_nothing(person: Any, made: Any) -> None:
     """A second press would answer a question that nobody has seen."""
-    view_state = person.dialogue.board()
+    view_state = person.dialogue.view_state()
     assert pressed(view_state, 'f', 'n', '?', 'enter') == []
     assert pressed(view_state, 'h', 'q') == [Wish.HELP, Wish.QUIT]
 

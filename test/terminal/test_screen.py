@@ -75,7 +75,7 @@ def test_colours_are_those_that_the_terminal_has(person: Any, made: Any) -> None
     # rich keeps the codes of a style that it has once written, so that each kind of terminal needs colours of its own.
     assert '38;2;' in shown(view_state, Capabilities(colors='truecolor'))
     person.dialogue.see(made.picture_of() // 2, 2)
-    view_state = person.dialogue.board()
+    view_state = person.dialogue.view_state()
     assert '38;2;' not in shown(view_state, Capabilities(colors='256'))
     assert '38;5;' in shown(view_state, Capabilities(colors='256'))
     monochrome = shown(view_state, Capabilities(colors='256', monochrome=True))
@@ -127,7 +127,7 @@ def test_an_object_that_has_gone_is_said_to_have_gone(person: Any, made: Any) ->
 def test_between_questions_the_robot_is_said_to_think(person: Any, made: Any) -> None:
     """The person would take the program for dead."""
     person.progress(3)
-    assert 'thinks. 5 turns left.' in shown(person.dialogue.board(), Capabilities())
+    assert 'thinks. 5 turns left.' in shown(person.dialogue.view_state(), Capabilities())
 
 
 def test_a_camera_whose_projection_is_unknown_is_not_cut_out(person: Any, made: Any) -> None:
@@ -141,7 +141,7 @@ def test_a_correction_says_what_it_corrects(person: Any, made: Any) -> None:
     """The person would think that the robot asks the same thing again."""
     person.answered(made.label(1))
     person.dialogue.undo()
-    text = shown(person.dialogue.board(), Capabilities())
+    text = shown(person.dialogue.view_state(), Capabilities())
     assert 'Correction of: object 7 is fruit' in text
     # Of the question that is shown, not how far the robot is meanwhile.
     assert 'turn 1 of 6 · correcting' in text
@@ -158,9 +158,9 @@ def test_the_map_stays_where_it_is_while_a_question_is_shown(made: Any, kind: st
     pads = (Pad(), Pad(about(view_state), '1'), Pad(notice='one line'), long)
     screens = [shown(view_state, capabilities, pad) for pad in pads]
     person.progress(4, *(made.record(turn) for turn in range(1, 5)))
-    screens += [shown(person.dialogue.board(), capabilities, pad) for pad in pads]
+    screens += [shown(person.dialogue.view_state(), capabilities, pad) for pad in pads]
     person.dialogue.say('?')
-    screens.append(shown(person.dialogue.board(), capabilities))
+    screens.append(shown(person.dialogue.view_state(), capabilities))
     rows = {tuple(n for n, line in enumerate(text.split('\n')) if set('┌└') & set(line)) for text in screens}
     assert len(rows) == 1
     ((top, bottom),) = rows
@@ -181,7 +181,7 @@ def test_a_question_that_waits_tells_the_time_that_is_left_now(person: Any, made
     """Who comes back would believe that there is more time than there is."""
     person.asked(made.label(2))
     person.progress(4)
-    view_state = person.dialogue.board()
+    view_state = person.dialogue.view_state()
     assert 'turn 5 of 7' in shown(view_state, Capabilities())
     assert 'turns left 2' in question_line(view_state.prompt.query, False, view_state.progress)
 

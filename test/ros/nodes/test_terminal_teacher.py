@@ -82,13 +82,13 @@ class Robot:
         return self.answers[-1]
 
     def until(self, is_true: Any, what: str) -> Any:
-        """The board, once something holds of it."""
+        """Wait until a condition on the view state is true, and return the view state."""
 
-        def board_if_true() -> Any:
-            view_state = self.dialogue.board()
+        def view_state_if_true() -> Any:
+            view_state = self.dialogue.view_state()
             return view_state if is_true(view_state) else None
 
-        return self.graph.wait_for(board_if_true, what)
+        return self.graph.wait_for(view_state_if_true, what)
 
 
 @pytest.fixture
@@ -193,7 +193,7 @@ def test_messages_that_cannot_be_used_are_refused_and_counted(robot: Robot, diag
     robot.topics['scene_image'].publish(Image(width=1000, height=1000, step=3000, encoding='rgb8'))
     refused = {f'refused on {name}' for name in ('query', 'learner_state', 'objects', 'scene_image')}
     robot.graph.wait_for(lambda: refused <= diagnostics.values.keys(), 'four refusals on /diagnostics')
-    assert robot.dialogue.board().phase is Phase.ASKED
+    assert robot.dialogue.view_state().phase is Phase.ASKED
 
 
 @pytest.mark.parametrize(
@@ -210,4 +210,4 @@ def test_a_person_needs_no_world(robot: Robot) -> None:
     """Whoever teaches a real robot would need its things drawn, or crops of them."""
     robot.start(task='uw_lunchbox', dataset='/no/such/place')
     robot.asks(1)
-    assert robot.dialogue.board().teacher_id
+    assert robot.dialogue.view_state().teacher_id
