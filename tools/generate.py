@@ -17,7 +17,7 @@ from typing import Any
 
 from al_questioner.cli import EXECUTABLES
 from al_questioner.domain import Setting
-from al_questioner.domain.setting_type import LARGEST_AMOUNT, LARGEST_INTEGER
+from al_questioner.domain.setting import LARGEST_AMOUNT, LARGEST_INTEGER
 from al_questioner.ros.settings import (
     LEARNER_SETTINGS,
     PERCEPTION_SETTINGS,
