@@ -26,13 +26,13 @@ from al_questioner.support.rate_limiter import RateLimiter
 NOT_SETTINGS = frozenset({'version'})
 """Members of an episode's first event that a learner that goes on with it need not share."""
 REFUSED_KEPT, REFUSED_PERIOD = 10, 60.0
-"""Texts that were no answers and are kept word for word within so many seconds; of a flood the rest is counted."""
+"""Number of texts that were no answers and are kept word for word in a period; of a flood the rest is counted."""
 
 
 class DurableEpisode:
-    """An Episode each event of which is on the disk before its effect is known to anybody.
+    """An Episode whose events are all on the disk before their effects are known to anybody.
 
-    Without a log it is the Episode alone. An empty `episode_id` stands for whichever episode the log has.
+    Without a log it is the Episode alone. An empty `episode_id` stands for the episode that the log has.
 
     Attributes:
         begun: the episode, as the log has it if there is one already.
@@ -189,7 +189,7 @@ def _same_episode(log: SessionLog, first: EpisodeEvent, wanted: EpisodeStarted) 
         raise SessionLogError(f'{log.folder}: its first event is not the beginning of an episode')
     ignored = NOT_SETTINGS if wanted.episode_id else NOT_SETTINGS | {'episode_id'}
     if wanted.view_tolerance == AUTO:
-        # Logs of before have the number that was the default then; they go on with it.
+        # Older logs have the number that was the default then, and keep it.
         ignored |= {'view_tolerance'}
     differing = differences(first.members(), wanted.members(), ignored)
     if differing:

@@ -1,4 +1,4 @@
-"""Resemblance of a questioner with given weights to an expert whom it was not trained on."""
+"""Resemblance of a questioner with given weights to an expert that it was not trained on."""
 
 from __future__ import annotations
 

@@ -41,7 +41,7 @@ MAXIMAL_WAITING = 1000
 """Messages of a topic that is not latched."""
 
 NO_WARNINGS = PublisherEventCallbacks(use_default_callbacks=False)
-"""Whom a publisher does not suit is told once a second, with its name: see `unserved`."""
+"""A warning that names the subscribers that a publisher does not suit comes once a second: see `unserved`."""
 
 SECONDS_FOR_PUBLISHER = 10.0
 """Seconds without a publisher of what the node waits for, after which it warns."""
@@ -79,7 +79,7 @@ class QuestionerNode(Node, metaclass=_LeavesOnError):
 
     Args:
         name: of the node.
-        topics: whose quality of service parameters may override, be they this node's or those of its neighbours.
+        topics: whose quality of service parameters may override, of this node or of its neighbours.
         node_arguments: of rclpy's node.
 
     Raises:
@@ -167,7 +167,7 @@ class QuestionerNode(Node, metaclass=_LeavesOnError):
         self.on_message(String, kind, lambda message: job(documents.read(kind, message.data)), profile)
 
     def after(self, seconds: float, job: Callable[[], None]) -> Cancel:
-        """Have the worker do a job once, so many seconds from now by the steady clock.
+        """Have the worker do a job once, after these seconds of the steady clock.
 
         Returns:
             A function that calls the job off.
@@ -228,7 +228,7 @@ class QuestionerNode(Node, metaclass=_LeavesOnError):
         return names
 
     def health_warning(self) -> str:
-        """Something around the node that somebody should see to, for /diagnostics, where it is a warning; else empty.
+        """Return a warning for /diagnostics about what surrounds the node and needs attention; empty if there is none.
 
         It is asked by the executor's thread once a second.
         """

@@ -101,7 +101,7 @@ def at_terminal() -> Picker:
 
 
 class ReplayedPicks:
-    """Replayed choices of a person, so that nobody is asked twice; if no choice is given, the person is asked.
+    """Replayed choices of a person, who is not asked twice; if no choice is given, the person is asked.
 
     Attributes:
         action: the choice for the next turn; None to ask.

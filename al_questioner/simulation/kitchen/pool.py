@@ -138,7 +138,7 @@ def _some_kinds(task: Task, there_are: KindsBySymbol | None, rng: np.random.Gene
 
 
 def _kinds(kinds: Mapping[str, Sequence[Kind]], counts: Mapping[str, int], rng: np.random.Generator) -> list[Kind]:
-    """Return so many kinds of each symbol, every kind of a symbol about equally often, in random order."""
+    """Return the given number of kinds of each symbol, every kind of a symbol about equally often, in random order."""
     chosen: list[Kind] = []
     for symbol, count in counts.items():
         while count > 0:
@@ -181,7 +181,7 @@ def _deal_places(kinds: Sequence[Kind], task: Task, rng: np.random.Generator) ->
 
 
 def _view_specs(things: Sequence[ObjectInstance], count: int, split: str) -> tuple[ViewSpec, ...]:
-    """Return so many views, evenly over the objects and, of each object, over its states and places."""
+    """Return `count` views, evenly over the objects and, of each object, over its states and places."""
     view_specs = []
     for i in range(count):
         view, thing = i // len(things), things[i % len(things)]
