@@ -1,4 +1,4 @@
-"""What re-optimising the kernel's amplitude and length scale is worth: paired episodes with and without it.
+"""Worth of re-optimising the kernel's amplitude and length scale: paired episodes with and without it.
 
     python benchmarks/hyperparameters.py [--task TASK ...] [--strategy STRATEGY ...] [--tune-every K ...]
                                          [--amplitude A] [--budget B] [--turns T] [--first SEED] [--samples N]
@@ -62,7 +62,7 @@ GRID = (
     Prior(4, 2, 1.0, 0.25),
     Prior(25, 10, np.inf, np.inf),
 )
-"""What --grid tries; an infinite deviation is no prior."""
+"""Priors that --grid tries; an infinite deviation is no prior."""
 
 
 class Case(NamedTuple):
@@ -79,7 +79,7 @@ class Case(NamedTuple):
 
 
 class Outcome(NamedTuple):
-    """What came of it."""
+    """Accuracy and kernel of an episode."""
 
     final: float
     mean: float

@@ -1,4 +1,4 @@
-"""How well learnt weights imitate an expert they were not trained on, and what they do where budget and time differ.
+"""Imitation of experts that weights were not trained on, and behaviour of these weights with other budgets and times.
 
     python benchmarks/imitation.py [BAG ...] [--demonstrations N] [--samples N] [--jobs N] [--seed SEED]
 

@@ -1,4 +1,4 @@
-"""What one more label is worth, and who can tell a thing of a symbol from clutter: measured, not estimated.
+"""Worth of one more label, and the detection of things of a symbol among clutter: measured, not estimated.
 
     python benchmarks/label_gains.py [--task TASK ...] [--strategy STRATEGY ...] [--budget B] [--turns T]
                                      [--first SEED] [--samples N] [--every K] [--jobs N]
@@ -57,7 +57,7 @@ class Case(NamedTuple):
 
 
 class Label(NamedTuple):
-    """What a label of a view would have changed.
+    """A label of a view, with what it would have changed.
 
     Attributes:
         symbol: what it is, or none.
@@ -85,7 +85,7 @@ class Measuring:
 
     @property
     def selector(self) -> Selector | None:
-        """That of the strategy."""
+        """Selector of the strategy."""
         return self._strategy.selector
 
     def choose(self, context: TurnContext, rng: np.random.Generator) -> Choice:

@@ -1,4 +1,4 @@
-"""What a questioner is worth beside the others: tables, tests and the figure of accuracy against cost.
+"""Worth of a questioner beside the others: tables, tests and the figure of accuracy against cost.
 
     python benchmarks/questioners.py FOLDER [FOLDER ...] [--strategy NAME] [--figures DIR]
 

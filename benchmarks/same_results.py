@@ -1,4 +1,4 @@
-"""What a user gets, written down, to see that a change of the code changes none of it.
+"""The results that a user gets, written down to check that a change of the code changes none of them.
 
     python benchmarks/same_results.py write FOLDER      with the old code, and with the new code
     python benchmarks/same_results.py compare BEFORE AFTER
@@ -97,7 +97,7 @@ def write_session(folder: Path) -> None:
 
 
 def capture(arguments: Sequence[str]) -> str:
-    """What an executable prints.
+    """Return what an executable prints.
 
     Raises:
         SystemExit: it failed.

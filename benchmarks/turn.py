@@ -276,7 +276,7 @@ def report_hops(hops: Mapping[str, Any], graph: Figures) -> Figures:
 
 
 def role(topic: str) -> str:
-    """What a turn has to do with the messages of a topic."""
+    """Return what a turn has to do with the messages of a topic."""
     if topic in waited_for(True):
         return 'waits for it'
     return 'sends it' if topic in {*sent_away(True), *sent_away(False)} else 'goes on'

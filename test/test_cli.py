@@ -1,4 +1,4 @@
-"""What every executable does at once, or whatever becomes of its output."""
+"""Behaviour of every executable at once, and with any kind of output."""
 
 from __future__ import annotations
 
@@ -16,14 +16,14 @@ from al_questioner.cli import EXECUTABLES
 from shared.checkout import ROOT
 
 HEAVY = ('scipy', 'numba', 'matplotlib', 'rclpy', 'joblib', 'rosbags', 'prompt_toolkit', 'al_questioner.ros.node')
-"""What takes long to import."""
+"""Modules that take long to import."""
 LOADED = 'import sys; print(*sorted(set(sys.argv[1].split()) & sys.modules.keys()), file=sys.stderr)'
 MODULE = [sys.executable, '-m', 'al_questioner']
 
 
 @pytest.fixture(autouse=True)
 def _interrupts_are_heard() -> Iterator[None]:
-    """What a shell starts in the background ignores interrupts, and so does all that it starts in turn."""
+    """Interrupts are restored, which a process that a shell starts in the background ignores."""
     before = signal.signal(signal.SIGINT, signal.default_int_handler)
     yield
     signal.signal(signal.SIGINT, before)
@@ -55,7 +55,7 @@ def test_help_and_wrong_options_wait_for_nothing() -> None:
 
 
 def test_values_that_are_refused_wait_for_little() -> None:
-    """Whoever mistypes a name would wait for pictures that are never drawn."""
+    """A mistyped name is refused before the slow imports for pictures."""
     commands = [
         ['demo', '--strategy', 'nonsense'],
         ['demo', '--task', 'nonsense'],
@@ -76,7 +76,7 @@ def test_a_learner_in_python_is_there_at_once_and_a_session_shown_without_pictur
 def ended(
     *command: str, status: int, encoding: str = 'utf-8', stdout: int = subprocess.PIPE, **environment: str
 ) -> tuple[str, str]:
-    """What an executable, run in the checkout, prints to either side before it ends with a status."""
+    """Return the output to either side of an executable, run in the checkout, that ends with a status."""
     given = {**os.environ, 'PYTHONIOENCODING': encoding, **environment}
     done = subprocess.run([*MODULE, *command], env=given, cwd=ROOT, stdout=stdout, stderr=subprocess.PIPE)
     error = done.stderr.decode(encoding)

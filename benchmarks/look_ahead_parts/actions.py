@@ -37,7 +37,7 @@ def task_weights() -> Array:
 
 
 def choose(state: State, q: Array, ahead: Array, weights: Array) -> Chosen:
-    """What a learner would ask.
+    """Choose a query as a learner would.
 
     Args:
         state: examples and scene.

@@ -1,4 +1,4 @@
-"""What this machine could do: its fastest matrix product, and the arithmetic that a look-ahead needs."""
+"""Limits of this machine: its fastest matrix product, and the arithmetic that a look-ahead needs."""
 
 from __future__ import annotations
 

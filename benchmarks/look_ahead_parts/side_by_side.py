@@ -77,7 +77,7 @@ def timed_in_turns(state: State, repeats: int) -> dict[str, list[float]]:
 
 
 def own_calls(state: State) -> dict[str, Call]:
-    """What times our ways: each prepares, unmeasured, what its name takes for granted."""
+    """Return the timed calls of our ways; each prepares, unmeasured, what its name takes for granted."""
     models = ConceptModels(state.symbols, state.amplitude)
 
     def new_scene() -> float:

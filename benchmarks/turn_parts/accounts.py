@@ -1,4 +1,4 @@
-"""What of a turn's wall time is work, what is encoding, and what remains for transport."""
+"""Shares of a turn's wall time: work, encoding, and the rest for transport."""
 
 from __future__ import annotations
 

@@ -24,7 +24,7 @@ BELIEFS = 'what is believed then'
 
 OFFLINE_STAGES = (RENDERING, PERCEIVING, CHOOSING, ANSWERING, LEARNING, EVALUATING)
 GRAPH_STAGES = (RENDERING, PERCEIVING, CHOOSING, ANSWERING, LEARNING, BELIEFS)
-"""What the nodes do between two messages; nobody evaluates there, but the learner tells what it believes."""
+"""Stages of the nodes between two messages; nobody evaluates there, but the learner publishes what it believes."""
 
 
 class Stages:
@@ -44,7 +44,7 @@ class Stages:
 
 @dataclass(frozen=True, eq=False)
 class PlayedTurn:
-    """What a turn was about: all that its messages tell.
+    """All that the messages of a turn tell.
 
     Attributes:
         scene: what was seen.

@@ -95,7 +95,7 @@ def test_without_a_turns_state_nobody_knows_since_when_an_answer_is_corrected(ba
 
 
 def test_an_episode_without_a_whole_turn_is_told_of_beside_others(bags, tmp_path):
-    """What was recorded before it would be as good as lost; or its loss go unnoticed."""
+    """The user is told of the part, and what was recorded before it is not hidden."""
 
     def then(writing, episode):
         stamp = bags.START + 2 * 10**9
@@ -250,7 +250,7 @@ def test_the_order_of_a_file_is_not_that_of_the_episode(tmp_path, arranged):
     assert first_divergence(episode.begun, episode.events) is None
 
 
-@pytest.mark.parametrize('later', [HOUR, -HOUR, 0], ids=['later', 'on a clock that began anew', 'at the same times'])
+@pytest.mark.parametrize('later', [HOUR, -HOUR, 0], ids=['later', 'on a clock that began again', 'at the same times'])
 def test_two_learners_stay_apart(bags, tmp_path, later):
     """The turns of one would be taken for those of the next, which has the same parameters, or the same times."""
     bags.write_episode(tmp_path / 'long', n_turns=8)
@@ -301,7 +301,7 @@ def test_what_other_nodes_say_on_such_names_is_passed_over(bags, tmp_path, name,
 
 
 def cloud_of_others(bags, messages):
-    """What a camera publishes: points without the ids of objects, stamped like the first turn."""
+    """Return a cloud as a camera publishes it: points without the ids of objects, stamped like the first turn."""
     store = typestore()
     field, header = store.types['sensor_msgs/msg/PointField'], store.types['std_msgs/msg/Header']
     begin = next(message.stamp for message in messages if last_part(message.topic) == 'turn')
@@ -364,7 +364,7 @@ def test_the_last_decision_of_a_recording_that_ended_early_is_checked_and_counte
 
 
 def test_the_scenes_of_a_camera_whose_clock_went_back_are_found(bags, tmp_path):
-    """Whoever records in a simulation that loops would be told that nothing was seen."""
+    """The recording of a simulation that loops holds scenes all the same."""
 
     def earlier(message):
         cloud = deserialize(message)

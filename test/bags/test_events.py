@@ -49,7 +49,7 @@ def recorded(log: Path, tmp_path: Path) -> RecordedEpisode:
 
 
 def told(event: object) -> object:
-    """What a bag tells of an event of a log."""
+    """Return what a bag holds of an event of a log."""
     if isinstance(event, SceneObserved):
         return event.turn, event.stamp, event.frame_id, event.scene.features.tobytes()
     if isinstance(event, ActionChosen):
@@ -63,7 +63,7 @@ def told(event: object) -> object:
 
 
 def test_bag_and_log_tell_of_the_same_events(log: Path, recorded: RecordedEpisode) -> None:
-    """What is replayed would depend on where it was written down."""
+    """A replay does not depend on where the episode was written down."""
     begun, *others = events(log)
     assert dataclasses.replace(recorded.begun, version=begun.version) == begun
     expected = [dataclasses.replace(e, model_version=None) if isinstance(e, KernelTuned) else e for e in others]

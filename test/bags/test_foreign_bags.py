@@ -1,4 +1,4 @@
-"""Bags as other tools write them, index them anew, split and compress them."""
+"""Bags as other tools write, index, split and compress them."""
 
 from __future__ import annotations
 
@@ -106,7 +106,7 @@ def test_messages_come_in_the_order_in_which_they_were_received(tmp_path, storag
 
 
 def test_bags_of_ros_1_are_named_as_such(tmp_path):
-    """Whoever has a recording of ROS 1 would be told that it is no bag, or to repair it."""
+    """The message says ROS 1, and does not advise a repair."""
     old = tmp_path / 'old'
     old.mkdir()
     (old / 'run.bag').write_bytes(b'#ROSBAG V2.0\n' + bytes(100))

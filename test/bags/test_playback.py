@@ -74,7 +74,7 @@ def test_a_step_is_a_turn_or_a_message():
 
 
 def test_a_step_ends_with_the_turn_that_comes_next():
-    """What stands before the first turn, or a turn of which some was seen, would make a step that shows no turn."""
+    """Messages before the first turn, or a part of a turn, make no step of their own."""
     all_ = [
         *messages(0, topic='/r/episode'),
         *messages(0.1, topic='/r/turn'),
@@ -184,7 +184,7 @@ def test_a_change_of_the_rate_before_the_first_message_starts_no_time():
     pauses=st.lists(st.tuples(st.floats(0, 3), st.floats(0, 100)), max_size=10),
 )
 def test_the_spacing_is_the_recorded_one_divided_by_the_rate_and_pauses_do_not_count(gaps, rate, pauses):
-    """What happened slowly would be seen fast, or the other way round."""
+    """The replay is neither faster nor slower than asked for."""
     times = [0.0, *accumulate(gaps)]
     play, now, paused_for = Playback(messages(*times), rate), 0.0, 0.0
     play.due(now)
@@ -248,5 +248,5 @@ def test_what_others_say_on_a_topic_of_that_name_is_no_turn():
     ],
 )
 def test_a_clock_that_was_put_back_is_played_on(recorded, played):
-    """What came last would be played first, mixed with what came before."""
+    """Messages keep their recorded order, so that the last ones are not played first."""
     assert stamps(without_steps_back(messages(*recorded))) == played

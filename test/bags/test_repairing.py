@@ -35,7 +35,7 @@ time.sleep(60)
 
 @pytest.mark.parametrize('storage', ['mcap', 'sqlite3'])
 def test_a_killed_recording_is_repaired(tmp_path, storage):
-    """What was synced before SIGKILL must be there; a rosbags writer alone would lose all."""
+    """All that was synced before SIGKILL is there; a rosbags writer alone would lose all."""
     path = tmp_path / 'b'
     process = subprocess.Popen([sys.executable, '-c', KILLED, str(path), storage], stdout=subprocess.PIPE)
     assert process.stdout.readline() == b'ready\n'
@@ -166,7 +166,7 @@ def test_messages_that_were_compressed_one_by_one_are_repaired(tmp_path, storage
 
 @pytest.mark.parametrize('profiles', ['- durability: 1\n  depth: 1', '- depth: 1\n  durability: transient_local'])
 def test_what_was_latched_stays_so_when_it_is_repaired(tmp_path, profiles):
-    """Whoever comes late to a replay would see nothing; earlier versions wrote numbers."""
+    """A late subscriber to a replay gets the latched messages; earlier versions wrote numbers."""
     path = write(tmp_path / 'b', storage='sqlite3')
     (path / 'metadata.yaml').unlink()
     with contextlib.closing(sqlite3.connect(path / 'b_0.db3')) as database:
@@ -270,7 +270,7 @@ def test_of_several_files_the_broken_ones_are_kept_as_far_as_they_go(tmp_path):
 
 @pytest.mark.parametrize('renamed', [1, 2, 3])
 def test_an_interrupted_repair_of_several_files_can_be_repeated(tmp_path, renamed):
-    """What was renamed already would be missing."""
+    """The second repair finds the files that the first one renamed."""
     path = split(tmp_path / 'b')
     for number in (2, 9, 10)[:renamed]:
         (path / f'b_{number}.mcap').rename(path / f'b_{number}.mcap.broken')

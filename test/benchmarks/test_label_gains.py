@@ -1,4 +1,4 @@
-"""What labels are measured to be worth: against really giving them, and sums by hand."""
+"""Measured worth of labels, against really giving them and against sums by hand."""
 
 from __future__ import annotations
 

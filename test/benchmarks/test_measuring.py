@@ -1,4 +1,4 @@
-"""What every benchmark relies on."""
+"""The tools that every benchmark relies on."""
 
 from __future__ import annotations
 

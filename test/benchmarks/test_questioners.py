@@ -42,7 +42,7 @@ def run(monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]) -> 
 
 
 def test_a_questioner_is_compared_with_the_best_control(tmp_path: Path, run: Run) -> None:
-    """By hand: accuracies .7 and .8, against .6 and .7 of the better one of two controls."""
+    """Accuracies of .7 and .8 by hand, against .6 and .7 of the better one of two controls."""
     status, printed, _ = run(write(tmp_path / 'a', 'random_fsq', 'rarest_demo', 'value_per_cost'))
     lines = printed.splitlines()
     assert status == 0

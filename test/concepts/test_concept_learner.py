@@ -1,4 +1,4 @@
-"""What was told, and what follows from it."""
+"""Taking in answers, and their consequences for the models."""
 
 import numpy as np
 import pytest

@@ -1,4 +1,4 @@
-"""What wobbles is the same view, what has changed is another one."""
+"""A view that wobbles stays the same view, and one that has changed is another one."""
 
 from __future__ import annotations
 

@@ -30,7 +30,7 @@ def test_a_scene_of_lists_is_that_of_arrays() -> None:
 
 @pytest.mark.parametrize('dtype', [np.float32, np.float64])
 def test_arrays_stay_as_they_are(dtype: type) -> None:
-    """What was measured would be other numbers in the log than in the model."""
+    """The log and the model hold the same numbers."""
     features = np.array([[0.1, 0.2], [0.3, 0.4]], dtype)
     assert Scene(**{**SCENE, 'features': features}).features is features
 

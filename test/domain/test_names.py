@@ -70,7 +70,7 @@ NO_LETTER = 'it holds no letter'
     ],
 )
 def test_a_name_that_people_cannot_say_is_refused_with_the_reason(name: str, reason: str) -> None:
-    """Whoever says it would teach something else, or be refused with a text that shows the very word."""
+    """A name that nobody can say, or that is read as something else, is refused with the reason."""
     with pytest.raises(InputError, match='cannot be a symbol') as caught:
         check_names(['plate', name], 'symbol')
     assert quoted(name) in str(caught.value)
@@ -89,7 +89,7 @@ def test_a_name_that_people_cannot_say_is_refused_with_the_reason(name: str, rea
     ],
 )
 def test_two_names_that_sound_the_same_are_refused(one: str, other: str) -> None:
-    """Whoever says one of them would teach the other."""
+    """A teacher who says one of them must not teach the other."""
     with pytest.raises(InputError, match=re.escape(f'{other!r} cannot be a symbol beside {one!r}')):
         check_names([one, 'plate', other], 'symbol')
 
@@ -171,7 +171,7 @@ def test_a_near_miss_has_a_suggestion() -> None:
     ],
 )
 def test_a_command_is_suggested_only_if_it_is_much_nearer(word: str, found: str | None) -> None:
-    """Whoever says the name of something else would be sent to quit."""
+    """The name of something else is not answered with the advice to quit."""
     assert near(word, ['plate', 'cutlery', 'snap'], ['quit', 'help', 'skip', 'unknown']) == found
 
 

@@ -1,4 +1,4 @@
-"""What a declared setting says of itself, and which numbers it takes."""
+"""Description of a declared setting, and the numbers that it takes."""
 
 from __future__ import annotations
 

@@ -54,7 +54,7 @@ def test_killed_at_every_write_point(tmp_path: Path) -> None:
 
 @pytest.mark.slow
 def test_killed_at_random_moments(tmp_path: Path) -> None:
-    """What no list of write points foresees would lose an answer."""
+    """No answer is lost at a moment that no list of write points foresees."""
     result = drive('random', tmp_path, 200, 1)
     assert result['problems'] == []
     assert result['kills'] >= 200
@@ -107,7 +107,7 @@ def test_an_answer_counts_once(start: Start, tmp_path: Path, world: PerceivedWor
 
 
 def test_a_late_answer_is_kept_with_its_own_question(start: Start, tmp_path: Path, world: PerceivedWorld) -> None:
-    """What the second teacher said of one thing would be learnt of another, or be forgotten."""
+    """The answer is learnt of the thing that the second teacher was asked about."""
     session = start()
     (first, *_) = play_turns(session, world, 2)
     pending = ask(session, world).query
@@ -153,7 +153,7 @@ def test_refused_texts_are_kept_once(start: Start, tmp_path: Path, world: Percei
 def test_a_flood_of_refused_texts_is_counted(
     start: Start, tmp_path: Path, world: PerceivedWorld, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    """Whoever sends garbage could fill the disk, and nothing would be left for the answers."""
+    """A sender of garbage cannot fill the disk, so that there is room for the answers."""
     now = 0.0
     monkeypatch.setattr('al_questioner.support.rate_limiter.time', SimpleNamespace(monotonic=lambda: now))
     session = start()
@@ -259,7 +259,7 @@ def test_a_scene_without_its_decision_is_passed_over(start: Start, tmp_path: Pat
 def test_a_persons_choices_are_not_asked_for_again(
     start: Start, world: PerceivedWorld, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    """Whoever shows how to ask would have to show it all again after a crash."""
+    """The demonstration of a person who shows how to ask survives a crash."""
     asked = []
 
     def person(context: TurnContext) -> int:

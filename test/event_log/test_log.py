@@ -66,7 +66,7 @@ def test_what_was_appended_is_there(tmp_path: Path, make) -> None:
 
 
 def test_reading_changes_nothing_and_disturbs_no_writer(tmp_path: Path) -> None:
-    """Whoever looks at a session would damage it, or stop the robot."""
+    """A reader neither damages a session nor stops the robot."""
     log = write(tmp_path, close=False)
     assert contents_of(tmp_path) == ENTRIES
     log.append(('tune', b'a'))
@@ -225,7 +225,7 @@ def test_an_interrupted_repair_is_repeated(tmp_path: Path, monkeypatch: pytest.M
 
 
 def test_a_repair_overwrites_no_broken_log(tmp_path: Path) -> None:
-    """What a later tool could still have read would be gone."""
+    """The broken log stays, since a later tool may still read more of it."""
     write(tmp_path)
     damage(tmp_path)
     (tmp_path / f'broken-{DATABASE}').write_bytes(b'')
@@ -242,7 +242,7 @@ def test_nothing_to_repair_from(tmp_path: Path) -> None:
 
 
 def test_a_full_disk_loses_nothing_and_ends_the_log(tmp_path: Path) -> None:
-    """What was not written would be acknowledged, or what was be lost."""
+    """No answer is acknowledged that was not written, and no earlier one is lost."""
     program = (
         'import resource, signal, sys; from pathlib import Path\n'
         'from al_questioner.event_log.log import SessionLog, LogWriteError\n'

@@ -1,4 +1,4 @@
-"""What is said of the paper's claims, on results made up so that the answer is known."""
+"""Verdicts on the paper's claims, on results made up so that the answer is known."""
 
 from __future__ import annotations
 
@@ -148,7 +148,7 @@ def test_too_few_samples_are_no_refutation() -> None:
 
 
 def test_the_lunchbox_must_bear_out_what_is_said_of_it() -> None:
-    """That the paper's results are replicated on a second task would be said on the strength of one condition."""
+    """One condition is not enough to say that the paper's results are replicated on a second task."""
     results = both(all_conditions('prepare_lunch'), all_conditions('pack_lunchbox', {**FINALS, 'dt_iros': [0.95] * 5}))
     assert verdict(results, 'prepare_lunch, all conditions').reproduced
     failed = verdict(results, 'pack_lunchbox, all conditions')

@@ -1,4 +1,4 @@
-"""What is told of an experiment while it runs."""
+"""Progress of an experiment while it runs."""
 
 from __future__ import annotations
 

@@ -113,7 +113,7 @@ def test_objects_that_the_table_does_not_have_are_not_rolled_out_on_it(experts):
 
 @pytest.mark.parametrize('method', ['maxent', 'choice'])
 def test_our_own_questioner_learns_from_the_same_expert(tmp_path, method):
-    """By its own features, from what the expert knew when it chose."""
+    """It learns by its own features, from what the expert knew when it chose."""
     settings = episode_settings(TASK, 'expert', 6.0, 10, change_interval=5)
     feature_set = FEATURE_SETS['value_per_cost']
     shown = [demonstrate(WorldSpec(TASK, 0, 0), settings, teacher_of(TASK, 0), feature_set=feature_set)]

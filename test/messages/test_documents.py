@@ -1,4 +1,4 @@
-"""What a document says must arrive unchanged, and whatever is no document must be refused with its reason."""
+"""Documents arrive unchanged, and any other text is refused with its reason."""
 
 from __future__ import annotations
 
@@ -29,7 +29,7 @@ def answer_text(**changes: object) -> str:
 
 
 def sent(kind: str, members: dict[str, object]) -> Any:
-    """What arrives of a document."""
+    """Return a document as it arrives."""
     return documents.read(kind, documents.write(kind, 'e', members))
 
 

@@ -35,7 +35,7 @@ class Installation:
         return done.stdout
 
     def tell(self, expression: str, cwd: Path) -> str:
-        """What an expression of Python is there; it may begin with an import."""
+        """Return the value of a Python expression there; it may begin with an import."""
         imports, _, value = expression.rpartition('; ')
         return self.run('python3', '-c', f'{imports}; print({value})', cwd=cwd).strip()
 

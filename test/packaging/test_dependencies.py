@@ -51,7 +51,7 @@ def imported_distributions() -> list[str]:
 
 
 def rosdep_keys(kind: str = 'exec_depend') -> set[str]:
-    """What package.xml asks for, at run time or for the tests."""
+    """Return the packages that package.xml asks for, at run time or for the tests."""
     return {str(element.text) for element in ElementTree.parse(ROOT / 'package.xml').iter(kind)}
 
 

@@ -1,4 +1,4 @@
-"""What ROS tools need of an installed package holds for pip and for colcon."""
+"""The needs of ROS tools, for packages installed by pip and by colcon."""
 
 from __future__ import annotations
 

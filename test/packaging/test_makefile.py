@@ -1,4 +1,4 @@
-"""What `make` runs has the environment that it needs."""
+"""The environment of the programs that `make` runs."""
 
 from __future__ import annotations
 

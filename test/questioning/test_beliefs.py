@@ -1,4 +1,4 @@
-"""What things are, as far as labels tell: cases solved by hand, and the formula written out."""
+"""Beliefs that follow from labels: cases solved by hand, and the formula written out."""
 
 import numpy as np
 import pytest

@@ -189,7 +189,7 @@ def test_what_is_prepared_is_not_yet_taken(answered, toy):
 
 
 def test_the_strategy_sees_the_corrected_past(toy):
-    """What is asked next would still follow from the wrong answer."""
+    """The next question does not follow from the wrong answer."""
     seen = []
 
     class Watching:

@@ -118,7 +118,7 @@ def test_what_may_mean_two_things_or_misses_one_is_refused_with_them(
 
 @pytest.mark.parametrize('word', ['fruit', 'hello'])
 def test_a_word_that_only_looks_a_little_like_a_command_has_no_suggestion(word: str) -> None:
-    """Whoever says fruit would be sent to quit."""
+    """The word fruit is not answered with the advice to quit."""
     with pytest.raises(AnswerError) as caught:
         read_plain_answer(word, query(QueryKind.LABEL, ('cup', 'plate', 'cutlery')), others=('undo', 'help', 'quit'))
     assert 'did you mean' not in str(caught.value)

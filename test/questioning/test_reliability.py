@@ -1,4 +1,4 @@
-"""How far each teacher can be relied on."""
+"""Reliability of each teacher."""
 
 import numpy as np
 import pytest
@@ -59,7 +59,7 @@ def test_it_is_the_fixed_point_of_the_formulas():
 
 
 def test_a_careless_teacher_among_careful_ones_is_found():
-    """Whoever contradicts all others would be trusted like them."""
+    """A teacher who contradicts all others is trusted less than they are."""
     rng = random_stream(6, 'reliability')
     statements = []
     for turn in range(60):
@@ -72,7 +72,7 @@ def test_a_careless_teacher_among_careful_ones_is_found():
 
 
 def test_the_record_of_each_teacher(toy):
-    """What a teacher did not know, skipped, took back or said too late would not be told apart."""
+    """Answers that were unknown, skipped, taken back or too late are counted apart."""
     own = toy.settings('random_fsq', budget=20.0, turns=8)
     episode = Episode(own, random_stream(2, 'learner'))
     world = toy.world(3)

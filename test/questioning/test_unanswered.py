@@ -61,7 +61,7 @@ def test_a_turn_passes_and_the_question_stays(start, scene):
 
 
 def test_the_answer_counts_whenever_it_comes(start, start_alone, toy, scene):
-    """What a person says on coming back would be lost, or taken for something about another object."""
+    """An answer after a break is neither lost nor taken for one about another object."""
     episode, query = start_alone(LABEL)
     episode.ask(scene)
     record = episode.tell(toy.reply(query, 'snack'))

@@ -54,7 +54,7 @@ def test_without_a_timeout_the_learner_waits(graph: Any, person: Any) -> None:
 
 
 def test_a_session_remembers_that_nobody_answered(graph: Any, person: Any, tmp_path: Any) -> None:
-    """A learner that is started again would begin the turns anew that had passed."""
+    """A learner that is started again does not repeat the turns that had passed."""
     session = {**AWAY, 'session': str(tmp_path / 'log')}
     graph.start_robot(**session)
     graph.wait_for(lambda: person.states and person.states[-1]['turn'] > 1, 'two turns that passed')

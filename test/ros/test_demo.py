@@ -33,7 +33,7 @@ def play_offline(folder: Path, *arguments: str) -> dict[str, object]:
 
 
 def test_three_processes_play_the_offline_episode(processes: Any, tmp_path: Path) -> None:
-    """What is found offline would say nothing about the robot."""
+    """A result that is found offline holds for the robot."""
     graph = play(processes, tmp_path / 'graph', *SMALL, '--strategy', 'dt_task_env')
     assert graph['queries']
     assert graph == play_offline(tmp_path, *SMALL, '--strategy', 'dt_task_env')

@@ -1,7 +1,7 @@
 """Every `ros2` line of README and docs: who must be able to run it, and that they are.
 
-The genuine tools are not on PyPI. Their options are those of ros2cli 0.32 and launch 3.4, which Jazzy has; whoever has
-a ROS installation runs the lines that are marked as theirs. A line that is documented anew is to be added here.
+The genuine tools are not on PyPI. Their options are those of ros2cli 0.32 and launch 3.4, which Jazzy has; a user with
+a ROS installation runs the lines that are marked as theirs. A new line in the documentation is to be added here.
 """
 
 from __future__ import annotations
@@ -182,7 +182,7 @@ def test_our_lines_are_taken_as_they_stand(line: str) -> None:
 @pytest.mark.usefixtures('workplace')
 @pytest.mark.parametrize('line', OWN_LINES)
 def test_our_lines_run_as_they_stand(line: str, processes: Any) -> None:
-    """What is taken could still end at once."""
+    """A line that is accepted must not end at once either."""
     command = as_here(line).replace('ros2 run al_questioner', f'exec {shlex.quote(sys.executable)} -m al_questioner')
     process = processes.start('line', ['sh', '-c', command])
     if LINES[line] == ENDS:

@@ -1,4 +1,4 @@
-"""Whoever publishes, with whatever quality of service, is heard, or it is said who is not."""
+"""Every publisher is heard, whatever its quality of service, or the user is told which one is not."""
 
 from __future__ import annotations
 
@@ -47,7 +47,7 @@ def cloud() -> PointCloud2:
 
 
 def keep_saying(publisher: Any, message: Any, is_heard: Any) -> Any:
-    """What publishes, as drivers do again and again, and tells whether it was heard."""
+    """Return a function that publishes the message, as drivers do again and again, and tells whether it was heard."""
 
     def say() -> Any:
         publisher.publish(message)
@@ -95,7 +95,7 @@ def test_an_answer_of_any_kind_is_taken(graph: Any, offer: str) -> None:
 
 
 def test_what_was_latched_before_is_seen_but_no_answer_of_before_is_heard(graph: Any) -> None:
-    """A still camera would have to publish anew for each learner, or yesterday's answer teach today's question."""
+    """A still camera publishes once for all learners, and yesterday's answer does not teach today's question."""
     queries, states = graph.listen('query'), graph.listen('learner_state')
     mouth = graph.ears.create_publisher(String, 'answer', qos.LATCHED)
     eyes = graph.ears.create_publisher(PointCloud2, 'objects', qos.LATCHED)
@@ -119,7 +119,7 @@ class Listener(QuestionerNode):
 
 @pytest.mark.parametrize('topic', ['objects', 'turn'])
 def test_each_message_is_heard_once_whoever_else_publishes(graph: Any, topic: str) -> None:
-    """What comes by two subscriptions would be counted, refused or answered twice."""
+    """A message that comes by two subscriptions is not counted, refused or answered twice."""
     mouths = {offer: graph.ears.create_publisher(String, topic, profile) for offer, profile in OFFERS.items()}
     listener = graph.start(lambda **arguments: Listener(topic, **arguments))
     for offer, mouth in mouths.items():

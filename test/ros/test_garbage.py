@@ -26,7 +26,7 @@ JUNK = (None, True, -1, 2**70, 1e308, '', 'x' * 5000, [], {}, [[]], {'a': {}}, '
 
 
 def callback_of(node: Any, topic: str) -> Callable[[Any], None]:
-    """What the middleware calls for a message."""
+    """Return the function that the middleware calls for a message."""
     (found,) = [each for each in node.subscriptions if each.topic_name == node.resolve_topic_name(topic)]
     number = itertools.count(1)
     return lambda message: found.callback(message, {'source_timestamp': next(number), 'publication_sequence_number': 1})
@@ -116,7 +116,7 @@ def parsed(text: str) -> Any:
 
 
 def means_something(text: str, query: Any, answer: dict[str, Any]) -> bool:
-    """Whether chance has made an answer that must be taken."""
+    """Return whether chance has made an answer that must be taken."""
     document = parsed(text)
     if text.lstrip().startswith('{'):
         if not isinstance(document, dict):

@@ -34,7 +34,7 @@ DEADLINE = 60.0
 
 @pytest.mark.parametrize('strategy', [name for name in STRATEGIES if name != 'human'])
 def test_graph_asks_what_an_offline_run_asks(graph: Any, strategy: str) -> None:
-    """What is found offline would say nothing about the robot."""
+    """A result that is found offline holds for the robot."""
     state = graph.play(strategy=strategy, budget=8.0, turns=14)
     assert state['queries'] == offline_queries(strategy, 8.0, 14)
     assert state['spent'] <= 8.0

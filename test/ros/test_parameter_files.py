@@ -1,4 +1,4 @@
-"""What is said of parameters that reach nobody."""
+"""Warnings about parameters that reach no node."""
 
 from __future__ import annotations
 
@@ -32,7 +32,7 @@ def test_names_in_files_stand_for_the_nodes_that_ros_takes_them_for(pattern: str
 
 
 def said_to(name: str, arguments: list[str], **overrides: Any) -> list[tuple[str, str]]:
-    """What is logged by a node of this name, which declares no parameter."""
+    """Return the log lines of a node of this name, which declares no parameter."""
     said: list[tuple[str, str]] = []
     logger = SimpleNamespace(**{level: partial(lambda *one: said.append(one), level) for level in ('info', 'warning')})
     node = SimpleNamespace(
@@ -143,7 +143,7 @@ def test_a_refused_value_comes_with_the_line_that_ros_took_otherwise(tmp_path: P
     ],
 )
 def test_a_node_names_the_line_of_what_it_refuses(tmp_path: Path, refusal: Any, line: str, refused: str) -> None:
-    """Whoever has ten lines of parameters would have to guess which one it is."""
+    """The user need not guess which of ten lines of parameters is meant."""
     path = tmp_path / 'params.yaml'
     path.write_text(f'learner:\n  ros__parameters:\n    turns: 3\n    {line}\n    turns: 3\n')
     error = refusal('learner', '--ros-args', '--params-file', path)

@@ -109,7 +109,7 @@ def test_a_killed_recorder_loses_no_more_than_its_last_second(processes: Any, tm
 def test_a_recording_that_is_ended_is_whole(
     graph: Any, processes: Any, tmp_path: Path, signals: list[signal.Signals]
 ) -> None:
-    """Whoever ends a recording as they end any other node would have to repair it."""
+    """A recording that is ended as any other node is needs no repair."""
     bag = tmp_path / 'bag'
     recorder = processes.node('record', bag=str(bag))
     graph.start(LearnerNode, namespace=processes.namespace, task='prepare_lunch')

@@ -1,4 +1,4 @@
-"""What a person, or a camera, may send the learner, usable and unusable."""
+"""Usable and unusable messages of a person, or a camera, to the learner."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What a camera shows beside ordinary scenes: nothing at all, and nonsense in a stream."""
+"""Unusual scenes of a camera: nothing at all, and nonsense in a stream."""
 
 from __future__ import annotations
 

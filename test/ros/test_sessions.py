@@ -37,7 +37,7 @@ def test_an_acknowledged_answer_is_on_the_disk(graph: Any, person: Any, tmp_path
 
 
 def test_a_new_learner_goes_on_where_the_last_one_ended(graph: Any, person: Any, tmp_path: Path) -> None:
-    """After a crash the episode would begin anew, or the pending question be lost or asked again as another one."""
+    """After a crash the episode does not start over, and the pending question is neither lost nor another one."""
     graph.start(PerceptionNode, **graph.world)
     parameters = {**EPISODE, 'session': str(tmp_path / 'log')}
     learner = graph.start(LearnerNode, **parameters)

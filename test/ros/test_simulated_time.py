@@ -34,7 +34,7 @@ SIMULATED = {'use_sim_time': True}
 
 
 class SimulatedClock:
-    """What /clock shows, to the nodes of this test's domain."""
+    """A clock on /clock, for the nodes of this test's domain."""
 
     def __init__(self, graph: Any) -> None:
         self._graph = graph
@@ -77,7 +77,7 @@ def jumping(clock: SimulatedClock) -> Iterator[None]:
 
 
 def test_a_jumping_clock_changes_nothing_that_is_asked(graph: Any, jumping: None) -> None:
-    """A simulation that is started anew, or garbage on /clock, would end the episode or mix up its turns."""
+    """A simulation that is started again, or garbage on /clock, neither ends the episode nor mixes up its turns."""
     states, turns = graph.listen('learner_state'), graph.listen('turn', profile=qos.RECORDED_LATCHED)
     graph.start(PerceptionNode, **graph.world, **SIMULATED)
     graph.start(TeacherNode, **graph.world, **SIMULATED)

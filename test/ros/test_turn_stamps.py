@@ -24,7 +24,7 @@ def test_stamps_grow_and_fit_into_a_message_whatever_the_clock_shows(last: int, 
 
 @given(st.lists(st.tuples(TIMES, st.booleans())))
 def test_copies_of_a_stamp_are_of_its_turn_alone(times: list[tuple[int, bool]]) -> None:
-    """What simulated perception said in an earlier turn, and comes late, would be learnt from as if it was now."""
+    """A late message of simulated perception from an earlier turn is not learnt from."""
     stamps, earlier = TurnStamps(), []
     for now, begins in times:
         if begins:

@@ -1,4 +1,4 @@
-"""How well a learner does: the numbers that every comparison of strategies rests on."""
+"""Evaluation of a learner: the numbers that every comparison of strategies rests on."""
 
 from __future__ import annotations
 

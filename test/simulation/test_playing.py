@@ -14,7 +14,7 @@ from shared.lunches import TASK, WORLD_SPEC, teacher
 
 
 def repeats(result: EpisodeResult) -> int:
-    """How many things were shown that had been named as they look, while others of the symbol were there."""
+    """Count the things that were shown although named as they look, while others of the symbol were there."""
     world, known, count = PerceivedWorld(result.world_spec.open()), set(), 0
     for record in result.queries:
         if record.object_id is None:
@@ -29,7 +29,7 @@ def repeats(result: EpisodeResult) -> int:
 
 @pytest.mark.parametrize('task', ['prepare_lunch', 'kitchen_table'])
 def test_the_teacher_shows_what_the_learner_does_not_know(task: str) -> None:
-    """Demonstrations would be paid for and tell nothing; and a teacher that is started anew must know as much."""
+    """A demonstration shows something new; and a teacher that is started again knows as much as before."""
 
     class StartedAnew:
         def answer(self, query: Query, truth: Mapping[int, str]) -> Answer:
@@ -105,7 +105,7 @@ def test_a_teacher_who_never_knows_teaches_nothing() -> None:
 )
 @pytest.mark.filterwarnings('error')
 def test_settings_at_the_ends_of_their_ranges_can_be_played(changes: dict[str, object]) -> None:
-    """What the ranges allow would end an episode, or learn nothing but overflows."""
+    """No setting within its range ends an episode, or leads to nothing but overflows."""
     changes = {'symbols': TASK.symbols, 'strategy': 'value_per_cost', 'budget': 4.0, 'turns': 5, **changes}
     played = run_episode(WORLD_SPEC, EpisodeSettings(**changes), teacher())
     assert len(played.accuracy) == 5

@@ -31,7 +31,7 @@ def digest(observations: Iterable[Observation]) -> str:
 
 
 def plausible(successes: int, trials: int, share: float) -> bool:
-    """Whether the count is compatible with the share: exact binomial test, one false alarm in a million."""
+    """Return whether the count is compatible with the share: exact binomial test, one false alarm in a million."""
     return bool(binomtest(successes, trials, share).pvalue > 1e-6)
 
 

@@ -61,7 +61,7 @@ def test_a_task_of_ones_own_needs_symbols_alone(tmp_path: Path, more: dict[str, 
     ids=str,
 )
 def test_costs_of_a_task_are_those_of_its_episodes(tmp_path: Path, content: dict[str, Any]) -> None:
-    """Whoever states what a question costs would be asked at other prices."""
+    """The learner asks at the prices that the task file states."""
     task = _own(tmp_path, **content)
     expected = Costs() if 'turns' in content.get('episode', {}) else Costs(label=0.5, skip=0)
     assert episode_settings(task).costs == task.episode.costs == expected
@@ -70,7 +70,7 @@ def test_costs_of_a_task_are_those_of_its_episodes(tmp_path: Path, content: dict
 
 @pytest.mark.parametrize('section', ['episode', 'costs', 'scenes', 'appearance', 'camera', 'sensors', 'variety'])
 def test_a_section_that_is_left_empty_has_the_defaults(tmp_path: Path, section: str) -> None:
-    """Whoever deletes the lines below a key would be told that nothing is no mapping."""
+    """A key without lines below it has its defaults, and is not refused for being no mapping."""
     assert _own(tmp_path, description=None, **{section: None}) == _own(tmp_path, description=None)
 
 

@@ -1,4 +1,4 @@
-"""What ships in config/ must load, and a name that does not ship must be refused with those that do."""
+"""All that ships in config/ loads, and a name that does not ship is refused with those that do."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""How often something may happen, on a clock that only the test moves."""
+"""Limits on how often something happens, on a clock that only the test moves."""
 
 from __future__ import annotations
 

@@ -129,7 +129,7 @@ def test_other_yaml_is_read_as_ever(content: bytes, values: object) -> None:
 
 
 def test_all_that_ros_may_take_otherwise_is_told_with_its_line() -> None:
-    """Whoever mends the first line would be stopped at the next, and y would be a truth value without a word."""
+    """All faults are told at once, among them y, which would silently be a truth value."""
     lines = ('a: no', 'b: 010', 'a: 1', 'c: [x, y, "n", Y]', 'y: 1', 'd: n', 'e: !!str y', 'f: -.5')
     content, doubts = parse_for_ros('\n'.join(lines).encode())
     assert content == {'a': 1, 'b': 8, 'c': ['x', 'y', 'n', 'Y'], 'y': 1, 'd': 'n', 'e': 'y', 'f': '-.5'}

@@ -1,4 +1,4 @@
-"""What is asked, said, refused and taken back."""
+"""Questions, answers, refusals and corrections of a dialogue."""
 
 from __future__ import annotations
 
@@ -80,7 +80,7 @@ def test_a_correction_that_is_refused_leaves_the_question_that_is_open(person: A
 
 
 def test_to_take_back_twice_leaves_the_answer_as_it_was(person: Any, made: Any) -> None:
-    """Whoever presses undo by mistake would have to answer anew."""
+    """A person who presses undo by mistake need not answer again."""
     person.answered(made.label(1))
     person.dialogue.undo()
     person.dialogue.undo()
@@ -185,7 +185,7 @@ def test_what_was_said_of_an_earlier_turn_comes_too_late(person: Any, made: Any)
 
 
 def test_a_key_pressed_for_one_question_does_not_answer_the_next(made: Any) -> None:
-    """What a person says of one thing would be learnt of another, as the question changed under their hands."""
+    """An answer for one thing is not learnt of another when the question changes under the person's hands."""
     now, sent = [10.0], []
     dialogue = TeacherDialogue('anna', lambda *one: sent.append(one), clock=lambda: now[0])
     dialogue.enter('episode')

@@ -1,4 +1,4 @@
-"""What keys mean."""
+"""Meanings of the keys."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ KEYS = [*COMMANDS, 'enter', 'backspace', 'escape', 'up', 'down', 'left', 'right'
 
 
 def pressed(view_state: Any, *keys: str) -> list[object]:
-    """What these keys ask for, one after another."""
+    """Return the command of these keys, pressed one after another."""
     pad, found = Pad(), []
     for key in keys:
         pad, command = press(key, pad, view_state)
@@ -27,7 +27,7 @@ def pressed(view_state: Any, *keys: str) -> list[object]:
 
 
 def explained(view_state: Any, key: str, text: str) -> Explain:
-    """What a key alone brings: an explanation with this text."""
+    """Check that a key alone brings an explanation with this text."""
     (command,) = pressed(view_state, key)
     assert isinstance(command, Explain)
     assert text in command.text
@@ -41,7 +41,7 @@ def test_a_symbol_has_the_first_free_letter_of_its_name() -> None:
 
 
 def test_no_key_says_another_name_than_the_one_that_begins_with_it() -> None:
-    """Whoever presses the first letter of an apple would say that it is a snack."""
+    """The first letter of an apple does not say that it is a snack."""
     assert letters(['snack', 'apple', 'Äpfel']) == {'snack': 'c', 'apple': 'a', 'Äpfel': 'p'}
 
 
@@ -59,7 +59,7 @@ def test_no_key_says_another_name_than_the_one_that_begins_with_it() -> None:
 def test_the_first_letter_of_a_name_is_a_command_only_if_it_is_pressed_twice(
     person: Any, made: Any, symbols: tuple[str, ...], key: str, alike: str, command: object
 ) -> None:
-    """Whoever presses s for a screwdriver would skip the question, pay for it, and not know why."""
+    """A person who presses s for a screwdriver does not skip the question and pay for it."""
     view_state = person.asked(made.label(1, symbols=symbols))
     why = explained(view_state, key, alike)
     assert pressed(view_state, key, key) == [why, command]
@@ -76,7 +76,7 @@ def test_the_first_letter_of_a_name_is_a_command_only_if_it_is_pressed_twice(
 def test_the_first_letter_of_a_group_is_a_command_only_if_it_is_pressed_twice(
     person: Any, made: Any, group: str, key: str, command: object
 ) -> None:
-    """Whoever presses s for size would skip the question, and q for quality would end the conversation."""
+    """A person who presses s for size does not skip the question, and q for quality does not end the conversation."""
     view_state = person.asked(made.feature_subset(1, ('colour', group)))
     why = explained(view_state, key, f'for {group} press 2')
     assert pressed(view_state, key, key) == [why, command]
@@ -92,7 +92,7 @@ def test_a_group_beyond_the_digits_is_ticked_otherwise(person: Any, made: Any) -
 
 
 def test_a_capital_is_no_choice_where_another_symbol_begins_so(person: Any, made: Any) -> None:
-    """Whoever begins to spell A1 would say a."""
+    """The first letter of A1 does not say a."""
     view_state = person.asked(made.label(1, symbols=('a', 'A1')))
     text = '"A" could mean two things: for a press a, for A1 press 1'
     assert explained(view_state, 'A', text).text == text
@@ -137,7 +137,7 @@ def test_ticks_and_enter_answer_a_feature_subset_query(person: Any, made: Any) -
 
 
 def test_groups_with_a_comma_can_be_ticked(person: Any, made: Any) -> None:
-    """What is ticked would be read as other groups, or be refused."""
+    """Ticked groups are read as these groups, and not refused."""
     query = made.feature_subset(1, ('x', 'y', 'x,y', 'size'))
     for keys, groups in (('12', ('x', 'y')), ('3', ('x,y',)), ('34', ('x,y', 'size'))):
         (said,) = pressed(person.asked(query), *keys, 'enter')

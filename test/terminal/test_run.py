@@ -170,7 +170,7 @@ def piped(tmp_path: Path, text: str, *options: str, stdin: Any = None) -> subpro
 
 
 def test_a_script_answers_a_line_for_each_question(tmp_path: Path) -> None:
-    """Whoever tests a robot could not automate the person."""
+    """A test of a robot can automate the person."""
     done = piped(tmp_path, 'pudding\nfruit\nundo\nsnack\n#12\n\ncolour, size')
     label, shown, subset = 'q1: What is object 7? ', 'q2: Can you show me a snack? ', 'q3: Which properties matter? '
     correction = label.replace('q1', 'q1: correction')

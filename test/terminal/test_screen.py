@@ -1,4 +1,4 @@
-"""What is on the screen, on any terminal."""
+"""The screen, on any terminal."""
 
 from __future__ import annotations
 
@@ -87,7 +87,7 @@ def test_colours_are_those_that_the_terminal_has(person: Any, made: Any) -> None
 @settings(deadline=None)
 @given(st.text(max_size=60), st.lists(st.text(min_size=1, max_size=30), min_size=2, max_size=6, unique=True))
 def test_texts_from_the_robot_reach_the_terminal_as_text(made: Any, text: str, symbols: list[str]) -> None:
-    """Whoever publishes a question could clear the screen, move the cursor, or make the terminal type."""
+    """A text of a question cannot clear the screen, move the cursor, or make the terminal type."""
     hostile = f'\x1b[2J\x07\u202e{text}\r\n'
     person = made.Person()
     query = made.label(1, symbols=(hostile, *symbols), text=hostile)

@@ -125,7 +125,7 @@ def test_help_names_the_tasks(capsys: pytest.CaptureFixture[str]) -> None:
 def test_a_dry_run_plays_a_task_whose_things_nobody_can_simulate(
     tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
-    """Whether a task file is right would be seen on the robot first; a name with brackets would be taken for markup."""
+    """A task file can be tried without the robot; a name with brackets is not taken for markup."""
     task = tmp_path / 'mine.yaml'
     task.write_text('symbols: [screwdriver, "bold[/green]"]\ncosts: {label: 2}\nepisode: {budget: 8, turns: 9}\n')
     arguments = ['demo', '--task', str(task), '--out', str(tmp_path / 'out'), '--json', str(tmp_path / 'json')]

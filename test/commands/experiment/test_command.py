@@ -64,7 +64,7 @@ def tiny_study(base: Variation, samples: tuple[int, ...]) -> Study:
 def test_studies_stand_beside_the_comparison(
     tmp_path: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    """What the paper does not tell would be missing from the page, or be about other episodes than its tables."""
+    """The page holds what the paper does not tell, about the same episodes as its tables."""
     monkeypatch.setitem(STUDIES, 'tiny', tiny_study)  # type: ignore[arg-type]
     arguments = ['--task', 'prepare_lunch', '--condition', '12/12', '--samples', '2', '--jobs', '1']
     command = ['experiment', *arguments, '--strategy', 'u_sampling', '--studies', 'tiny', '--out', str(tmp_path)]
@@ -187,7 +187,7 @@ def test_an_interruption_says_what_is_there_and_the_next_run_too(
 
 
 def test_weights_are_for_the_strategy_whose_features_they_name(tmp_path: Path) -> None:
-    """What was learnt from an expert would not be what is played."""
+    """Weights that were learnt from an expert are those that are played."""
     file = tmp_path / 'w.yaml'
     file.write_text('weights: {silence: 1000000000}\n')
     out = tmp_path / 'x'
@@ -198,7 +198,7 @@ def test_weights_are_for_the_strategy_whose_features_they_name(tmp_path: Path) -
 
 
 def test_a_weights_file_of_a_constant_alone_is_whole(tmp_path: Path) -> None:
-    """What the documentation calls a whole file would be refused."""
+    """A file that the documentation calls whole is taken."""
     file, out = tmp_path / 'w.yaml', str(tmp_path / 'x')
     file.write_text('weights: {reach: 0.4}\n')
     tiny = ['--task', 'prepare_lunch', '--condition', '4/3', '--samples', '1', '--jobs', '1']

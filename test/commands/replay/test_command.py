@@ -76,7 +76,7 @@ def test_unusable_arguments_end_with_status_2_and_one_line(tmp_path: Path, refus
 
 
 def test_unusable_ros_arguments_are_one_line_of_ours(capsys: pytest.CaptureFixture[str]) -> None:
-    """What the middleware logs of them by itself does not say whose arguments they are."""
+    """The middleware's own log lines do not say whose arguments they are."""
     assert main(['replay', str(BAG), '--ros-args', '-r', '__ns:=/a b']) == 2
     (line,) = capsys.readouterr().err.splitlines()
     assert 'unusable ROS arguments' in line

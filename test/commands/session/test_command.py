@@ -98,7 +98,7 @@ def test_a_teacher_who_was_away_leaves_a_session_like_any_other(
 
 
 def test_the_json_of_a_session_is_that_of_the_demo(tmp_path: Path, world: PerceivedWorld) -> None:
-    """What was learnt with people could not be compared with what was played."""
+    """Sessions with people can be compared with episodes that were played."""
     write_session(tmp_path / 'log', world)
     played = tmp_path / 'demo.json'
     arguments = [*EPISODE, '--tune-every', '3', '--offline', '--out', str(tmp_path), '--json', str(played)]
@@ -114,7 +114,7 @@ def test_the_json_of_a_session_is_that_of_the_demo(tmp_path: Path, world: Percei
 def test_all_that_was_said_is_shown_and_exported(
     tmp_path: Path, world: PerceivedWorld, capsys: pytest.CaptureFixture[str]
 ) -> None:
-    """What a person said would be kept and yet not be found."""
+    """All that a person said can be found again."""
     write_session(tmp_path / 'log', world, corrected=True)
     assert main(['session', str(tmp_path / 'log'), '--csv', str(tmp_path / 'csv')]) == 0
     shown = capsys.readouterr().out
@@ -133,7 +133,7 @@ def test_all_that_was_said_is_shown_and_exported(
 
 
 def test_a_session_as_a_bag_leads_to_the_same_decisions(tmp_path: Path, world: PerceivedWorld) -> None:
-    """What people said could not be replayed, looked at in Foxglove, or learnt weights from."""
+    """Sessions with people can be replayed, shown in Foxglove and learnt from."""
     write_session(tmp_path / 'log', world)
     assert main(['session', str(tmp_path / 'log'), '--bag', str(tmp_path / 'bag')]) == 0
     (episode,) = read_episodes(tmp_path / 'bag')
@@ -177,7 +177,7 @@ def test_nothing_is_left_of_a_bag_whose_writing_ends_in_between(
 def test_names_that_tasks_may_not_have_any_more_stay_readable(
     tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
-    """What was taught before such a name was refused would be lost."""
+    """Answers that were given before such a name was refused are not lost."""
     symbols = ('Cup', 'cup', '7', 'skip', 'None', ' a,b ', 'Fru\u0308chte')
     settings = EpisodeSettings(symbols, 20.0, 9, 'random_fsq')
     begun = EpisodeStarted('e1', settings, 1, 1e-3, None, '1')
@@ -272,9 +272,9 @@ def test_what_was_corrected_later_is_replayed_as_it_was_known(
     assert '7 decisions, all as recorded' in capsys.readouterr().out
     (recorded,) = read_episodes(tmp_path / 'bag')
     assert recorded.records == live.records
-    anew = [decision.features for decision in decisions_anew(recorded, feature_set)]
-    assert len(anew) == len(seen_live)
-    for ours, theirs in zip(anew, seen_live, strict=True):
+    replayed = [decision.features for decision in decisions_anew(recorded, feature_set)]
+    assert len(replayed) == len(seen_live)
+    for ours, theirs in zip(replayed, seen_live, strict=True):
         np.testing.assert_array_equal(ours, theirs)
 
 

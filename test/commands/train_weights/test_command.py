@@ -102,9 +102,9 @@ def test_weights_with_which_nothing_is_asked_are_warned_of(tmp_path: Path, capsy
 def test_bags_tell_what_was_not_recorded(tmp_path: Path) -> None:
     """The features of value_per_cost are computed from what the expert knew in each turn: playing it again finds it."""
     path, feature_set = Path(BAGS[0]), FEATURE_SETS['value_per_cost']
-    (anew,), (recorded,) = read_demonstrations([path], feature_set), read_demonstrations([path])
-    assert all(set(now.actions) <= set(then.actions) for now, then in zip(anew.steps, recorded.steps, strict=True))
-    chosen = [[step.actions[step.chosen] for step in steps] for steps in (anew.steps, recorded.steps)]
+    (replayed,), (recorded,) = read_demonstrations([path], feature_set), read_demonstrations([path])
+    assert all(set(now.actions) <= set(then.actions) for now, then in zip(replayed.steps, recorded.steps, strict=True))
+    chosen = [[step.actions[step.chosen] for step in steps] for steps in (replayed.steps, recorded.steps)]
     assert chosen[0] == chosen[1]
     (episode,) = read_episodes(path)
     again = [decision.features for decision in decisions_anew(episode, FEATURE_SETS['dt_task_env'])]
@@ -219,7 +219,7 @@ def test_unusable_arguments_end_with_status_2_and_one_line(tmp_path: Path, refus
         lambda bag, made: write_anew(bag, made, 'mcap', namespace='/elsewhere', later=3600 * 10**9),
         lambda bag, made: write_anew(bag, made, 'mcap', end=100),
     ],
-    ids=['copy', 'link', 'anew', 'other storage', 'other names and times', 'ended earlier'],
+    ids=['copy', 'link', 'written again', 'other storage', 'other names and times', 'ended earlier'],
 )
 def test_the_same_episode_twice_is_refused(tmp_path: Path, refusal, again) -> None:
     """It would count as two demonstrations, and judge what was learnt from itself."""

@@ -12,7 +12,7 @@ from al_questioner.concepts.laplace import look_ahead
 from al_questioner.domain import NO_SYMBOL, InputError, Scene
 
 TOLERANCE = 1e-6
-"""What the look-ahead promises."""
+"""Error that the look-ahead promises not to exceed."""
 
 AMPLITUDES = [1.0, 4.0, 25.0, 100.0]
 
@@ -292,7 +292,7 @@ def test_no_warning_escapes_in_ordinary_states(learning_state, exact):
 
 
 def test_result_belongs_to_the_caller(learning_state):
-    """Whoever writes into a table must not change the next one."""
+    """A caller that writes into a table does not change the next one."""
     state = learning_state(43, n=8)
     fitted = state.fitted()
     first = fitted.look_ahead(state.scene)

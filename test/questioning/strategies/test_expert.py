@@ -82,7 +82,7 @@ SUBSET = QueryRecord(1, QueryKind.FEATURE_SUBSET, None, None, 2.0, Outcome.UNKNO
 
 
 def test_the_rarest_class_is_what_it_asks_about(toy):
-    """By hand: two examples of snack and of fruit, one of main_dish: the likeliest main_dish is asked about."""
+    """There are two examples of snack and of fruit, one of main_dish: the likeliest main_dish is asked about."""
     table = np.zeros((8, 5))
     table[:, 0] = [0, 5, 5, 10, 10, 0.2, 5.2, 10.2]
     labels = ['main_dish', 'snack', 'snack', 'fruit', 'fruit']

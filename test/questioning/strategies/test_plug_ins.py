@@ -154,7 +154,7 @@ def test_a_broken_strategy_is_refused_in_one_line(contribute: Contribute, value:
 
 
 def test_an_unknown_name_is_answered_with_the_contributed_ones_too(contribute: Contribute) -> None:
-    """Whoever mistypes the name of an own strategy would believe that it is not installed."""
+    """The message shows that a contributed strategy of another name is installed."""
     contribute('pack', mine='no_such_module:Strategy')
     known = ', '.join((*STRATEGIES, 'mine'))
     assert refusal(make_strategy, 'mien', {}) == f"unknown strategy 'mien'; known: {known}; did you mean mine?"
@@ -251,7 +251,7 @@ def test_the_example_refuses_weights() -> None:
 
 
 def test_the_page_shows_the_example_as_it_is() -> None:
-    """What people copy from the page would be older than what is tested."""
+    """The code on the page, which people copy, is the code that is tested."""
     page = (ROOT / 'docs' / 'how_to' / 'add_a_strategy.md').read_text(encoding='utf-8')
     for language, name in (('python', 'smallest_margin.py'), ('ini', 'setup.cfg')):
         (shown,) = re.findall(f'```{language}\n(.*?)```', page, flags=re.DOTALL)

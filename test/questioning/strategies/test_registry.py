@@ -1,4 +1,4 @@
-"""What each strategy chooses."""
+"""Choices of each strategy."""
 
 import dataclasses
 
@@ -116,7 +116,7 @@ def test_rarest_demonstration_asks_for_the_fewest_examples(toy):
 
 
 def test_rarest_demonstration_moves_on_when_there_is_none(toy):
-    """What is not here, or was only shown again, is not asked for again until the scene changes."""
+    """A symbol that is not here, or was only shown again, is not asked for again until the scene changes."""
     in_vain = QueryRecord(2, QueryKind.DEMONSTRATION, None, 'main_dish', 2.0, Outcome.ANSWERED)
     history = (SUBSET_ASKED, in_vain)
     labels = ['fruit', 'fruit', 'snack']
@@ -189,7 +189,7 @@ def test_what_is_known_not_to_be_here_is_not_to_be_shown(toy):
 
 @pytest.mark.parametrize('outcome', [Outcome.UNKNOWN, Outcome.SKIP])
 def test_the_relevant_features_are_asked_for_a_second_time_if_there_was_no_answer(toy, outcome):
-    """They are worth more than any other answer, but whoever does not know them is not to be asked in every scene."""
+    """The answer is worth more than any other, but a teacher who does not know it is not asked in every scene."""
     subset = Action(QueryKind.FEATURE_SUBSET)
     first, second = (QueryRecord(turn, subset.kind, None, None, 2.0, outcome) for turn in (1, 6))
     unheard = dataclasses.replace(first, outcome=Outcome.UNANSWERED)

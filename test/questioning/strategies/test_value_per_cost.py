@@ -1,4 +1,4 @@
-"""What a question is worth: cases solved by hand, the formula written out, and what must never happen."""
+"""Worth of a question: cases solved by hand, the formula written out, and what must never happen."""
 
 import dataclasses
 
@@ -183,7 +183,7 @@ def test_the_unit_of_the_budget_does_not_matter(toy):
 
 
 def test_a_short_budget_is_paced(toy):
-    """By a quarter of the turns half of the budget is gone, and no more."""
+    """Half of the budget is gone by a quarter of the turns, and no more."""
     for spent, waits in ((9.0, False), (10.0, False), (10.01, True)):
         action, _ = decide(context_of(toy, ['snack'], turn=10, spent=spent))
         assert (action.kind is QueryKind.NO_QUERY) is waits
@@ -321,7 +321,7 @@ def test_zero_weights_of_others_do_not_matter():
 
 
 def test_a_demonstration_shows_what_is_worthless_as_not_considered(toy):
-    """Whoever learns from it would weigh candidates that the learner will never take."""
+    """A learner from it does not weigh candidates that the strategy never takes."""
     context = context_of(toy, ['snack', NO_SYMBOL, 'fruit'])
     feature_set = FEATURE_SETS['value_per_cost']
     worthless = feature_set.is_worthless(feature_set.of(context))

@@ -112,7 +112,7 @@ def test_what_was_missed_is_said(graph: Any, tmp_path: Path) -> None:
 
 
 def test_counts_are_told_and_a_late_end_keeps_everything(graph: Any, diagnostics: Any, tmp_path: Path) -> None:
-    """Whoever ends the recording by hand would lose what still waits to be written."""
+    """A recording that is ended by hand holds all that still waited to be written."""
     recorder = graph.start(RecorderNode, bag=str(tmp_path / 'b'))
     turns = graph.listen('turn')
     graph.start_robot(**EPISODE)
@@ -169,7 +169,7 @@ def test_a_recording_that_began_late_says_so(graph: Any, tmp_path: Path) -> None
 
 
 def test_what_is_no_document_is_recorded_too(graph: Any, tmp_path: Path) -> None:
-    """What a robot really said would not be in its recording, just when it went wrong."""
+    """The recording holds what a robot really sent, also when it went wrong."""
     publisher = graph.ears.create_publisher(String, 'turn', qos.LATCHED)
     publisher.publish(String(data='no document'))
     recorder = graph.start(RecorderNode, bag=str(tmp_path / 'b'))

@@ -1,4 +1,4 @@
-"""A replayed bag is the recorded episode again, on its topics, for whoever listens."""
+"""A replayed bag is the recorded episode again, on its topics, for all who listen."""
 
 from __future__ import annotations
 
@@ -106,7 +106,7 @@ def test_latched_topics_stay_for_late_listeners(graph: Any) -> None:
 
 
 def test_nothing_is_played_before_somebody_listens(graph: Any, diagnostics: Any) -> None:
-    """The first decisions would be lost to whoever was started together with the replay."""
+    """A subscriber that is started together with the replay gets the first decisions."""
     node = replay(graph)
 
     def waiting() -> int:
@@ -166,7 +166,7 @@ def test_a_replay_ends_when_a_learner_takes_its_names(graph: Any) -> None:
 
 @pytest.mark.parametrize('clock_hz', [50.0, 0.001])
 def test_the_recorded_time_is_told_and_the_last_stamp_however_rarely_it_is(graph: Any, clock_hz: float) -> None:
-    """use_sim_time would stand still, or whoever waits for the end by the recorded time wait for ever."""
+    """The clock runs to the recorded end, so that use_sim_time does not stand still and no one waits for ever."""
     clocks = graph.listen('/clock', Clock, 10)
     node = replay(graph, clock_hz=clock_hz)
     node.press(' ')

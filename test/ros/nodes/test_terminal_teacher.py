@@ -25,7 +25,7 @@ SCENE = Scene((7, 9), np.eye(2, 3, dtype=np.float32), np.ones((2, 1), np.float32
 
 
 class Robot:
-    """What the teacher hears, and what it says."""
+    """The teacher under test, with what it hears and says."""
 
     def __init__(self, graph: Any) -> None:
         self.graph = graph
@@ -174,7 +174,7 @@ def test_a_table_that_was_cleared_is_shown_as_such(robot: Robot, tells_fields: b
 
 
 def test_an_answer_is_not_carried_into_another_episode(robot: Robot) -> None:
-    """What was said of one thing would be learnt of another."""
+    """The answer to a question of one episode is not learnt of a thing in another."""
     robot.is_told_fruit()
     robot.hears(1)
     robot.asks(1, episode_id='another')
@@ -207,7 +207,7 @@ def test_parameters_of_the_teacher_that_cannot_be_used_are_named(graph: Any, par
 
 
 def test_a_person_needs_no_world(robot: Robot) -> None:
-    """Whoever teaches a real robot would need its things drawn, or crops of them."""
+    """A person can teach a real robot, without drawings or crops of its things."""
     robot.start(task='uw_lunchbox', dataset='/no/such/place')
     robot.asks(1)
     assert robot.dialogue.view_state().teacher_id
