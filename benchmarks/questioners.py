@@ -29,7 +29,7 @@ from al_questioner.support.arrays import Array
 
 
 class Cell(NamedTuple):
-    """Where strategies are compared over the samples."""
+    """A task in a condition, in which strategies are compared over the samples."""
 
     task: str
     condition: Condition

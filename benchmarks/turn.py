@@ -1,4 +1,4 @@
-"""Where the time of a turn goes: offline, in the encoding of its messages, and through three ROS processes.
+"""Time of the parts of a turn: offline, in the encoding of its messages, and through three ROS processes.
 
 python benchmarks/turn.py --task prepare_lunch --strategy dt_task_env --turns 150 --budget 500
 python benchmarks/turn.py --offline        # without ROS: the first table alone

@@ -124,7 +124,7 @@ episode_settings(WorldSpec(load_task('kitchen_table'), 0, 0).task)"""
 
 @pytest.mark.parametrize('program', [LEARNER_HELP, 'import al_questioner.ros.nodes.learner', LEARNER_SETTINGS])
 def test_the_learner_loads_no_simulated_kitchen(program: str) -> None:
-    """A robot would wait for the drawing of foods that it never sees."""
+    """Otherwise a robot would wait for the drawing of foods that it never sees."""
     loaded = modules_after(program)
     assert 'al_questioner.simulation.task' in loaded
     assert [name for name in loaded if 'kitchen' in name or 'rgbd_dataset' in name] == []

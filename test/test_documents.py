@@ -82,7 +82,7 @@ def test_every_source_that_a_document_names_is_there(document: Path) -> None:
 
 @pytest.mark.parametrize('document', DOCUMENTS, ids=name_of)
 def test_every_command_that_needs_no_ros_is_taken_as_it_stands(document: Path) -> None:
-    """An option that was renamed would live on in the documentation; `test_documented_lines.py` tries the nodes."""
+    """No renamed option stays in the documentation; `test_documented_lines.py` tries the nodes."""
     for name, *arguments in commands(document):
         if name in ('demo', 'experiment', 'replay', 'session', 'train_weights'):
             import_module(f'al_questioner.commands.{name}.arguments').parser().parse_args(arguments)

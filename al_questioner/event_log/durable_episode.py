@@ -58,7 +58,7 @@ class DurableEpisode:
 
     @property
     def is_ready(self) -> bool:
-        """True once `start` has come to its end."""
+        """True once `start` has ended."""
         return self._replay is not None
 
     @property
@@ -77,7 +77,7 @@ class DurableEpisode:
         return self._started.decision
 
     def start(self) -> None:
-        """Begin, or come to where the log ends by playing all of it.
+        """Begin, or play all of the log to continue where it ends.
 
         Raises:
             ReplayError: the log does not lead to the decisions in it.

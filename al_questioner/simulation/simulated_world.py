@@ -57,8 +57,7 @@ class SimulatedWorld:
 
     def names(self, turn: int) -> Mapping[int, str]:
         """Return the name of each object with its state, in words: for pictures and logs that people read."""
-        view_specs = {seen.object_id: self._sample.training[seen.pool_row] for seen in self._seen(turn)}
-        return {object_id: describe(view_spec) for object_id, view_spec in view_specs.items()}
+        return {seen.object_id: describe(self._sample.training[seen.pool_row]) for seen in self._seen(turn)}
 
     def change_turns(self, turns: int) -> list[int]:
         """Return the turns that begin with a scene change, see `World.change_turns`."""
@@ -129,9 +128,8 @@ class SimulatedWorld:
     def _first_scene(self) -> tuple[_PlacedView, ...]:
         rng = random_stream(self._seed, 'world/scene/0')
         if self._task.scenes.turnover == 'state':
-            return tuple(
-                _PlacedView(slot + 1, self._draw_state(slot, 0, None, rng)) for slot in range(len(self._rows_of))
-            )
+            slots = range(len(self._rows_of))
+            return tuple(_PlacedView(slot + 1, self._draw_state(slot, 0, None, rng)) for slot in slots)
         return tuple(_PlacedView(slot + 1, int(rng.choice(rows))) for slot, rows in enumerate(self._rows_of))
 
     def _next_scene(self, before: tuple[_PlacedView, ...], number: int) -> tuple[_PlacedView, ...]:

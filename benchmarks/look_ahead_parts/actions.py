@@ -1,4 +1,4 @@
-"""Which query a decision-theoretic learner would choose, given a look-ahead."""
+"""Query that a decision-theoretic learner would choose, given a look-ahead."""
 
 from __future__ import annotations
 

@@ -26,7 +26,7 @@ LONGEST = 12.0
 
 CALLS = 5
 ENOUGH = 0.5
-"""A look-ahead is timed so many times, or fewer that together take so many seconds."""
+"""Number of timed look-aheads, and of seconds that they may take together, which can make them fewer."""
 
 MIB = 2**20
 

@@ -56,7 +56,7 @@ class State:
 
 
 def names(number: int) -> tuple[str, ...]:
-    """Names of so many symbols, in alphabetical order."""
+    """Return the names of this number of symbols, in alphabetical order."""
     return tuple(f'symbol_{i:02}' for i in range(number))
 
 

@@ -74,7 +74,7 @@ def test_bag_and_log_tell_of_the_same_events(log: Path, recorded: RecordedEpisod
 
 
 def test_what_a_bag_does_not_tell_is_not_made_up(recorded: RecordedEpisode) -> None:
-    """Somebody would look for a teacher who does not exist, or take a guess for what was recorded."""
+    """Otherwise somebody would look for a teacher who does not exist, or take a guess for what was recorded."""
     answers = [event.answer for event in recorded.events if isinstance(event, AnswerAccepted)]
     assert {answer.teacher_id for answer in answers} == {NOT_RECORDED}
     assert [answer.answer_id for answer in answers if answer.query_id == 'q1'] == ['not recorded 1', 'not recorded 2']

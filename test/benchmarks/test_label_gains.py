@@ -13,7 +13,7 @@ from shared.lunches import teacher_of
 
 
 def test_a_gain_is_what_the_label_would_have_changed() -> None:
-    """The page would tell of labels that nobody could give."""
+    """Otherwise the page would tell of labels that nobody could give."""
     from label_gains import Measuring
 
     world_spec = WorldSpec(load_task('kitchen_table'), 3, 3)
@@ -47,7 +47,7 @@ def test_a_gain_is_what_the_label_would_have_changed() -> None:
 
 
 def test_sums_by_hand() -> None:
-    """A table would hold other groups than its headings say."""
+    """Otherwise a table would hold other groups than its headings say."""
     from label_gains import Label, area_under_curve, gain_rows
 
     labels = [

@@ -356,7 +356,7 @@ def test_impossible_models(arguments, reason):
 
 
 def test_predictions_and_score_are_those_that_scikit_learn_users_expect() -> None:
-    """A notebook that compares classifiers would need code of its own for this one."""
+    """Otherwise a notebook that compares classifiers would need code of its own for this one."""
     models = ConceptModels(('snack', 'fruit')).fit([[0.0], [1.0], [2.0]], ['snack', 'fruit', NO_SYMBOL])
     assert list(models.classes_) == ['snack', 'fruit']
     assert list(models.predict([[0.1], [0.9]])) == ['snack', 'fruit']

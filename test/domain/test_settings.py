@@ -32,6 +32,6 @@ from al_questioner.domain import Costs, EpisodeSettings, SettingsError
     ],
 )
 def test_settings_out_of_range_are_refused(changes: dict[str, object], reason: str) -> None:
-    """An episode would be played under limits that make no sense."""
+    """Otherwise an episode would be played under limits that make no sense."""
     with pytest.raises(SettingsError, match=reason):
         EpisodeSettings(**{'symbols': ('a', 'b'), 'budget': 1.0, 'turns': 1, 'strategy': 'random_fsq', **changes})

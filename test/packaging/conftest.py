@@ -21,7 +21,7 @@ ROUTES = ('pip', pytest.param('pip [ros]', marks=pytest.mark.slow), 'colcon', 'c
 
 @dataclass(frozen=True)
 class Installation:
-    """Where a tool put the package, which is its prefix for ament, and the environment of a shell that is set up."""
+    """Folder that a tool put the package into, its prefix for ament, and the environment of a shell that is set up."""
 
     tool: str
     prefix: Path

@@ -100,7 +100,7 @@ def documented() -> Iterator[tuple[str, str]]:
 
 
 def test_every_documented_line_is_listed_and_every_listed_one_documented() -> None:
-    """A line that nobody has ever run would be what people copy first."""
+    """Otherwise a line that nobody has ever run would be what people copy first."""
     found = dict(documented())
     assert {line: place for line, place in found.items() if line not in LINES} == {}
     assert [line for line in LINES if line not in found] == []
@@ -108,7 +108,7 @@ def test_every_documented_line_is_listed_and_every_listed_one_documented() -> No
 
 @pytest.mark.parametrize('line', [line for line, who in LINES.items() if who == GENUINE])
 def test_the_genuine_tools_have_the_options_that_a_line_uses(line: str) -> None:
-    """It would end in the tool's usage, or show nothing."""
+    """Otherwise it would end in the tool's usage, or show nothing."""
     words = shlex.split(line)[1:]
     verb = next(verb for verb in OPTIONS if words[: len(verb.split())] == verb.split())
     assert {word for word in words if word.startswith('-')} <= OPTIONS[verb]

@@ -19,7 +19,7 @@ DEADLINE = 90.0
 
 
 def test_a_robots_own_perception_teaches_the_learner(graph: Any, processes: Any, diagnostics: Any) -> None:
-    """The example that users copy would not work, or be asked about the same still things because of its noise."""
+    """The example that users copy works, and is not asked about the same still things because of its noise."""
     states = graph.listen('learner_state')
     processes.namespace = graph.namespace
     for script in (EXAMPLES / 'own_perception.py', Path(__file__).with_name('person.py')):

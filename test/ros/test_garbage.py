@@ -81,7 +81,7 @@ def texts(document: dict[str, Any], rng: np.random.Generator, n: int) -> Iterato
 
 @pytest.mark.slow
 def test_a_flood_of_garbage_answers_is_refused(graph: Any) -> None:
-    """A broken page, or a mischievous child, would end the robot's day or teach it nonsense."""
+    """Otherwise a broken page, or a mischievous child, would end the robot's day or teach it nonsense."""
     queries, acks = graph.listen('query'), graph.listen('answer_ack', profile=qos.EVENTS)
     states = graph.listen('learner_state')
     graph.start(PerceptionNode, **graph.world)
@@ -138,7 +138,7 @@ def means_something(text: str, query: Any, answer: dict[str, Any]) -> bool:
 
 @pytest.mark.slow
 def test_a_flood_of_garbage_clouds_is_refused(graph: Any) -> None:
-    """A driver with another layout would end the episode, or have it learn from noise."""
+    """Otherwise a driver with another layout would end the episode, or have it learn from noise."""
     seen = graph.listen('objects', PointCloud2)
     graph.start_robot()
     graph.wait_for(lambda: seen, 'a scene')
@@ -184,7 +184,7 @@ def damaged(good: PointCloud2, rng: np.random.Generator) -> PointCloud2:
 
 @pytest.mark.slow
 def test_a_flood_of_garbage_turns_is_refused(graph: Any) -> None:
-    """Perception would show another turn, or nothing any more."""
+    """Otherwise perception would show another turn, or nothing any more."""
     perception = graph.start(PerceptionNode, **graph.world)
     seen = graph.listen('objects', PointCloud2)
     world = {'task': 'prepare_lunch', 'seed': 4, 'sample': 4, 'dataset': None}

@@ -109,7 +109,7 @@ def kill_and_go_on(learners: Learners, session: Path, point: int) -> bool:
 
 @pytest.mark.parametrize('point', [10, *(pytest.param(point, marks=pytest.mark.slow) for point in (6, 12))])
 def test_a_killed_learner_is_gone_on_with(learners: Learners, tmp_path: Path, point: int) -> None:
-    """A crash within a turn would lose the answer, or lead to other questions: at a decision, and around an answer."""
+    """A crash at a decision or around an answer neither loses the answer nor leads to other questions."""
     learners.finish(tmp_path / 'whole')
     assert kill_and_go_on(learners, tmp_path / 'killed', point)
     assert decisions(tmp_path / 'killed') == decisions(tmp_path / 'whole')
@@ -118,7 +118,7 @@ def test_a_killed_learner_is_gone_on_with(learners: Learners, tmp_path: Path, po
 @pytest.mark.slow
 @pytest.mark.timeout(1800)
 def test_a_learner_killed_at_every_write_point_is_gone_on_with(learners: Learners, tmp_path: Path) -> None:
-    """There would be a moment at which a crash costs an answer."""
+    """Otherwise there would be a moment at which a crash costs an answer."""
     learners.finish(tmp_path / 'whole')
     points = 0
     while kill_and_go_on(learners, tmp_path / f'killed-{points}', points + 1):

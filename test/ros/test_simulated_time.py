@@ -91,7 +91,7 @@ def test_a_jumping_clock_changes_nothing_that_is_asked(graph: Any, jumping: None
 def test_a_camera_is_seen_again_after_its_clock_went_back(
     graph: Any, person: Any, diagnostics: Any, clock: SimulatedClock
 ) -> None:
-    """The robot would look at nothing until the clock has caught up, and not say why."""
+    """Otherwise the robot would look at nothing until the clock has caught up, and not say why."""
     queries, turns = person.queries, person.turns
     eyes = graph.ears.create_publisher(PointCloud2, 'objects', qos.LATCHED)
     scene = PerceivedWorld(WorldSpec(load_task('prepare_lunch'), 4, 4).open()).scene(1)
@@ -124,7 +124,7 @@ def test_a_camera_is_seen_again_after_its_clock_went_back(
 
 
 def test_a_bag_that_loops_is_seen_in_every_round(graph: Any, diagnostics: Any) -> None:
-    """A learner that is tried out on a looping bag would stop at the end of the first round."""
+    """Otherwise a learner that is tried out on a looping bag would stop at the end of the first round."""
     states = graph.listen('learner_state')
     bag = read_bag(SHIPPED)
     span = (bag.messages[-1].stamp - bag.messages[0].stamp) / SECOND
@@ -143,7 +143,7 @@ def test_a_bag_that_loops_is_seen_in_every_round(graph: Any, diagnostics: Any) -
 
 
 def test_a_time_before_the_beginning_of_time_ends_no_node(graph: Any) -> None:
-    """One message on /clock would end every node that listens to it."""
+    """Otherwise one message on /clock would end every node that listens to it."""
     looks: list[bool] = []
     end = time.monotonic() + 60.0
 

@@ -12,7 +12,7 @@ from shared.lunches import WORLD_SPEC
 
 
 def test_scene_that_stays_is_perceived_once() -> None:
-    """Every turn would cost a perception of the whole table."""
+    """Otherwise every turn would cost a perception of the whole table."""
     world = PerceivedWorld(WORLD_SPEC.open())
     change = world.change_turns(40)[0]
     assert world.scene(1) is world.scene(change - 1)

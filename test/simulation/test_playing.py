@@ -44,7 +44,7 @@ def test_the_teacher_shows_what_the_learner_does_not_know(task: str) -> None:
 
 
 def test_playing_tunes_at_the_turns_that_are_due() -> None:
-    """The option would have no effect on what is asked, or also where it is off."""
+    """Otherwise the option would have no effect on what is asked, or also where it is off."""
     plain, often, never_due = (
         run_episode(WORLD_SPEC, episode_settings(TASK, 'u_sampling_fsq', 8, 12, tune_every=every), teacher())
         for every in (0, 2, 13)
@@ -57,7 +57,7 @@ def test_playing_tunes_at_the_turns_that_are_due() -> None:
 
 
 def test_episodes_on_an_open_world_are_those_on_a_new_one() -> None:
-    """A study whose strategies share a world would report episodes that nobody can play alone."""
+    """Otherwise a study whose strategies share a world would report episodes that nobody can play alone."""
     world = PerceivedWorld(WORLD_SPEC.open())
     for strategy in ('farthest_fsq', 'u_sampling', 'farthest_fsq'):
         settings = episode_settings(TASK, strategy, budget=7, turns=11)
@@ -68,7 +68,7 @@ def test_episodes_on_an_open_world_are_those_on_a_new_one() -> None:
 
 @pytest.mark.parametrize('strategy', [name for name in STRATEGIES if name != 'human'])
 def test_same_seed_same_episode_within_its_limits(strategy: str) -> None:
-    """A result could not be repeated, or would owe itself to queries that nobody granted."""
+    """Otherwise a result could not be repeated, or would owe itself to queries that nobody granted."""
     settings = episode_settings(TASK, strategy, budget=7, turns=11)
     once, again = (run_episode(WORLD_SPEC, settings, teacher()) for _ in range(2))
     assert once.queries == again.queries
@@ -79,14 +79,14 @@ def test_same_seed_same_episode_within_its_limits(strategy: str) -> None:
 
 
 def test_other_seeds_give_other_episodes() -> None:
-    """All samples of a study would be one."""
+    """Otherwise all samples of a study would be one."""
     settings = episode_settings(TASK, 'random_fsq', budget=7, turns=11)
     other = WorldSpec(TASK, 5, 5)
     assert run_episode(WORLD_SPEC, settings, teacher()).queries != run_episode(other, settings, teacher()).queries
 
 
 def test_a_teacher_who_never_knows_teaches_nothing() -> None:
-    """Unknown answers would be learnt as labels."""
+    """Otherwise unknown answers would be learnt as labels."""
     result = run_episode(WORLD_SPEC, episode_settings(TASK, 'random_fsq', 6, 8), teacher(unknown_rate=1.0))
     assert {record.symbol for record in result.queries if record.kind.value == 'label'} == {None}
     assert result.final_accuracy == pytest.approx(1 / len(TASK.symbols))

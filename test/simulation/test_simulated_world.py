@@ -42,7 +42,7 @@ def test_same_seed_same_bytes_other_seed_others(small: Task) -> None:
 
 
 def test_another_process_sees_the_same_world(small: Task) -> None:
-    """A node and an offline run are two processes; a dependence on hash() or set order would part them."""
+    """A node and an offline run are two processes, which hash() and the order of sets do not set apart."""
     program = (
         'import sys; from dataclasses import replace; sys.path.insert(0, sys.argv[1])\n'
         'from test_simulated_world import digest\n'
@@ -108,7 +108,7 @@ def test_the_sample_fixes_the_observations_and_the_seed_the_scenes(small: Task) 
 
 
 def test_scenes_show_observations_of_the_training_pool_and_never_of_the_test_set(small: Task) -> None:
-    """A test view among the training views would make every accuracy a lie."""
+    """Otherwise every accuracy would be too high."""
     world = SimulatedWorld(small, 2)
     known = {o.view.color.tobytes() for o in world.training_pool()}
     held_out = {o.view.color.tobytes() for o in world.test_observations()}
@@ -215,7 +215,7 @@ def test_nothing_overlaps_and_everything_stands_on_the_table(kitchen: Task, monk
 
 
 def test_objects_that_stay_are_moved_about(lunch: Task, monkeypatch: pytest.MonkeyPatch) -> None:
-    """Were each object always at its place, its location would tell what it is, and most sensors shall tell nothing."""
+    """The location of an object does not tell what it is."""
     monkeypatch.setattr(pool, 'render', lambda *_: None)
     world = SimulatedWorld(lunch, 2)
     spots = [np.array([o.position[:2] for o in world.scene(turn)]) for turn in range(1, 200, 10)]
@@ -244,7 +244,7 @@ def test_cold_things_stand_near_the_refrigerator_if_asked_to(lunchbox: Task, mon
 
 @pytest.mark.parametrize('name', ['kitchen', 'lunch'])
 def test_the_second_draw_is_like_the_test_set_and_none_of_it(name: str, request: pytest.FixtureRequest) -> None:
-    """The oracle would look at what results are measured on, or at another world."""
+    """Otherwise the oracle would look at what results are measured on, or at another world."""
     task: Task = request.getfixturevalue(name)
     world = SimulatedWorld(task, 1, 2)
     assert Counter(world.validation_labels()) == Counter(world.test_labels())

@@ -22,7 +22,7 @@ def mixed() -> Task:
 
 
 def test_a_kitchen_follows_from_its_number_alone(mixed: Task) -> None:
-    """Strategies would be compared in different worlds, or a recorded episode could not be played again."""
+    """Otherwise strategies would be compared in different worlds, or a recorded episode could not be played again."""
     one, again, other = mixed.of_sample(7), mixed.of_sample(7), mixed.of_sample(8)
     assert one.scenes == again.scenes
     assert one.scenes != other.scenes
@@ -48,7 +48,7 @@ def test_kitchens_fill_the_stated_ranges_and_share_the_rest(mixed: Task) -> None
 
 
 def test_the_robot_is_told_the_interval_of_its_kitchen(mixed: Task) -> None:
-    """The paper's strategies, which need it, would be handicapped."""
+    """Otherwise the paper's strategies, which need it, would be handicapped."""
     small = replace(mixed, scenes=replace(mixed.scenes, training_size=60, test_size=4))
     for sample in range(3):
         world_spec = WorldSpec(small, sample, sample)

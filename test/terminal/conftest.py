@@ -23,7 +23,7 @@ def scene_of(places: dict[int, tuple[float, float]]) -> Scene:
 
 
 def many_objects(count: int) -> Scene:
-    """So many objects all over the table."""
+    """Return this number of objects all over the table."""
     rng = np.random.default_rng(0)
     return scene_of({i: (float(x), float(y)) for i, (x, y) in enumerate(rng.random((count, 2)))})
 
@@ -42,7 +42,7 @@ def label(number: int = 1, object_id: int = 7, symbols: tuple[str, ...] = SYMBOL
 
 
 def demonstration(number: int = 1, ids: tuple[int, ...] = (1, 7, 12)) -> Query:
-    """Which is one?"""
+    """Return a demonstration query."""
     action = Action(QueryKind.DEMONSTRATION, symbol='snack')
     return Query(f'q{number}', number, action, tuple(map(str, ids)), 2, 4, 5, 1, 'Can you show me a snack?')
 

@@ -114,14 +114,9 @@ def _play_graph(given: argparse.Namespace, evaluation: Evaluation, watch: TurnWa
     from al_questioner.ros.episode_launcher import EpisodeLauncher
     from al_questioner.ros.worlds import new_episode_id
 
-    world_spec, settings = evaluation.world_spec, evaluation.settings
-    world = {
-        'task': given.task,
-        'dataset': str(given.dataset or ''),
-        'seed': world_spec.seed,
-        'sample': world_spec.sample,
-    }
-    episode_id = new_episode_id(world_spec)
+    spec, settings = evaluation.world_spec, evaluation.settings
+    world = {'task': given.task, 'dataset': str(given.dataset or ''), 'seed': spec.seed, 'sample': spec.sample}
+    episode_id = new_episode_id(spec)
 
     def follow(turn: int, queries: tuple[QueryRecord, ...]) -> None:
         by_turn = {record.turn: record for record in queries}

@@ -67,7 +67,7 @@ def write_session(folder: Path, world: PerceivedWorld, corrected: bool = False, 
 def test_a_teacher_who_was_away_leaves_a_session_like_any_other(
     tmp_path: Path, world: PerceivedWorld, away: set[int], comes_back: bool, capsys: pytest.CaptureFixture[str]
 ) -> None:
-    """A session with turns that passed unanswered could not be gone on with, exported, checked or trained from."""
+    """A session with turns that passed unanswered can be continued, exported, checked and trained from."""
     log, session = tmp_path / 'log', None
     while session is None or not session.episode.done:
         # Another process in every turn.
@@ -147,7 +147,7 @@ def test_a_session_as_a_bag_leads_to_the_same_decisions(tmp_path: Path, world: P
 def test_nothing_is_left_of_a_bag_that_does_not_fit_on_the_disk(
     tmp_path: Path, world: PerceivedWorld, refusal: Callable[..., str]
 ) -> None:
-    """Half a bag would be taken for the session, and be in the way of the next try."""
+    """Otherwise half a bag would be taken for the session, and be in the way of the next try."""
     write_session(tmp_path / 'log', world)
     with little_room(40_000):
         error = refusal('session', tmp_path / 'log', '--bag', tmp_path / 'bag')
@@ -159,7 +159,7 @@ def test_nothing_is_left_of_a_bag_that_does_not_fit_on_the_disk(
 def test_nothing_is_left_of_a_bag_whose_writing_ends_in_between(
     tmp_path: Path, world: PerceivedWorld, monkeypatch: pytest.MonkeyPatch, fault: BaseException
 ) -> None:
-    """The part that was written is finished like a whole bag, and nobody could tell that it is none."""
+    """Otherwise the part that was written is finished like a whole bag, and nobody could tell that it is none."""
     write_session(tmp_path / 'log', world)
     left = iter(range(5))
     whole = from_session.state_members
@@ -209,7 +209,7 @@ def test_names_that_tasks_may_not_have_any_more_stay_readable(
 def test_a_clock_that_was_put_back_hides_nothing_of_a_session(
     tmp_path: Path, world: PerceivedWorld, monkeypatch: pytest.MonkeyPatch, corrected: bool
 ) -> None:
-    """Of the bag, which has the times of the log, a part would be checked and learnt from."""
+    """Otherwise only a part of the bag, which has the times of the log, would be checked and learnt from."""
     ticks = itertools.count()
 
     def put_back() -> int:
@@ -229,7 +229,7 @@ def test_a_clock_that_was_put_back_hides_nothing_of_a_session(
 def test_what_was_corrected_later_is_replayed_as_it_was_known(
     tmp_path: Path, world: PerceivedWorld, name: str, capsys: pytest.CaptureFixture[str]
 ) -> None:
-    """Weights would be learnt from choices beside features of what nobody knew when they were made."""
+    """Otherwise weights would be learnt from choices beside features of what nobody knew when they were made."""
     seen_live: list[np.ndarray] = []
 
     class Watched(FeatureRecorder):
@@ -287,7 +287,7 @@ def damage(folder: Path, number: int) -> None:
 def test_a_damaged_session_is_named_repaired_and_gone_on_with(
     tmp_path: Path, world: PerceivedWorld, capsys: pytest.CaptureFixture[str]
 ) -> None:
-    """Damage would go unseen, or cost what is before it."""
+    """Otherwise damage would go unseen, or cost what is before it."""
     folder = tmp_path / 'log'
     write_session(folder, world)
     damage(folder, 9)
@@ -310,7 +310,7 @@ def test_a_damaged_session_is_named_repaired_and_gone_on_with(
 def test_a_session_that_leads_elsewhere_is_named(
     tmp_path: Path, world: PerceivedWorld, capsys: pytest.CaptureFixture[str]
 ) -> None:
-    """A log that this version does not reproduce would be shown as if it did."""
+    """Otherwise a log that this version does not reproduce would be shown as if it did."""
     write_session(tmp_path / 'log', world)
     found, _ = decoded(read_log(tmp_path / 'log'))
     others = dataclasses.replace(BEGUN.settings, strategy='rarest_demo', weights={})
@@ -324,7 +324,7 @@ def test_a_session_that_leads_elsewhere_is_named(
 
 
 def test_accuracy_is_not_made_up(tmp_path: Path, world: PerceivedWorld) -> None:
-    """A robot with perception of its own would be judged by a world that it never saw."""
+    """Otherwise a robot with perception of its own would be judged by a world that it never saw."""
     for name, given, reason in (
         ('none', None, 'the world was not simulated'),
         ('other', {**WORLD, 'seed': 5}, 'the scene of turn 1 is not that of the simulated world'),
@@ -341,7 +341,7 @@ def test_accuracy_is_not_made_up(tmp_path: Path, world: PerceivedWorld) -> None:
 def test_nothing_usable_ends_with_status_2_and_one_line(
     tmp_path: Path, options: list[str], refusal: Callable[..., str]
 ) -> None:
-    """A mistyped folder, or a log of which nothing is left, would end in a traceback."""
+    """Otherwise a mistyped folder, or a log of which nothing is left, would end in a traceback."""
     (tmp_path / 'damaged').mkdir()
     (tmp_path / 'damaged' / DATABASE).write_bytes(b'nonsense' * 1000)
     SessionLog(tmp_path / 'empty').close()
@@ -356,7 +356,7 @@ def test_nothing_usable_ends_with_status_2_and_one_line(
 def test_an_episode_in_which_nothing_could_be_chosen_is_no_demonstration(
     tmp_path: Path, world: PerceivedWorld, capsys: pytest.CaptureFixture[str]
 ) -> None:
-    """Training would end with a traceback where nobody ever answered, or there was no budget."""
+    """Otherwise training would end with a traceback where nobody ever answered, or there was no budget."""
     begun = dataclasses.replace(
         BEGUN, settings=dataclasses.replace(BEGUN.settings, strategy='farthest_fsq', weights={}, budget=0.0)
     )

@@ -43,7 +43,7 @@ def context_of(toy: Any, **changes: Any) -> TurnContext:
     ],
 )
 def test_a_line_names_a_candidate(toy: Any, line: str, action: Action) -> None:
-    """The robot would ask something else than the expert said."""
+    """Otherwise the robot would ask something else than the expert said."""
     context = context_of(toy)
     assert context.candidates[chosen_candidate(line, context)] == action
 
@@ -70,7 +70,7 @@ def test_a_line_names_a_candidate(toy: Any, line: str, action: Action) -> None:
     ],
 )
 def test_a_line_that_names_none_is_explained(toy: Any, line: str, changes: dict[str, Any], reason: str) -> None:
-    """The expert would not know what is wrong, or spend what is not there."""
+    """Otherwise the expert would not know what is wrong, or spend what is not there."""
     scenes = {
         'empty': toy.scene(np.empty((0, 5))),
         'one group': toy.scene(np.zeros((1, 5)), names=[f'colour_{i}' for i in range(5)]),
@@ -100,7 +100,7 @@ def test_a_line_that_names_none_is_explained(toy: Any, line: str, changes: dict[
     ],
 )
 def test_what_is_exactly_a_symbol_is_that_symbol(toy: Any, symbols: tuple[str, ...], line: str, action: Action) -> None:
-    """A symbol that the menu lists could not be asked for, or another question would be paid for."""
+    """Otherwise a symbol that the menu lists could not be asked for, or another question would be paid for."""
     context = toy.context(scene=context_of(toy).scene, symbols=symbols)
     assert context.candidates[chosen_candidate(line, context)] == action
 
@@ -115,7 +115,7 @@ def test_any_line_is_a_candidate_or_explained(toy: Any, line: str) -> None:
 
 
 def test_lines_are_read_as_they_come() -> None:
-    """A choice would be lost where two were typed ahead, or where a line comes in pieces."""
+    """Otherwise a choice would be lost where two were typed ahead, or where a line comes in pieces."""
     source, sink = os.pipe()
     lines = Lines(source)
     os.write(sink, b'7\nsna')
@@ -130,7 +130,7 @@ def test_lines_are_read_as_they_come() -> None:
 
 
 def test_wrong_input_is_asked_again_and_the_end_is_told(toy: Any) -> None:
-    """A typing error would be a choice, or a closed terminal a frozen robot."""
+    """Otherwise a typing error would be a choice, or a closed terminal a frozen robot."""
     context, screen = context_of(toy), io.StringIO()
     index = pick_from_menu(context, io.StringIO('99\nwhat?\n23\n'), screen)
     assert context.candidates[index].object_id == 23
@@ -141,7 +141,7 @@ def test_wrong_input_is_asked_again_and_the_end_is_told(toy: Any) -> None:
 
 
 def test_help_is_the_table_of_inputs(toy: Any) -> None:
-    """An expert would guess what can be typed; but what a symbol begins with means that symbol."""
+    """Otherwise an expert would guess what can be typed; but what a symbol begins with means that symbol."""
     context, screen = context_of(toy), io.StringIO()
     index = pick_from_menu(context, io.StringIO('h\nHelp\n23\n'), screen)
     assert context.candidates[index].object_id == 23
@@ -153,7 +153,7 @@ def test_help_is_the_table_of_inputs(toy: Any) -> None:
 
 
 def test_the_menu_tells_what_there_is_to_choose(toy: Any) -> None:
-    """The expert would choose without knowing prices, beliefs, or what is left."""
+    """Otherwise the expert would choose without knowing prices, beliefs, or what is left."""
     shown = menu(context_of(toy))
     assert max(map(len, shown.splitlines())) <= 80
     for part in ('Turn 3 of 20', 'budget left: 19 of 20', 'cost 1', 'cost 2', '21*', '22 ', 'snack: 1', 'soup: 0'):
@@ -166,7 +166,7 @@ def test_the_menu_tells_what_there_is_to_choose(toy: Any) -> None:
 
 
 def test_the_menu_of_a_scene_without_things(toy: Any) -> None:
-    """The person would wait for a list, or look for what costs and tells nothing."""
+    """Otherwise the person would wait for a list, or look for what costs and tells nothing."""
     shown = menu(context_of(toy, scene=toy.scene(np.empty((0, 5)))))
     assert 'Nothing is in view' in shown
     assert 'What is it' not in shown
@@ -174,7 +174,7 @@ def test_the_menu_of_a_scene_without_things(toy: Any) -> None:
 
 
 def test_a_choice_is_a_demonstration_to_learn_from(toy: Any) -> None:
-    """Recorded choices of a person would lack the features that imitation needs."""
+    """Otherwise recorded choices of a person would lack the features that imitation needs."""
     context = context_of(toy)
     choice = Human(lambda _: 4).choose(context, np.random.default_rng(0))
     assert choice.index == 4

@@ -75,7 +75,7 @@ def test_controls_never_ask_about_a_labelled_view(toy, name):
 
 @pytest.mark.parametrize('name', ['u_sampling_fsq', 'random_fsq', 'farthest_fsq'])
 def test_controls_do_not_insist_when_the_teacher_does_not_know(toy, name):
-    """Until the scene changes; a teacher who did not know would be asked the same for ever."""
+    """A teacher who did not know is not asked the same again until the scene changes."""
     asked = tuple(QueryRecord(2, QueryKind.LABEL, i, None, 1.0, Outcome.UNKNOWN) for i in range(5))
     context = context_of(toy, history=(SUBSET_ASKED, *asked))
     assert chosen(name, context).object_id == 5
@@ -176,7 +176,7 @@ def test_what_is_settled_is_not_asked_again(toy):
 
 
 def test_what_is_known_not_to_be_here_is_not_to_be_shown(toy):
-    """Where each view was named, as something else, the answer is sure to be that there is none."""
+    """Each view was named as something else: the answer is sure to be that there is none."""
     demonstrations = [Action(QueryKind.DEMONSTRATION, symbol=symbol) for symbol in toy.symbols]
     labels = ['snack', NO_SYMBOL, 'snack', 'fruit', NO_SYMBOL, 'fruit']
     known = context_of(toy, labels, history=())
@@ -208,7 +208,7 @@ def test_the_relevant_features_are_asked_for_a_second_time_if_there_was_no_answe
 
 @pytest.mark.parametrize('strategy', ['u_sampling', 'dt_iros', 'dt_task', 'dt_task_env'])
 def test_no_strategy_repeats_a_question_that_got_no_answer(toy, strategy):
-    """It leaves the state as it was, so without a rule the same question would be the best for ever."""
+    """Otherwise it leaves the state as it was, so without a rule the same question would be the best for ever."""
     weights = toy.weights.get(strategy, {})
     first = chosen(strategy, context_of(toy, ['snack', 'fruit']), weights=weights)
     record = QueryRecord(2, first.kind, first.object_id, first.symbol, 1.0, Outcome.UNKNOWN)
@@ -240,7 +240,7 @@ def test_weights_that_do_not_fit(name, weights, reason):
 
 
 def test_uncertainty_sampling_can_be_kept_from_asking_again(toy):
-    """The study of whether it may ask again would vary nothing."""
+    """Otherwise the study of whether it may ask again would vary nothing."""
     context = context_of(toy, ['snack'] * 5)
     again = UncertaintySampling().choose(context, np.random.default_rng(0))
     never = UncertaintySampling(repeats=False).choose(context, np.random.default_rng(0))

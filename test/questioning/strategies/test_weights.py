@@ -63,6 +63,6 @@ def test_a_strategy_without_weights_says_how_to_load_them(name: str) -> None:
 
 
 def test_unknown_weights_list_the_known() -> None:
-    """A slip in a strategy's name would be met with silence."""
+    """Otherwise a slip in a strategy's name would be met with silence."""
     with pytest.raises(InputError, match=r"unknown weights 'dt_task_evn'; known: dt_iros, dt_task, dt_task_env"):
         load_weights('dt_task_evn')
