@@ -1,4 +1,4 @@
-"""What re-optimising the kernel's amplitude and length scale is worth: paired episodes with and without it.
+"""Worth of re-optimising the kernel's amplitude and length scale: paired episodes with and without it.
 
     python benchmarks/hyperparameters.py [--task TASK ...] [--strategy STRATEGY ...] [--tune-every K ...]
                                          [--amplitude A] [--budget B] [--turns T] [--first SEED] [--samples N]
@@ -63,7 +63,7 @@ GRID = (
     Prior(4, 2, 1.0, 0.25),
     Prior(25, 10, np.inf, np.inf),
 )
-"""What --grid tries; an infinite deviation is no prior."""
+"""Priors that --grid tries; an infinite deviation is no prior."""
 
 
 class Case(NamedTuple):
@@ -80,7 +80,7 @@ class Case(NamedTuple):
 
 
 class Outcome(NamedTuple):
-    """What came of it."""
+    """Accuracy and kernel of an episode."""
 
     final: float
     mean: float
@@ -104,8 +104,8 @@ def play(case: Case) -> Outcome:
     settings = episode_settings(
         task, case.strategy, case.budget, case.turns, amplitude=case.amplitude, tune_every=case.tune_every
     )
-    choice = WorldSpec(task, case.sample, case.sample)
-    result = run_episode(choice, settings, teacher, world=opened(case.task, case.sample))
+    world_spec = WorldSpec(task, case.sample, case.sample)
+    result = run_episode(world_spec, settings, teacher, world=opened(case.task, case.sample))
     return Outcome(
         result.final_accuracy, statistics.mean(result.accuracy), result.kernel.amplitude, result.kernel.length_scale
     )

@@ -1,4 +1,4 @@
-"""What one more label is worth, and who can tell a thing of a symbol from clutter: measured, not estimated.
+"""Worth of one more label, and the detection of things of a symbol among clutter: measured, not estimated.
 
     python benchmarks/label_gains.py [--task TASK ...] [--strategy STRATEGY ...] [--budget B] [--turns T]
                                      [--first SEED] [--samples N] [--every K] [--jobs N]
@@ -58,7 +58,7 @@ class Case(NamedTuple):
 
 
 class Label(NamedTuple):
-    """What a label of a view would have changed.
+    """A label of a view, with what it would have changed.
 
     Attributes:
         symbol: what it is, or none.
@@ -86,7 +86,7 @@ class Measuring:
 
     @property
     def selector(self) -> Selector | None:
-        """That of the strategy."""
+        """Selector of the strategy."""
         return self._strategy.selector
 
     def choose(self, context: TurnContext, rng: np.random.Generator) -> Choice:
@@ -122,11 +122,11 @@ def measured(
 
 def play(case: Case) -> list[Label]:
     """The labels that an episode measured."""
-    choice = WorldSpec(load_task(case.task), case.sample, case.sample)
-    settings = episode_settings(choice.task, case.strategy, case.budget, case.turns)
-    world = PerceivedWorld(choice.open())
+    world_spec = WorldSpec(load_task(case.task), case.sample, case.sample)
+    settings = episode_settings(world_spec.task, case.strategy, case.budget, case.turns)
+    world = PerceivedWorld(world_spec.open())
     strategy = Measuring(make_strategy(settings.strategy, settings.weights), world, case.every)
-    teacher = ScriptedTeacher(choice.task.symbols, choice.task.relevant_groups, case.sample, repeat_shown=True)
+    teacher = ScriptedTeacher(world_spec.task.symbols, world_spec.task.relevant_groups, case.sample, repeat_shown=True)
     for _ in turns(Episode(settings, random_stream(case.sample, 'learner'), strategy=strategy), world, teacher):
         pass
     return strategy.found

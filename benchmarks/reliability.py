@@ -1,4 +1,4 @@
-"""How well the learner tells a careless teacher from a careful one.
+"""Detection of a careless teacher among careful ones by the learner.
 
     python benchmarks/reliability.py [--task TASK] [--strategy NAME] [--samples N] [--budget B] [--turns T]
 

@@ -1,6 +1,6 @@
-"""What a user gets, written down, to see that a change of the code changes none of it.
+"""The results that a user gets, written down to check that a change of the code changes none of them.
 
-    python benchmarks/same_results.py write FOLDER      with the code of before, and with the code of after
+    python benchmarks/same_results.py write FOLDER      with the old code, and with the new code
     python benchmarks/same_results.py compare BEFORE AFTER
 
 It writes, all offline: ten episodes of each strategy on the three simulated tables (JSON), weights learnt from the
@@ -99,7 +99,7 @@ def write_session(folder: Path) -> None:
 
 
 def capture(arguments: Sequence[str]) -> str:
-    """What an executable prints.
+    """Return what an executable prints.
 
     Raises:
         SystemExit: it failed.

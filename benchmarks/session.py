@@ -1,4 +1,4 @@
-"""What durability costs: the time from an answer to its acknowledgement, with and without a session log.
+"""Cost of durability: the time from an answer to its acknowledgement, with and without a session log.
 
     python benchmarks/session.py [--answers N] [--repeats R] [--folder DIR]
 

@@ -53,13 +53,13 @@ def imported_modules(source: str, module: str, is_package: bool = False) -> Iter
 
 
 def is_ros(module: str) -> bool:
-    """Whether a module is rclpy, another part of ROS, or a generated message package."""
+    """Return whether a module is rclpy, another part of ROS, or a generated message package."""
     top = module.split('.')[0]
     return top in ('rclpy', 'ament_index_python', 'launch', 'launch_ros') or top.endswith(('_msgs', '_interfaces'))
 
 
 def violations(source: str, module: str, is_package: bool = False) -> list[str]:
-    """What a module imports against the rules."""
+    """Return the imports of a module that break the rules."""
     room = module.split('.')[1]
     found = []
     for imported in imported_modules(source, module, is_package):
@@ -97,13 +97,13 @@ def test_every_import_goes_downwards_and_ros_stays_in_its_room() -> None:
 
 
 def test_every_folder_is_a_package() -> None:
-    """What setuptools does not find is not installed; a checkout would hide it."""
+    """A folder that setuptools does not find is not installed, which a checkout would hide."""
     folders = {path.parent for path in (ROOT / PACKAGE).rglob('*.py')}
     assert [str(folder) for folder in sorted(folders) if not (folder / '__init__.py').is_file()] == []
 
 
 def test_the_tests_have_the_folders_of_the_package() -> None:
-    """Whoever changes a module would not find its tests."""
+    """The tests of a module are found in the folder of its name."""
     folders = {path.parent.relative_to(ROOT / 'test') for path in (ROOT / 'test').rglob('test_*.py')}
     mirrored = {folder for folder in folders if folder.parts[:1] not in ((), ('benchmarks',), ('packaging',))}
     assert [str(folder) for folder in sorted(mirrored) if not (ROOT / PACKAGE / folder).is_dir()] == []
@@ -128,14 +128,14 @@ episode_settings(WorldSpec(load_task('kitchen_table'), 0, 0).task)"""
 
 @pytest.mark.parametrize('program', [LEARNER_HELP, 'import al_questioner.ros.nodes.learner', LEARNER_SETTINGS])
 def test_the_learner_loads_no_simulated_kitchen(program: str) -> None:
-    """A robot would wait for the drawing of foods that it never sees."""
+    """Otherwise a robot would wait for the drawing of foods that it never sees."""
     loaded = modules_after(program)
     assert 'al_questioner.simulation.task' in loaded
     assert [name for name in loaded if 'kitchen' in name or 'rgbd_dataset' in name] == []
 
 
 def test_the_package_alone_loads_nothing() -> None:
-    """Whoever wants a single name, or only the version, would wait for numpy and scipy."""
+    """The import of a single name, or of the version, does not wait for numpy and scipy."""
     ours = {name for name in modules_after('import al_questioner') if name.startswith(PACKAGE)}
     assert ours == {PACKAGE, f'{PACKAGE}.support', f'{PACKAGE}.support.lazy_names'}
 

@@ -17,7 +17,7 @@ from typing import Any
 
 from al_questioner.cli import EXECUTABLES
 from al_questioner.domain import Setting
-from al_questioner.domain.setting_type import LARGEST_AMOUNT, LARGEST_INTEGER
+from al_questioner.domain.setting import LARGEST_AMOUNT, LARGEST_INTEGER
 from al_questioner.ros.settings import (
     LEARNER_SETTINGS,
     PERCEPTION_SETTINGS,
@@ -52,7 +52,7 @@ A task can have its own `strategy`, `budget`, `turns`, `change_interval`, costs 
 defaults here are those of a task that has none of its own.""",
     'record': 'The node is called `recorder`.',
 }
-"""What stands above a table."""
+"""Texts above the tables."""
 
 
 def parts_of(learner: Settings) -> Mapping[str, Settings]:
@@ -177,7 +177,7 @@ FILES: Mapping[str, Callable[[], str]] = {
     'docs/reference/parameters.md': parameters_page,
     'docs/reference/commands.md': commands_page,
 }
-"""What makes the content of each generated file."""
+"""Functions that make the content of each generated file."""
 
 
 if __name__ == '__main__':

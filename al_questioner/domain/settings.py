@@ -10,7 +10,7 @@ from typing import Final, Literal
 from al_questioner.domain.errors import SettingsError
 from al_questioner.domain.names import listed
 from al_questioner.domain.query import NO_SYMBOL, Outcome, QueryKind
-from al_questioner.domain.setting_type import Setting
+from al_questioner.domain.setting import Setting
 
 LARGEST_TURN = 10_000
 """Largest number of turns: each `learner_state` holds all queries so far, and must stay a message of a sane size."""

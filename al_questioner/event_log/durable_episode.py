@@ -26,13 +26,13 @@ from al_questioner.support.rate_limiter import RateLimiter
 NOT_SETTINGS = frozenset({'version'})
 """Members of an episode's first event that a learner that goes on with it need not share."""
 REJECTED_KEPT, REJECTED_PERIOD = 10, 60.0
-"""Texts that were no answers and are kept word for word within so many seconds; of a flood the rest is counted."""
+"""Number of texts that were no answers and are kept word for word in a period; of a flood the rest is counted."""
 
 
 class DurableEpisode:
-    """An Episode each event of which is on the disk before its effect is known to anybody.
+    """An Episode whose events are all on the disk before their effects are known to anybody.
 
-    Without a log it is the Episode alone. An empty `episode_id` stands for whichever episode the log has.
+    Without a log it is the Episode alone. An empty `episode_id` stands for the episode that the log has.
 
     Attributes:
         started: the episode, as the log has it if there is one already.
@@ -48,7 +48,7 @@ class DurableEpisode:
         self._events: list[EpisodeEvent] = []
         self._replay: Replay | None = None
         self._last_rejected: InputRejected | None = None
-        self._throttle = RateLimiter(REJECTED_KEPT, REJECTED_PERIOD)
+        self._limiter = RateLimiter(REJECTED_KEPT, REJECTED_PERIOD)
         self._only_counted = 0
         self.started = wanted
         if log is not None and log.events:
@@ -59,7 +59,7 @@ class DurableEpisode:
 
     @property
     def is_ready(self) -> bool:
-        """True once `start` has come to its end."""
+        """True once `start` has ended."""
         return self._replay is not None
 
     @property
@@ -78,7 +78,7 @@ class DurableEpisode:
         return self._running.decision
 
     def start(self) -> None:
-        """Begin, or come to where the log ends by playing all of it.
+        """Begin, or play all of the log to continue where it ends.
 
         Raises:
             ReplayError: the log does not lead to the decisions in it.
@@ -129,7 +129,7 @@ class DurableEpisode:
         if rejected == self._last_rejected:
             return
         self._last_rejected = rejected
-        if self._throttle.passes():
+        if self._limiter.passes():
             self._note_counted()
             self._write(rejected)
         else:
@@ -189,7 +189,7 @@ def _same_episode(log: SessionLog, first: EpisodeEvent, wanted: EpisodeStarted) 
         raise SessionLogError(f'{log.folder}: its first event is not the beginning of an episode')
     ignored = NOT_SETTINGS if wanted.episode_id else NOT_SETTINGS | {'episode_id'}
     if wanted.view_tolerance == AUTO:
-        # Logs of before have the number that was the default then; they go on with it.
+        # Older logs have the number that was the default then, and keep it.
         ignored |= {'view_tolerance'}
     differing = differences(first.members(), wanted.members(), ignored)
     if differing:

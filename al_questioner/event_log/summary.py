@@ -112,7 +112,7 @@ def summarise_session(folder: Path, contents: LogContents) -> SessionSummary:
             played += 1
     except ReplayError as error:
         fault = f'event {played + 1} does not follow from those before ({error})'
-        # Anew, as the event may have had a part of its effect.
+        # From the beginning, as the event may have had a part of its effect.
         replay = replay_of(started)
         for event in events[1:played]:
             replay.play(event)

@@ -131,9 +131,9 @@ def _world(members: Document, symbols: tuple[str, ...]) -> WorldSpec | UnknownWo
     name = members['task']
     try:
         dataset = Path(members['dataset']) if members['dataset'] else None
-        choice = WorldSpec(load_task(name), members['seed'], members['sample'], dataset)
+        world_spec = WorldSpec(load_task(name), members['seed'], members['sample'], dataset)
     except InputError as error:
         return UnknownWorld(name, str(error))
-    if choice.task.symbols != symbols:
+    if world_spec.task.symbols != symbols:
         return UnknownWorld(name, f'the task {name} that is known here has other symbols')
-    return choice
+    return world_spec

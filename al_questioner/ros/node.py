@@ -41,7 +41,7 @@ MAXIMAL_WAITING = 1000
 """Messages of a topic that is not latched."""
 
 NO_WARNINGS = PublisherEventCallbacks(use_default_callbacks=False)
-"""Whom a publisher does not suit is told once a second, with its name: see `unserved`."""
+"""A warning that names the subscribers that a publisher does not suit comes once a second: see `unserved`."""
 
 SECONDS_FOR_PUBLISHER = 10.0
 """Seconds without a publisher of what the node waits for, after which it warns."""
@@ -79,7 +79,7 @@ class QuestionerNode(Node, metaclass=_LeavesOnError):
 
     Args:
         name: of the node.
-        topics: whose quality of service parameters may override, be they this node's or those of its neighbours.
+        topics: whose quality of service parameters may override, of this node or of its neighbours.
         node_arguments: of rclpy's node.
 
     Raises:
@@ -103,7 +103,7 @@ class QuestionerNode(Node, metaclass=_LeavesOnError):
         self._began = time.monotonic()
         self._overdue = math.inf
         self._said_overdue = False
-        self._concerns: list[str] = []
+        self._last_warnings: list[str] = []
         self._diagnostics = self.advertise(DiagnosticArray, '/diagnostics', qos.DIAGNOSTICS)
         steady = Clock(clock_type=ClockType.STEADY_TIME)
         self.create_timer(DIAGNOSTICS_PERIOD, self._publish_diagnostics, clock=steady)
@@ -168,7 +168,7 @@ class QuestionerNode(Node, metaclass=_LeavesOnError):
         self.on_message(String, kind, lambda message: job(documents.read(kind, message.data)), profile)
 
     def after(self, seconds: float, job: Callable[[], None]) -> Cancel:
-        """Have the worker do a job once, so many seconds from now by the steady clock.
+        """Have the worker do a job once, after these seconds of the steady clock.
 
         Returns:
             A function that calls the job off.
@@ -229,7 +229,7 @@ class QuestionerNode(Node, metaclass=_LeavesOnError):
         return names
 
     def health_warning(self) -> str:
-        """Something around the node that somebody should see to, for /diagnostics, where it is a warning; else empty.
+        """Return a warning for /diagnostics about what surrounds the node and needs attention; empty if there is none.
 
         It is asked by the executor's thread once a second.
         """
@@ -288,13 +288,13 @@ class QuestionerNode(Node, metaclass=_LeavesOnError):
             if not self._said_overdue:
                 self._said_overdue = True
                 self.get_logger().warning(f'{message}: is everything running that should be?')
-        concerns = [*filter(None, [self.health_warning()]), *self._mismatches()]
-        if concerns:
-            level, message = DiagnosticStatus.WARN, '; '.join([self._activity, *concerns])
-            for health_warning in concerns:
-                if health_warning not in self._concerns:
-                    self.get_logger().warning(health_warning)
-        self._concerns = concerns
+        warnings = [*filter(None, [self.health_warning()]), *self._mismatches()]
+        if warnings:
+            level, message = DiagnosticStatus.WARN, '; '.join([self._activity, *warnings])
+            for warning in warnings:
+                if warning not in self._last_warnings:
+                    self.get_logger().warning(warning)
+        self._last_warnings = warnings
         if time.monotonic() - self._rejected_at < REJECTION_SHOWN:
             level, message = DiagnosticStatus.WARN, f'{self._activity}; refused {self._last_rejection}'
         if self._failure:

@@ -15,7 +15,7 @@ TurnWatcher = Callable[[int, QueryRecord | None, float], None]
 
 
 def run_episode(
-    choice: WorldSpec,
+    world_spec: WorldSpec,
     settings: EpisodeSettings,
     teacher: Teacher,
     watch: TurnWatcher | None = None,
@@ -25,22 +25,22 @@ def run_episode(
     """Play an episode in one process, as the three nodes do, without ROS.
 
     Args:
-        choice: the world; its seed is the learner's too.
+        world_spec: of the world; its seed is the learner's too.
         settings: settings of the episode.
         teacher: answers the queries.
         watch: called after each turn.
-        world: the world of the choice, if it is open already.
+        world: the world, if it is open already.
         strategy: decides instead of the strategy that the settings name.
     """
     strategy = make_strategy(settings.strategy, settings.weights) if strategy is None else strategy
-    evaluation = Evaluation(choice, settings, strategy.selector, world)
+    evaluation = Evaluation(world_spec, settings, strategy.selector, world)
     play(evaluation, strategy, teacher, watch)
     return evaluation.result()
 
 
 def play(evaluation: Evaluation, strategy: Strategy, teacher: Teacher, watch: TurnWatcher | None = None) -> None:
     """Play the episode that an evaluation is about to follow, see `run_episode`."""
-    episode = Episode(evaluation.settings, random_stream(evaluation.choice.seed, 'learner'), strategy=strategy)
+    episode = Episode(evaluation.settings, random_stream(evaluation.world_spec.seed, 'learner'), strategy=strategy)
     for decision, record in turns(episode, evaluation.world, teacher):
         accuracy_now = evaluation.next_turn(record, episode.concepts)
         if watch is not None:

@@ -49,7 +49,7 @@ def recorded(log: Path, tmp_path: Path) -> RecordedEpisode:
 
 
 def told(event: object) -> object:
-    """What a bag tells of an event of a log."""
+    """Return what a bag holds of an event of a log."""
     if isinstance(event, SceneObserved):
         return event.turn, event.stamp, event.frame_id, event.scene.features.tobytes()
     if isinstance(event, ActionChosen):
@@ -63,7 +63,7 @@ def told(event: object) -> object:
 
 
 def test_bag_and_log_tell_of_the_same_events(log: Path, recorded: RecordedEpisode) -> None:
-    """What is replayed would depend on where it was written down."""
+    """A replay does not depend on where the episode was written down."""
     started, *others = events(log)
     assert dataclasses.replace(recorded.started, version=started.version) == started
     expected = [dataclasses.replace(e, model_version=None) if isinstance(e, KernelTuned) else e for e in others]
@@ -74,7 +74,7 @@ def test_bag_and_log_tell_of_the_same_events(log: Path, recorded: RecordedEpisod
 
 
 def test_what_a_bag_does_not_tell_is_not_made_up(recorded: RecordedEpisode) -> None:
-    """Somebody would look for a teacher who does not exist, or take a guess for what was recorded."""
+    """Otherwise somebody would look for a teacher who does not exist, or take a guess for what was recorded."""
     answers = [event.answer for event in recorded.events if isinstance(event, AnswerAccepted)]
     assert {answer.teacher_id for answer in answers} == {NOT_RECORDED}
     assert [answer.answer_id for answer in answers if answer.query_id == 'q1'] == ['not recorded 1', 'not recorded 2']

@@ -32,11 +32,11 @@ from al_questioner.domain import Costs, EpisodeSettings, SettingsError
     ],
 )
 def test_settings_out_of_range_are_refused(changes: dict[str, object], reason: str) -> None:
-    """An episode would be played under limits that make no sense."""
+    """Otherwise an episode would be played under limits that make no sense."""
     with pytest.raises(SettingsError, match=reason):
         EpisodeSettings(**{'symbols': ('a', 'b'), 'budget': 1.0, 'turns': 1, 'strategy': 'random_fsq', **changes})
 
 
 def test_a_program_may_give_more_than_a_command_line() -> None:
-    """Programs, and logs, of before the limits would break."""
+    """Programs, and logs, from the time without these limits keep working."""
     EpisodeSettings(('a', 'b'), 1.0, turns=20_000, strategy='random_fsq', change_interval=20_000, tune_every=20_000)

@@ -53,7 +53,7 @@ def drive(*arguments: object) -> dict[str, object]:
 
 @pytest.mark.slow
 def test_killed_at_every_write_point(tmp_path: Path) -> None:
-    """An answer that was acknowledged would be lost, or counted twice, or what is asked next would be another thing."""
+    """An acknowledged answer is not lost or counted twice, and the next question stays the same."""
     result = drive('points', tmp_path)
     assert result['problems'] == []
     assert result['kills'] > 80
@@ -63,7 +63,7 @@ def test_killed_at_every_write_point(tmp_path: Path) -> None:
 
 @pytest.mark.slow
 def test_killed_at_random_moments(tmp_path: Path) -> None:
-    """What no list of write points foresees would lose an answer."""
+    """No answer is lost at a moment that no list of write points foresees."""
     result = drive('random', tmp_path, 200, 1)
     assert result['problems'] == []
     assert result['kills'] >= 200
@@ -72,7 +72,7 @@ def test_killed_at_random_moments(tmp_path: Path) -> None:
 def test_a_log_that_does_not_tell_what_was_known_is_gone_on_with(
     start: Start, tmp_path: Path, world: PerceivedWorld
 ) -> None:
-    """Sessions of earlier versions would be lost."""
+    """Otherwise sessions of earlier versions would be lost."""
     durable = start(settings=episode_settings(TASK, 'rarest_demo', 20.0, 8))
     play_turns(durable, world, 5)
     replay, asked = replay_of(durable.started), []
@@ -87,7 +87,7 @@ def test_a_log_that_does_not_tell_what_was_known_is_gone_on_with(
 
 
 def test_the_same_state_after_resuming(start: Start, world: PerceivedWorld) -> None:
-    """The robot would believe other things than before, and so ask others."""
+    """Otherwise the robot would believe other things than before, and so ask others."""
     durable = start()
     play_turns(durable, world, 3)
     ask(durable, world)
@@ -103,7 +103,7 @@ def test_the_same_state_after_resuming(start: Start, world: PerceivedWorld) -> N
 
 
 def test_an_answer_counts_once(start: Start, tmp_path: Path, world: PerceivedWorld) -> None:
-    """A resent answer would teach twice, or be refused so that the teacher despairs; before and after a crash."""
+    """A resent answer counts once and is acknowledged again, before and after a crash."""
     durable = start()
     (said, _, _) = play_turns(durable, world, 3)
     for _ in range(2):
@@ -116,7 +116,7 @@ def test_an_answer_counts_once(start: Start, tmp_path: Path, world: PerceivedWor
 
 
 def test_a_late_answer_is_kept_with_its_own_question(start: Start, tmp_path: Path, world: PerceivedWorld) -> None:
-    """What the second teacher said of one thing would be learnt of another, or be forgotten."""
+    """The answer is learnt of the thing that the second teacher was asked about."""
     durable = start()
     (first, *_) = play_turns(durable, world, 2)
     pending = ask(durable, world).query
@@ -133,7 +133,7 @@ def test_a_late_answer_is_kept_with_its_own_question(start: Start, tmp_path: Pat
 
 
 def test_a_correction_is_kept_beside_what_it_corrects(start: Start, tmp_path: Path, world: PerceivedWorld) -> None:
-    """Undo would rewrite the past, or not survive."""
+    """Otherwise undo would rewrite the past, or not survive."""
     durable = start()
     said = play_turns(durable, world, 3)
     label = next(a for a in said if isinstance(a.content, str))
@@ -150,7 +150,7 @@ def test_a_correction_is_kept_beside_what_it_corrects(start: Start, tmp_path: Pa
 
 
 def test_refused_texts_are_kept_once(start: Start, tmp_path: Path, world: PerceivedWorld) -> None:
-    """Nobody could tell why a person's answer had not been taken; or a stuck sender would fill the disk."""
+    """Otherwise nobody could tell why a person's answer had not been taken; or a stuck sender would fill the disk."""
     durable = start()
     for _ in range(3):
         durable.note_rejected('x' * 5000, 'nonsense')
@@ -162,7 +162,7 @@ def test_refused_texts_are_kept_once(start: Start, tmp_path: Path, world: Percei
 def test_a_flood_of_refused_texts_is_counted(
     start: Start, tmp_path: Path, world: PerceivedWorld, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    """Whoever sends garbage could fill the disk, and nothing would be left for the answers."""
+    """A sender of garbage cannot fill the disk, so that there is room for the answers."""
     now = 0.0
     monkeypatch.setattr('al_questioner.support.rate_limiter.time', SimpleNamespace(monotonic=lambda: now))
     durable = start()
@@ -189,7 +189,7 @@ def test_of_late_answers_to_one_query_so_many_are_kept(start: Start, tmp_path: P
 
 
 def test_tuning_is_on_the_disk(start: Start, tmp_path: Path, world: PerceivedWorld) -> None:
-    """A resumed learner would tune once more, or not at all."""
+    """Otherwise a resumed learner would tune once more, or not at all."""
     durable = start()
     play_turns(durable, world, 2)
     resumed = start()
@@ -210,7 +210,7 @@ def test_tuning_is_on_the_disk(start: Start, tmp_path: Path, world: PerceivedWor
     ],
 )
 def test_a_session_of_other_settings_is_refused(tmp_path: Path, changes: dict[str, object], difference: str) -> None:
-    """Two episodes would be mixed."""
+    """Otherwise two episodes would be mixed."""
     start_durable(tmp_path).close()
     with SessionLog(tmp_path) as log, pytest.raises(SessionLogError, match=difference):
         durable_of(episode_started(**changes), log)
@@ -220,7 +220,7 @@ def test_a_session_of_other_settings_is_refused(tmp_path: Path, changes: dict[st
 
 
 def test_a_log_with_a_fixed_view_tolerance_goes_on_with_it_where_none_is_asked_for(tmp_path: Path) -> None:
-    """Sessions that were begun before the tolerance was estimated could not be gone on with."""
+    """Otherwise sessions that were begun before the tolerance was estimated could not be continued."""
     start_durable(tmp_path, view_tolerance=0.25).close()
     resumed = start_durable(tmp_path, view_tolerance='auto')
     assert resumed.started.view_tolerance == 0.25
@@ -228,7 +228,7 @@ def test_a_log_with_a_fixed_view_tolerance_goes_on_with_it_where_none_is_asked_f
 
 
 def test_what_cannot_be_written_is_not_taken(start: Start, world: PerceivedWorld) -> None:
-    """An answer would be learnt, and acknowledged, that is gone after the next start."""
+    """Otherwise an answer would be learnt, and acknowledged, that is gone after the next start."""
     durable = start()
     play_turns(durable, world, 2)
     ask(durable, world)
@@ -243,7 +243,7 @@ def test_what_cannot_be_written_is_not_taken(start: Start, world: PerceivedWorld
 
 
 def test_without_a_log_answers_count_once_too(world: PerceivedWorld) -> None:
-    """A learner without a session would have other rules."""
+    """Otherwise a learner without a session would have other rules."""
     durable = start_durable(None)
     (said, *_) = play_turns(durable, world, 2)
     assert durable.take(said).receipt is Receipt.DUPLICATE
@@ -252,7 +252,7 @@ def test_without_a_log_answers_count_once_too(world: PerceivedWorld) -> None:
 
 
 def test_a_scene_without_its_decision_is_passed_over(start: Start, tmp_path: Path, world: PerceivedWorld) -> None:
-    """A log that was cut off within a turn could not be gone on with."""
+    """Otherwise a log that was cut off within a turn could not be continued."""
     durable = start()
     play_turns(durable, world, 1)
     durable.close()
@@ -266,7 +266,7 @@ def test_a_scene_without_its_decision_is_passed_over(start: Start, tmp_path: Pat
 
 
 def test_a_persons_choices_are_not_asked_for_again(start: Start, world: PerceivedWorld) -> None:
-    """Whoever shows how to ask would have to show it all again after a crash."""
+    """The demonstration of a person who shows how to ask survives a crash."""
     asked = []
 
     def person(context: TurnContext) -> int:

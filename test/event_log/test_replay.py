@@ -15,7 +15,7 @@ from shared.durable_sessions import Start, ask, episode_started, events, play_tu
 
 
 def test_a_log_that_leads_elsewhere_is_an_error(start: Start, tmp_path: Path, world: PerceivedWorld) -> None:
-    """A robot of another version would go on as if it had asked what it never asks."""
+    """Otherwise a robot of another version would go on as if it had asked what it never asks."""
     durable = start()
     play_turns(durable, world, 2)
     found = events(tmp_path)
@@ -42,14 +42,14 @@ def test_a_log_that_leads_elsewhere_is_an_error(start: Start, tmp_path: Path, wo
 
 
 def test_an_unknown_strategy_is_named(tmp_path: Path) -> None:
-    """A strategy that is not installed any more would end in a traceback."""
+    """Otherwise a strategy that is not installed any more would end in a traceback."""
     unknown = dataclasses.replace(episode_started().settings, strategy='clever')
     with pytest.raises(SettingsError, match='unknown strategy'):
         replay_of(episode_started(settings=unknown))
 
 
 def test_a_turn_that_passed_without_waiting_is_named(start: Start, world: PerceivedWorld) -> None:
-    """A log that was tampered with would be gone on with."""
+    """Otherwise a learner would continue a log that was tampered with."""
     durable = start()
     query = ask(durable, world).query
     replay = replay_of(durable.started)

@@ -1,4 +1,4 @@
-"""What a document says must arrive unchanged, and whatever is no document must be refused with its reason."""
+"""Documents arrive unchanged, and any other text is refused with its reason."""
 
 from __future__ import annotations
 
@@ -41,7 +41,7 @@ def answer_text(**changes: object) -> str:
 
 
 def sent(kind: str, members: dict[str, object]) -> Any:
-    """What arrives of a document."""
+    """Return a document as it arrives."""
     return documents.read(kind, documents.write(kind, 'e', members))
 
 
@@ -52,13 +52,13 @@ def test_the_schemas_are_the_agreed_ones() -> None:
 
 
 def test_query_survives() -> None:
-    """The teacher would be asked something else than the learner decided."""
+    """Otherwise the teacher would be asked something else than the learner decided."""
     assert documents.query_of(sent('query', documents.query_members(QUERY))) == QUERY
 
 
 @pytest.mark.parametrize('known', [(), (7, 3)])
 def test_what_is_known_survives(known: tuple[int, ...]) -> None:
-    """The teacher would show what the learner knows; earlier versions tell nothing of it."""
+    """Otherwise the teacher would show what the learner knows; earlier versions tell nothing of it."""
     query = dataclasses.replace(QUERY, action=Action(QueryKind.DEMONSTRATION, symbol='snack'), known=known)
     text = documents.write('query', 'e', documents.query_members(query))
     assert documents.query_of(documents.read('query', text)) == query
@@ -68,26 +68,26 @@ def test_what_is_known_survives(known: tuple[int, ...]) -> None:
 
 
 def test_query_begins_with_its_question() -> None:
-    """`ros2 topic echo`, which cuts a message after 128 characters, would show ids instead of what is asked."""
+    """`ros2 topic echo`, which cuts a message after 128 characters, shows what is asked and not ids."""
     text = documents.write('query', 'kitchen_table-0-0123abcd', documents.query_members(QUERY))
     assert text.startswith('{"text":"What is object 7?","schema":"al_questioner/query/1",')
 
 
 @pytest.mark.parametrize('answer', ANSWERS)
 def test_answer_survives(answer: Answer) -> None:
-    """The learner would be told something else than the teacher said."""
+    """Otherwise the learner would be told something else than the teacher said."""
     assert documents.answer_of(sent('answer', documents.answer_members(answer))) == answer
 
 
 def test_only_a_correction_names_what_it_replaces() -> None:
-    """A learner that knows no corrections would refuse every answer, or one that does could not find what to amend."""
+    """A learner that knows no corrections takes every other answer; one that does finds what to correct."""
     correction = Answer('q3', 'a2', 'anna', Outcome.ANSWERED, 'fruit', replaces='a1')
     assert sent('answer', documents.answer_members(correction))['replaces'] == 'a1'
     assert 'replaces' not in documents.answer_members(ANSWERS[0])
 
 
 def test_record_survives() -> None:
-    """The evaluation would replay another episode than was played."""
+    """Otherwise the evaluation would replay another episode than was played."""
     record = QueryRecord(3, QueryKind.FEATURE_SUBSET, None, None, 2.0, Outcome.ANSWERED, ('colour',))
     assert documents.record_of(json.loads(json.dumps(documents.record_members(record)))) == record
 
@@ -123,24 +123,24 @@ def test_what_is_no_answer_is_refused(text: str, reason: str) -> None:
 
 @given(st.text(max_size=300))
 def test_random_text_never_crashes(text: str) -> None:
-    """Garbage on a topic would raise something else than a refusal."""
+    """Otherwise garbage on a topic would raise something else than a refusal."""
     with pytest.raises(InputError):
         documents.read('turn', text)
 
 
 def test_nan_is_never_written() -> None:
-    """A document that no JSON reader takes would go out."""
+    """Otherwise a document that no JSON reader takes would go out."""
     with pytest.raises(ValueError, match='JSON compliant'):
         documents.write('turn', 'e', {'turn': float('nan')})
 
 
 def test_unknown_members_are_let_through() -> None:
-    """A later version could not add a member without breaking this one."""
+    """Otherwise a later version could not add a member without breaking this one."""
     assert documents.read('answer', answer_text(mood='good'))['mood'] == 'good'
 
 
 def test_documents_that_tell_no_amplitude_are_of_learners_that_had_four() -> None:
-    """A recording of before would be replayed with other models than it was made with."""
+    """Otherwise an older recording would be replayed with other models than it was made with."""
     settings = EpisodeSettings(('cup', 'plate'), 5.0, 10, 'random_fsq', amplitude=9.0, length_scale=2.0)
     told = documents.settings_members(settings)
     assert documents.settings_of(told) == settings

@@ -132,7 +132,7 @@ def test_single_object_scene(toy):
 @pytest.mark.parametrize('strategy', AUTOMATIC)
 @pytest.mark.parametrize('first', ['empty', 'full'])
 def test_a_scene_without_things_is_a_scene(toy, strategy, first):
-    """An empty table, at the start or later, would end the episode, or be asked about at a price."""
+    """Otherwise an empty table, at the start or later, would end the episode, or be asked about at a price."""
     nothing, full = toy.scene(np.empty((0, 5))), toy.world(0, change_interval=1)
     episode = Episode(toy.settings(strategy, budget=40.0), random_stream(0, 'strategy'))
     kinds = set()
@@ -168,7 +168,7 @@ def test_a_single_group_of_features_is_not_asked_about(toy, strategy):
 
 @pytest.mark.parametrize('action', [LABEL, DEMONSTRATION])
 def test_what_waits_is_withdrawn_when_nothing_is_in_view_any_more(scripted, toy, action):
-    """Nobody could answer a question about what has gone."""
+    """Otherwise nobody could answer a question about what has gone."""
     episode, _, ask = scripted
     query = ask(action)
     episode.time_out()
@@ -214,7 +214,7 @@ def test_demonstration_is_learnt(scripted, toy):
 
 
 def test_a_demonstration_query_tells_what_is_known(scripted, toy):
-    """As it looks now: a teacher would show again what was named, or never again what has changed."""
+    """It is known as it looks now: the teacher shows nothing that was named, but again what has changed."""
     episode, scene, ask = scripted
     episode.tell(toy.reply(ask(LABEL), NO_SYMBOL))
     assert ask(SUBSET).known is None
@@ -338,7 +338,7 @@ def test_asking_out_of_turn(scripted, toy):
 
 
 def test_tuning_is_done_once_at_the_end_of_a_turn_that_is_due(toy):
-    """It would be done while the teacher is waited for, at other turns, or twice."""
+    """Otherwise it would be done while the teacher is waited for, at other turns, or twice."""
     world = toy.world(2)
     episode = Episode(toy.settings('u_sampling', tune_every=3), random_stream(0, 'strategy'))
     assert not episode.tune(), 'before the first turn'

@@ -53,7 +53,7 @@ def said(query: Query) -> list[Answer]:
 
 
 def is_away(query: Query, turn: int) -> bool:
-    """Whether nobody answers a query in a turn: the third one waits for a turn."""
+    """Return whether nobody answers a query in a turn: the third one waits for a turn."""
     return query.query_id == 'q3' and turn == query.turn
 
 
@@ -108,7 +108,7 @@ def lines(folder: Path) -> list[tuple[str, bytes]]:
 
 
 def faults(folder: Path, whole: list[tuple[str, bytes]], finished: bool) -> list[str]:
-    """What is wrong with a log, against that of the undisturbed session."""
+    """Return the faults of a log, against that of the undisturbed session."""
     there = lines(folder)
     found = [] if there == (whole if finished else whole[: len(there)]) else [f'{folder.name}: other events']
     taken = [json.loads(content) for kind, content in there if kind in ('answer', 'correction')]

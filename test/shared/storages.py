@@ -40,7 +40,7 @@ class UnwaitedStorage(SqliteStorage):
 
 
 def killer(last: int) -> Callable[[str], None]:
-    """What ends this process, as a crash would, at the write point of this number; never at 0."""
+    """Return a function that ends this process, as a crash would, at the write point of this number; never at 0."""
     count = 0
 
     def reached(_: str) -> None:

@@ -121,7 +121,7 @@ def play(episode, world, watch=None):
 
 
 def learnt(settings, scenes, records):
-    """What a learner knows that had these records from the beginning."""
+    """Return the state of a learner that had these records from the beginning."""
     selector = make_strategy(settings.strategy, settings.weights).selector
     concepts, by_turn = new_concept_learner(settings, selector), {record.turn: record for record in records}
     for turn, scene in enumerate(scenes, start=1):

@@ -33,22 +33,22 @@ PATIENCE = 30.0
 
 def main(given: argparse.Namespace) -> int:
     """Run the demo."""
-    choice = WorldSpec(
+    world_spec = WorldSpec(
         load_task(given.task), given.seed, given.seed if given.sample is None else given.sample, given.dataset
     )
     settings = episode_settings(
-        choice.task,
+        world_spec.task,
         given.strategy,
         given.budget,
         given.turns,
         weights_file=given.weights_file,
         tune_every=given.tune_every,
     )
-    made_up = MadeUpWorld(choice.task, choice.seed, choice.sample) if given.dry_run else None
+    made_up = MadeUpWorld(world_spec.task, world_spec.seed, world_spec.sample) if given.dry_run else None
     views = 'images' if made_up is None else 'made-up views'
     teacher = ScriptedTeacher(
-        choice.task.symbols,
-        choice.task.relevant_groups if made_up is None else made_up.relevant_groups,
+        world_spec.task.symbols,
+        world_spec.task.relevant_groups if made_up is None else made_up.relevant_groups,
         given.seed,
         given.wrong_rate,
         given.unknown_rate,
@@ -56,7 +56,7 @@ def main(given: argparse.Namespace) -> int:
     )
     world = None if made_up is None else PerceivedWorld(made_up, made_up_scene)
     strategy = make_strategy(settings.strategy, settings.weights, make_picker())
-    evaluation = Evaluation(choice, settings, strategy.selector, world)
+    evaluation = Evaluation(world_spec, settings, strategy.selector, world)
     make_folder(given.out)
     if given.json is not None:
         check_writable(given.json)
@@ -66,7 +66,7 @@ def main(given: argparse.Namespace) -> int:
     _tell(console, evaluation.world.report())
     with console.status('preparing the models (compiling them, if need be, takes some ten seconds)'):
         compile_models()
-    with ProgressView(console, choice.task, settings) as progress:
+    with ProgressView(console, world_spec.task, settings) as progress:
         if given.offline:
             play(evaluation, strategy, teacher, progress.after_turn)
         else:
@@ -117,9 +117,9 @@ def _play_graph(given: argparse.Namespace, evaluation: Evaluation, watch: TurnWa
     from al_questioner.ros.episode_launcher import EpisodeLauncher
     from al_questioner.ros.worlds import new_episode_id
 
-    choice, settings = evaluation.choice, evaluation.settings
-    world = {'task': given.task, 'dataset': str(given.dataset or ''), 'seed': choice.seed, 'sample': choice.sample}
-    episode_id = new_episode_id(choice)
+    spec, settings = evaluation.world_spec, evaluation.settings
+    world = {'task': given.task, 'dataset': str(given.dataset or ''), 'seed': spec.seed, 'sample': spec.sample}
+    episode_id = new_episode_id(spec)
 
     def follow(turn: int, queries: tuple[QueryRecord, ...]) -> None:
         by_turn = {record.turn: record for record in queries}

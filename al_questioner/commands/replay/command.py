@@ -35,7 +35,7 @@ def main(given: argparse.Namespace) -> int:
     if given.check:
         return _check(given.bag, console)
     if given.as_perception:
-        return _stand_in(given.bag, ros, console)
+        return _serve_scenes(given.bag, ros, console)
     bag, missing = installed_part(read_bag(given.bag))
     messages = without_steps_back(bag.messages)
     playback = Playback(messages, given.rate, given.loop, given.start_paused)
@@ -62,7 +62,7 @@ def _warn(console: Console, text: str) -> None:
     console.print(f'WARNING: {text}', style='yellow', markup=False, highlight=False, soft_wrap=True)
 
 
-def _stand_in(path: Path, ros: Sequence[str], console: Console) -> int:
+def _serve_scenes(path: Path, ros: Sequence[str], console: Console) -> int:
     scenes = scenes_of(read_bag(path))
     last = max(scenes.clouds)
     console.print(f'{path}: scenes of {len(scenes.clouds)} turns, the last is turn {last}', highlight=False)

@@ -64,8 +64,8 @@ def measured_accuracy(summary: SessionSummary) -> tuple[list[float], str | None]
         return [], 'the world was not simulated'
     try:
         dataset = None if world['dataset'] is None else Path(world['dataset'])
-        choice = WorldSpec(load_task(world['task']), world['seed'], world['sample'], dataset)
-        evaluation = Evaluation(choice, summary.started.settings, summary.episode.strategy.selector)
+        world_spec = WorldSpec(load_task(world['task']), world['seed'], world['sample'], dataset)
+        evaluation = Evaluation(world_spec, summary.started.settings, summary.episode.strategy.selector)
         by_turn = {record.turn: record for record in summary.episode.records}
         for observed in summary.observed[: summary.turns_over]:
             if not evaluation.world.scene(observed.turn).equals(observed.scene):

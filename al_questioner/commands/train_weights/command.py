@@ -94,7 +94,7 @@ def main(given: argparse.Namespace) -> int:
 
 
 def _check_replaceable(out: Path) -> None:
-    """See that nothing but weights of before would be lost.
+    """Check that nothing but earlier weights would be lost.
 
     Raises:
         InputError: there is another file; a bag's metadata, for example, are YAML as well.

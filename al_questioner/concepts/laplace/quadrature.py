@@ -15,7 +15,7 @@ from al_questioner.concepts.laplace.compiled import compiled
 from al_questioner.support.arrays import Array, Single
 
 MOST_STEPS = 6
-"""Largest number of steps; single precision keeps Lanczos' vectors orthogonal for about so many."""
+"""Largest number of steps; single precision keeps Lanczos' vectors orthogonal for about this number."""
 
 ROUNDING = 1e-6
 """Relative error of a form in single precision, for vectors of a few hundred numbers."""

@@ -34,12 +34,12 @@ class PerceptionNode(QuestionerNode):
 
     def __init__(self, **node_arguments: Any) -> None:
         super().__init__('perception', **node_arguments)
-        self._choice = declare_world(self)
+        self._world_spec = declare_world(self)
         self._given = declare(self, PERCEPTION_SETTINGS)
         reject_unknown(self, ALL_NAMES)
         if not str(self._given['frame_id']).strip():
             raise InputError('parameter frame_id must not be empty: nothing could say where the objects are')
-        self._world = PerceivedWorld(self._choice.open())
+        self._world = PerceivedWorld(self._world_spec.open())
         self._pictured: Scene | None = None
         self._painter = Worker('painter', self._failed)
         self._objects = self.advertise(PointCloud2, 'objects', qos.LATCHED)
@@ -52,7 +52,7 @@ class PerceptionNode(QuestionerNode):
         self.set_status('waiting for a turn', awaited='turn')
 
     def _look(self, document: Document) -> None:
-        check_world(document, self._choice)
+        check_world(document, self._world_spec)
         turn = document['turn']
         scene = self._world.scene(turn)
         stamp = header(stamp_of(document['stamp']), str(self._given['frame_id']))

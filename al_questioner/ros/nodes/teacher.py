@@ -33,7 +33,7 @@ class TeacherNode(QuestionerNode):
 
     def __init__(self, run_terminal: RunTerminal = run_terminal, **node_arguments: Any) -> None:
         super().__init__('teacher', **node_arguments)
-        choice = declare_world(self)
+        world_spec = declare_world(self)
         given = declare(self, TEACHER_SETTINGS)
         reject_unknown(self, ALL_NAMES)
         mode, teacher_id = str(given['mode']), str(given['teacher_id'])
@@ -45,7 +45,7 @@ class TeacherNode(QuestionerNode):
         if mode == 'terminal':
             self._teacher = TerminalTeacher(self, teacher_id or login_name(), run_terminal)
         else:
-            self._teacher = _Script(self, choice, given)
+            self._teacher = _Script(self, world_spec, given)
 
     @property
     def unacknowledged(self) -> Answer | None:
@@ -68,14 +68,14 @@ class _Script:
 
     failure = None
 
-    def __init__(self, node: QuestionerNode, choice: WorldSpec, given: Mapping[str, Value]) -> None:
+    def __init__(self, node: QuestionerNode, world_spec: WorldSpec, given: Mapping[str, Value]) -> None:
         self._node = node
-        self._choice = choice
-        self._world = choice.open()
+        self._world_spec = world_spec
+        self._world = world_spec.open()
         self._teacher = ScriptedTeacher(
-            choice.task.symbols,
-            choice.task.relevant_groups,
-            choice.seed,
+            world_spec.task.symbols,
+            world_spec.task.relevant_groups,
+            world_spec.seed,
             float(given['wrong_rate']),
             float(given['unknown_rate']),
             str(given['teacher_id']) or 'scripted',
@@ -90,7 +90,7 @@ class _Script:
         """Nothing is held."""
 
     def _consider(self, document: Document) -> None:
-        check_world(document, self._choice)
+        check_world(document, self._world_spec)
         query = documents.query_of(document)
         if document['episode_id'] != self._node.episode_id:
             self._node.episode_id = document['episode_id']

@@ -68,7 +68,7 @@ def write_session(
 def test_a_teacher_who_was_away_leaves_a_session_like_any_other(
     tmp_path: Path, world: PerceivedWorld, away: set[int], comes_back: bool, capsys: pytest.CaptureFixture[str]
 ) -> None:
-    """A session with turns that passed unanswered could not be gone on with, exported, checked or trained from."""
+    """A session with turns that passed unanswered can be continued, exported, checked and trained from."""
     log, durable = tmp_path / 'log', None
     while durable is None or not durable.episode.done:
         # Another process in every turn.
@@ -99,7 +99,7 @@ def test_a_teacher_who_was_away_leaves_a_session_like_any_other(
 
 
 def test_the_json_of_a_session_is_that_of_the_demo(tmp_path: Path, world: PerceivedWorld) -> None:
-    """What was learnt with people could not be compared with what was played."""
+    """Sessions with people can be compared with episodes that were played."""
     write_session(tmp_path / 'log', world)
     played = tmp_path / 'demo.json'
     arguments = [*EPISODE, '--tune-every', '3', '--offline', '--out', str(tmp_path), '--json', str(played)]
@@ -115,7 +115,7 @@ def test_the_json_of_a_session_is_that_of_the_demo(tmp_path: Path, world: Percei
 def test_all_that_was_said_is_shown_and_exported(
     tmp_path: Path, world: PerceivedWorld, capsys: pytest.CaptureFixture[str]
 ) -> None:
-    """What a person said would be kept and yet not be found."""
+    """All that a person said can be found again."""
     write_session(tmp_path / 'log', world, corrected=True)
     assert main(['session', str(tmp_path / 'log'), '--csv', str(tmp_path / 'csv')]) == 0
     shown = capsys.readouterr().out
@@ -134,7 +134,7 @@ def test_all_that_was_said_is_shown_and_exported(
 
 
 def test_a_session_as_a_bag_leads_to_the_same_decisions(tmp_path: Path, world: PerceivedWorld) -> None:
-    """What people said could not be replayed, looked at in Foxglove, or learnt weights from."""
+    """Sessions with people can be replayed, shown in Foxglove and learnt from."""
     write_session(tmp_path / 'log', world)
     assert main(['session', str(tmp_path / 'log'), '--bag', str(tmp_path / 'bag')]) == 0
     (episode,) = read_episodes(tmp_path / 'bag')
@@ -148,7 +148,7 @@ def test_a_session_as_a_bag_leads_to_the_same_decisions(tmp_path: Path, world: P
 def test_nothing_is_left_of_a_bag_that_does_not_fit_on_the_disk(
     tmp_path: Path, world: PerceivedWorld, refusal: Callable[..., str]
 ) -> None:
-    """Half a bag would be taken for the session, and be in the way of the next try."""
+    """Otherwise half a bag would be taken for the session, and be in the way of the next try."""
     write_session(tmp_path / 'log', world)
     with little_room(40_000):
         error = refusal('session', tmp_path / 'log', '--bag', tmp_path / 'bag')
@@ -160,7 +160,7 @@ def test_nothing_is_left_of_a_bag_that_does_not_fit_on_the_disk(
 def test_nothing_is_left_of_a_bag_whose_writing_ends_in_between(
     tmp_path: Path, world: PerceivedWorld, monkeypatch: pytest.MonkeyPatch, fault: BaseException
 ) -> None:
-    """The part that was written is finished like a whole bag, and nobody could tell that it is none."""
+    """Otherwise the part that was written is finished like a whole bag, and nobody could tell that it is none."""
     write_session(tmp_path / 'log', world)
     left = iter(range(5))
     whole = from_session.state_members
@@ -178,7 +178,7 @@ def test_nothing_is_left_of_a_bag_whose_writing_ends_in_between(
 def test_names_that_tasks_may_not_have_any_more_stay_readable(
     tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
-    """What was taught before such a name was refused would be lost."""
+    """Answers that were given before such a name was refused are not lost."""
     symbols = ('Cup', 'cup', '7', 'skip', 'None', ' a,b ', 'Fru\u0308chte')
     settings = EpisodeSettings(symbols, 20.0, 9, 'random_fsq')
     started = EpisodeStarted('e1', settings, 1, 1e-3, None, '1')
@@ -210,7 +210,7 @@ def test_names_that_tasks_may_not_have_any_more_stay_readable(
 def test_a_clock_that_was_put_back_hides_nothing_of_a_session(
     tmp_path: Path, world: PerceivedWorld, monkeypatch: pytest.MonkeyPatch, corrected: bool
 ) -> None:
-    """Of the bag, which has the times of the log, a part would be checked and learnt from."""
+    """Otherwise only a part of the bag, which has the times of the log, would be checked and learnt from."""
     ticks = itertools.count()
 
     def put_back() -> int:
@@ -230,7 +230,7 @@ def test_a_clock_that_was_put_back_hides_nothing_of_a_session(
 def test_what_was_corrected_later_is_replayed_as_it_was_known(
     tmp_path: Path, world: PerceivedWorld, name: str, capsys: pytest.CaptureFixture[str]
 ) -> None:
-    """Weights would be learnt from choices beside features of what nobody knew when they were made."""
+    """Otherwise weights would be learnt from choices beside features of what nobody knew when they were made."""
     seen_live: list[np.ndarray] = []
 
     class Watched(FeatureRecorder):
@@ -273,9 +273,9 @@ def test_what_was_corrected_later_is_replayed_as_it_was_known(
     assert '7 decisions, all as recorded' in capsys.readouterr().out
     (recorded,) = read_episodes(tmp_path / 'bag')
     assert recorded.records == live.records
-    anew = [decision.features for decision in decisions_anew(recorded, feature_set)]
-    assert len(anew) == len(seen_live)
-    for ours, theirs in zip(anew, seen_live, strict=True):
+    replayed = [decision.features for decision in decisions_anew(recorded, feature_set)]
+    assert len(replayed) == len(seen_live)
+    for ours, theirs in zip(replayed, seen_live, strict=True):
         np.testing.assert_array_equal(ours, theirs)
 
 
@@ -288,7 +288,7 @@ def damage(folder: Path, number: int) -> None:
 def test_a_damaged_session_is_named_repaired_and_gone_on_with(
     tmp_path: Path, world: PerceivedWorld, capsys: pytest.CaptureFixture[str]
 ) -> None:
-    """Damage would go unseen, or cost what is before it."""
+    """Otherwise damage would go unseen, or cost what is before it."""
     folder = tmp_path / 'log'
     write_session(folder, world)
     damage(folder, 9)
@@ -311,7 +311,7 @@ def test_a_damaged_session_is_named_repaired_and_gone_on_with(
 def test_a_session_that_leads_elsewhere_is_named(
     tmp_path: Path, world: PerceivedWorld, capsys: pytest.CaptureFixture[str]
 ) -> None:
-    """A log that this version does not reproduce would be shown as if it did."""
+    """Otherwise a log that this version does not reproduce would be shown as if it did."""
     write_session(tmp_path / 'log', world)
     found, _ = decoded(read_log(tmp_path / 'log'))
     others = dataclasses.replace(BEGUN.settings, strategy='rarest_demo', weights={})
@@ -325,7 +325,7 @@ def test_a_session_that_leads_elsewhere_is_named(
 
 
 def test_accuracy_is_not_made_up(tmp_path: Path, world: PerceivedWorld) -> None:
-    """A robot with perception of its own would be judged by a world that it never saw."""
+    """Otherwise a robot with perception of its own would be judged by a world that it never saw."""
     for name, given, reason in (
         ('none', None, 'the world was not simulated'),
         ('other', {**WORLD, 'seed': 5}, 'the scene of turn 1 is not that of the simulated world'),
@@ -342,7 +342,7 @@ def test_accuracy_is_not_made_up(tmp_path: Path, world: PerceivedWorld) -> None:
 def test_nothing_usable_ends_with_status_2_and_one_line(
     tmp_path: Path, options: list[str], refusal: Callable[..., str]
 ) -> None:
-    """A mistyped folder, or a log of which nothing is left, would end in a traceback."""
+    """Otherwise a mistyped folder, or a log of which nothing is left, would end in a traceback."""
     (tmp_path / 'damaged').mkdir()
     (tmp_path / 'damaged' / DATABASE).write_bytes(b'nonsense' * 1000)
     SessionLog(tmp_path / 'empty').close()
@@ -357,7 +357,7 @@ def test_nothing_usable_ends_with_status_2_and_one_line(
 def test_an_episode_in_which_nothing_could_be_chosen_is_no_demonstration(
     tmp_path: Path, world: PerceivedWorld, capsys: pytest.CaptureFixture[str]
 ) -> None:
-    """Training would end with a traceback where nobody ever answered, or there was no budget."""
+    """Otherwise training would end with a traceback where nobody ever answered, or there was no budget."""
     started = dataclasses.replace(
         BEGUN, settings=dataclasses.replace(BEGUN.settings, strategy='farthest_fsq', weights={}, budget=0.0)
     )

@@ -54,7 +54,7 @@ def exact_and_bounds(root, change, points):
 @example(seed=129940, n=1, least=-0.95, most=50.0, slack=1.0)
 @settings(deadline=None, max_examples=150)
 def test_value_lies_within_its_bound(seed, n, least, most, slack):
-    """An error bound that does not hold would let a wrong probability pass for an exact one.
+    """Otherwise a bound that does not hold would let a wrong probability pass for an exact one.
 
     With bounds of the spectrum that are tight, and with some that are as loose as -1 < lower <= 0 <= upper permits.
     """
@@ -70,7 +70,7 @@ def test_value_lies_within_its_bound(seed, n, least, most, slack):
 
 @pytest.mark.parametrize('seed', range(5))
 def test_few_steps_suffice_for_small_changes(seed):
-    """Bounds that hold but never become narrow would make everything be refitted."""
+    """Otherwise bounds that hold but never become narrow would make everything be refitted."""
     matrix, root, change, points = case(seed, 30, 8, -0.05, 0.05)
     exact, lower, upper, lengths = exact_and_bounds(root, change, points)
     value, error = resolvent_forms(matrix, change, points, lower, upper, 0.0)
@@ -107,7 +107,7 @@ def test_each_form_is_what_it_is_alone():
 
 
 def test_overflow_of_single_precision_is_no_small_error():
-    """Where numbers leave single precision, the bound must say so and not be a number that happens to be small."""
+    """The bound says that numbers leave single precision, and is not a number that happens to be small."""
     matrix, _, change, points = case(4, 12, 3, -0.9, 1e30)
     upper = np.maximum(change.max(axis=1), 0).astype(np.float64)
     with np.errstate(all='ignore'):

@@ -26,7 +26,7 @@ def exact_covariance(case, curvature, y, relative):
 
 @pytest.mark.parametrize(('least', 'most'), [(-0.9, 0.0), (0.0, 3.0), (-0.5, 0.5), (-0.99, 40.0), (0.0, 0.0)])
 def test_spectrum_lies_within_its_bounds(problem, least, most):
-    """Bounds that do not hold would make the bounds of the variances wrong, too."""
+    """Otherwise the bounds of the variances would be wrong, too."""
     for n in (1, 5, 30):
         case = problem(n, n, 25.0)
         relative = changes(case, 6, least, most)
