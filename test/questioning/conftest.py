@@ -1,3 +1,3 @@
-"""What the tests of this folder share."""
+"""Fixtures of the tests of this folder."""
 
 from shared.toys import toy as toy
