@@ -1,4 +1,4 @@
-"""How hard each simulated world is: what labels and features are worth in it.
+"""Difficulty of each simulated world: the worth of labels and features in it.
 
     python benchmarks/calibration.py [--task TASK ...] [--samples N]
 

@@ -33,21 +33,21 @@ def main() -> None:
     task = load_task(given.task)
     kinds = [k for k in CATALOGUES[task.appearance.catalogue or 'pack_lunchbox'] if given.only in (None, k.symbol)]
     rng = random_stream(1, 'catalogue_sheet')
-    sights = []
+    view_specs = []
     for kind in kinds:
         thing = ObjectInstance(kind, Look(size=1.0, hue_deg=0.0, tone=1.0, variant=float(rng.random())), 1.0, 0, (0,))
-        sights += [ViewSpec(f'{kind.name}/{state}', thing, state, 0) for state in range(len(kind.states))]
+        view_specs += [ViewSpec(f'{kind.name}/{state}', thing, state, 0) for state in range(len(kind.states))]
     mpl.use('Agg')
-    rows = -(-len(sights) // COLUMNS)
+    rows = -(-len(view_specs) // COLUMNS)
     figure, grid = plt.subplots(rows, COLUMNS, figsize=(1.5 * COLUMNS, 1.3 * rows), layout='constrained', squeeze=False)
     for axes in grid.flat:
         axes.set_axis_off()
-    for axes, sight in zip(grid.flat, sights, strict=False):
-        view = observe(sight, task, 1, 1).view
+    for axes, view_spec in zip(grid.flat, view_specs, strict=False):
+        view = observe(view_spec, task, 1, 1).view
         depth = np.clip((1300 - view.depth.astype(float)) / 500, 0, 1) * (view.depth > 0)
         grey = (255 * np.repeat(depth[..., None], 3, axis=2)).astype(np.uint8)
         axes.imshow(np.hstack([cv2.cvtColor(view.color, cv2.COLOR_BGR2RGB), grey]))
-        axes.set_title(describe(sight), fontsize=8)
+        axes.set_title(describe(view_spec), fontsize=8)
     given.out.parent.mkdir(parents=True, exist_ok=True)
     figure.savefig(given.out, dpi=110)
 

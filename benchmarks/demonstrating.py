@@ -9,7 +9,7 @@ from al_questioner.simulation import PerceivedWorld, ScriptedTeacher, WorldSpec,
 
 
 def demonstrate(
-    choice: WorldSpec,
+    world_spec: WorldSpec,
     settings: EpisodeSettings,
     teacher: ScriptedTeacher,
     world: PerceivedWorld | None = None,
@@ -20,14 +20,14 @@ def demonstrate(
     Raises:
         SettingsError: an unknown strategy, or weights that do not fit it.
     """
-    seen = PerceivedWorld(choice.open()) if world is None else world
+    seen = PerceivedWorld(world_spec.open()) if world is None else world
     expert = FeatureRecorder(make_strategy(settings.strategy, settings.weights), feature_set)
-    episode = Episode(settings, random_stream(choice.seed, 'learner'), strategy=expert)
+    episode = Episode(settings, random_stream(world_spec.seed, 'learner'), strategy=expert)
     steps = steps_of(decision for decision, _ in turns(episode, seen, teacher))
     return Demonstration(
-        name=f'{settings.strategy} {choice.task.name} {choice.seed}',
+        name=f'{settings.strategy} {world_spec.task.name} {world_spec.seed}',
         settings=settings,
-        world=choice,
+        world=world_spec,
         turns=settings.turns,
         steps=steps,
         feature_names=seen.scene(1).feature_names,

@@ -1,4 +1,4 @@
-"""What re-optimising the kernel's amplitude and length scale is worth: paired episodes with and without it.
+"""Worth of re-optimising the kernel's amplitude and length scale: paired episodes with and without it.
 
     python benchmarks/hyperparameters.py [--task TASK ...] [--strategy STRATEGY ...] [--tune-every K ...]
                                          [--amplitude A] [--budget B] [--turns T] [--first SEED] [--samples N]
@@ -27,7 +27,8 @@ from measuring import median_and_spread, print_table
 from scipy.stats import wilcoxon
 
 from al_questioner.concepts.laplace import hyperparameters
-from al_questioner.questioning import known_strategies
+from al_questioner.questioning import STRATEGIES
+from al_questioner.questioning.strategies.names import contributions
 from al_questioner.simulation import (
     PerceivedWorld,
     ScriptedTeacher,
@@ -62,7 +63,7 @@ GRID = (
     Prior(4, 2, 1.0, 0.25),
     Prior(25, 10, np.inf, np.inf),
 )
-"""What --grid tries; an infinite deviation is no prior."""
+"""Priors that --grid tries; an infinite deviation is no prior."""
 
 
 class Case(NamedTuple):
@@ -79,7 +80,7 @@ class Case(NamedTuple):
 
 
 class Outcome(NamedTuple):
-    """What came of it."""
+    """Accuracy and kernel of an episode."""
 
     final: float
     mean: float
@@ -103,8 +104,8 @@ def play(case: Case) -> Outcome:
     settings = episode_settings(
         task, case.strategy, case.budget, case.turns, amplitude=case.amplitude, tune_every=case.tune_every
     )
-    choice = WorldSpec(task, case.sample, case.sample)
-    result = run_episode(choice, settings, teacher, world=opened(case.task, case.sample))
+    world_spec = WorldSpec(task, case.sample, case.sample)
+    result = run_episode(world_spec, settings, teacher, world=opened(case.task, case.sample))
     return Outcome(
         result.final_accuracy, statistics.mean(result.accuracy), result.kernel.amplitude, result.kernel.length_scale
     )
@@ -136,7 +137,7 @@ def main() -> None:
     """Print a table."""
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     parser.add_argument('--task', nargs='+', default=TASKS)
-    parser.add_argument('--strategy', nargs='+', default=FAST_STRATEGIES, choices=known_strategies())
+    parser.add_argument('--strategy', nargs='+', default=FAST_STRATEGIES, choices=(*STRATEGIES, *contributions()))
     parser.add_argument('--tune-every', nargs='+', type=int, default=[5, 10])
     parser.add_argument('--amplitude', type=float, default=4.0, help='configured where K applies (%(default)s)')
     parser.add_argument('--budget', type=float, default=25)

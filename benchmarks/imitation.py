@@ -1,4 +1,4 @@
-"""How well learnt weights imitate an expert they were not trained on, and what they do where budget and time differ.
+"""Imitation of experts that weights were not trained on, and behaviour of these weights with other budgets and times.
 
     python benchmarks/imitation.py [BAG ...] [--demonstrations N] [--samples N] [--jobs N] [--seed SEED]
 
@@ -62,10 +62,10 @@ def held_out(like: EpisodeSettings, task_name: str, count: int) -> list[tuple[De
     task = load_task(task_name)
     found = []
     for seed in range(FIRST_HELD_OUT, FIRST_HELD_OUT + count):
-        choice = WorldSpec(task, seed, seed)
-        world = PerceivedWorld(choice.open())
+        world_spec = WorldSpec(task, seed, seed)
+        world = PerceivedWorld(world_spec.open())
         teacher = ScriptedTeacher(task.symbols, task.relevant_groups, seed, repeat_shown=True)
-        found.append((demonstrate(choice, like, teacher, world), world))
+        found.append((demonstrate(world_spec, like, teacher, world), world))
     return found
 
 

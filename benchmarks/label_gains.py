@@ -1,4 +1,4 @@
-"""What one more label is worth, and who can tell a thing of a symbol from clutter: measured, not estimated.
+"""Worth of one more label, and the detection of things of a symbol among clutter: measured, not estimated.
 
     python benchmarks/label_gains.py [--task TASK ...] [--strategy STRATEGY ...] [--budget B] [--turns T]
                                      [--first SEED] [--samples N] [--every K] [--jobs N]
@@ -27,8 +27,9 @@ from scipy.stats import mannwhitneyu
 
 from al_questioner.concepts import Selector
 from al_questioner.domain import NO_SYMBOL, InputError, random_stream
-from al_questioner.questioning import Choice, Episode, Strategy, TurnContext, known_strategies, make_strategy
+from al_questioner.questioning import STRATEGIES, Choice, Episode, Strategy, TurnContext, make_strategy
 from al_questioner.questioning.beliefs import class_beliefs
+from al_questioner.questioning.strategies.names import contributions
 from al_questioner.questioning.strategies.value_per_cost import DEFAULTS, called_shares
 from al_questioner.simulation import (
     PerceivedWorld,
@@ -57,7 +58,7 @@ class Case(NamedTuple):
 
 
 class Label(NamedTuple):
-    """What a label of a view would have changed.
+    """A label of a view, with what it would have changed.
 
     Attributes:
         symbol: what it is, or none.
@@ -85,7 +86,7 @@ class Measuring:
 
     @property
     def selector(self) -> Selector | None:
-        """That of the strategy."""
+        """Selector of the strategy."""
         return self._strategy.selector
 
     def choose(self, context: TurnContext, rng: np.random.Generator) -> Choice:
@@ -121,11 +122,11 @@ def measured(
 
 def play(case: Case) -> list[Label]:
     """The labels that an episode measured."""
-    choice = WorldSpec(load_task(case.task), case.sample, case.sample)
-    settings = episode_settings(choice.task, case.strategy, case.budget, case.turns)
-    world = PerceivedWorld(choice.open())
+    world_spec = WorldSpec(load_task(case.task), case.sample, case.sample)
+    settings = episode_settings(world_spec.task, case.strategy, case.budget, case.turns)
+    world = PerceivedWorld(world_spec.open())
     strategy = Measuring(make_strategy(settings.strategy, settings.weights), world, case.every)
-    teacher = ScriptedTeacher(choice.task.symbols, choice.task.relevant_groups, case.sample, repeat_shown=True)
+    teacher = ScriptedTeacher(world_spec.task.symbols, world_spec.task.relevant_groups, case.sample, repeat_shown=True)
     for _ in turns(Episode(settings, random_stream(case.sample, 'learner'), strategy=strategy), world, teacher):
         pass
     return strategy.found
@@ -172,7 +173,7 @@ def main() -> None:
     """Print both tables."""
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument('--task', nargs='+', default=['prepare_lunch', 'pack_lunchbox', 'kitchen_table'])
-    strategies = [name for name in known_strategies() if name != 'human']
+    strategies = [name for name in (*STRATEGIES, *contributions()) if name != 'human']
     parser.add_argument('--strategy', nargs='+', default=['random_fsq', 'value_per_cost'], choices=strategies)
     parser.add_argument('--budget', type=NumberWithin(float, 0, 1e6), default=25.0)
     parser.add_argument('--turns', type=NumberWithin(int, 1, 10_000), default=40)

@@ -24,7 +24,7 @@ SIZES, QUICK_SIZES = (20, 50, 150), (20,)
 QUICK_STATES = 30
 STATES = 1000
 APPROXIMATED = 5
-"""One state for so many of the others tells the error of the approximate mode."""
+"""Number of other states for each one that tells the error of the approximate mode."""
 
 GROWTH = (0, 20, 50, 150, 300, 1000), (12, 40, 200), (4, 20)
 QUICK_GROWTH = (0, 50), (12, 40), (4,)

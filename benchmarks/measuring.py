@@ -1,4 +1,4 @@
-"""What the benchmarks share: summing times up, and printing tables."""
+"""Tools that the benchmarks share: summing times up, and printing tables."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What a questioner is worth beside the others: tables, tests and the figure of accuracy against cost.
+"""Worth of a questioner beside the others: tables, tests and the figure of accuracy against cost.
 
     python benchmarks/questioners.py FOLDER [FOLDER ...] [--strategy NAME] [--figures DIR]
 
@@ -29,7 +29,7 @@ from al_questioner.support.arrays import Array
 
 
 class Cell(NamedTuple):
-    """Where strategies are compared over the samples."""
+    """A task in a condition, in which strategies are compared over the samples."""
 
     task: str
     condition: Condition

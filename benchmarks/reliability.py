@@ -1,4 +1,4 @@
-"""How well the learner tells a careless teacher from a careful one.
+"""Detection of a careless teacher among careful ones by the learner.
 
     python benchmarks/reliability.py [--task TASK] [--strategy NAME] [--samples N] [--budget B] [--turns T]
 
@@ -39,7 +39,7 @@ def play(given: argparse.Namespace, sample: int, wrong_rate: float, colleague: b
         record = episode.tell(teacher.answer(query, truth))
         if colleague and query.action.kind is QueryKind.LABEL:
             late = careful.answer(query, truth)
-            episode.answers.keep_late(dataclasses.replace(late, answer_id=f'{late.answer_id}/late'))
+            episode.keep_late(dataclasses.replace(late, answer_id=f'{late.answer_id}/late'))
         if record.outcome is Outcome.ANSWERED and record.object_id is not None and record.symbol is not None:
             right.append(truth[record.object_id] == record.symbol)
     return episode.teachers['tested'].reliability, float(np.mean(right))

@@ -1,6 +1,6 @@
-"""What a user gets, written down, to see that a change of the code changes none of it.
+"""The results that a user gets, written down to check that a change of the code changes none of them.
 
-    python benchmarks/same_results.py write FOLDER      with the code of before, and with the code of after
+    python benchmarks/same_results.py write FOLDER      with the old code, and with the new code
     python benchmarks/same_results.py compare BEFORE AFTER
 
 It writes, all offline: ten episodes of each strategy on the three simulated tables (JSON), weights learnt from the
@@ -27,7 +27,7 @@ from al_questioner.domain import Answer, Outcome
 from al_questioner.event_log.durable_episode import DurableEpisode
 from al_questioner.event_log.events import EpisodeStarted, SceneObserved
 from al_questioner.event_log.log import SessionLog
-from al_questioner.questioning import STRATEGIES
+from al_questioner.questioning import STRATEGIES, make_strategy
 from al_questioner.simulation import PerceivedWorld, ScriptedTeacher, WorldSpec, episode_settings, load_task
 from al_questioner.support.configuration import named_bag
 
@@ -71,21 +71,23 @@ def write_session(folder: Path) -> None:
     settings = episode_settings(task, 'dt_task_env', 12.0, 16, tune_every=3)
     moments = itertools.count(FIRST_MOMENT_NS, 10**9)
     with mock.patch('time.time_ns', moments.__next__):
-        session = DurableEpisode(EpisodeStarted('e1', settings, 4, 1e-3, members, '1'), SessionLog(folder / 'log'))
-        session.start()
-        while not session.episode.done:
-            turn = session.episode.turn + 1
-            query = session.ask(SceneObserved(turn, turn * 10**9, 'table', world.scene(turn))).query
+        started = EpisodeStarted('e1', settings, 4, 1e-3, members, '1')
+        strategy = make_strategy(settings.strategy, settings.weights)
+        durable = DurableEpisode(started, strategy, SessionLog(folder / 'log'))
+        durable.start()
+        while not durable.episode.done:
+            turn = durable.episode.turn + 1
+            query = durable.ask(SceneObserved(turn, turn * 10**9, 'table', world.scene(turn))).query
             if query is not None and turn % 5 == 0:
-                session.time_out()
+                durable.time_out()
             elif query is not None:
-                session.take(teacher.answer(query, world.truth(turn)))
-                session.take(teacher.answer(query, world.truth(turn)))
-            session.tune()
-        session.take(Answer('q1', 'b1', 'bert', Outcome.SKIP))
-        session.take(Answer('q1', 'c1', 'scripted', Outcome.UNKNOWN, replaces='q1/scripted'))
-        session.note_refused('pudding', 'it does not answer')
-        session.close()
+                durable.take(teacher.answer(query, world.truth(turn)))
+                durable.take(teacher.answer(query, world.truth(turn)))
+            durable.tune()
+        durable.take(Answer('q1', 'b1', 'bert', Outcome.SKIP))
+        durable.take(Answer('q1', 'c1', 'scripted', Outcome.UNKNOWN, replaces='q1/scripted'))
+        durable.note_rejected('pudding', 'it does not answer')
+        durable.close()
     with contextlib.closing(sqlite3.connect(folder / 'log' / 'session.sqlite3')) as database:
         (folder / 'log.sql').write_text('\n'.join(database.iterdump()))
     exports = ['--json', str(folder / 'session.json'), '--csv', str(folder / 'csv'), '--bag', str(folder / 'bag')]
@@ -97,7 +99,7 @@ def write_session(folder: Path) -> None:
 
 
 def capture(arguments: Sequence[str]) -> str:
-    """What an executable prints.
+    """Return what an executable prints.
 
     Raises:
         SystemExit: it failed.

@@ -1,4 +1,4 @@
-"""What durability costs: the time from an answer to its acknowledgement, with and without a session log.
+"""Cost of durability: the time from an answer to its acknowledgement, with and without a session log.
 
     python benchmarks/session.py [--answers N] [--repeats R] [--folder DIR]
 
@@ -46,7 +46,9 @@ from al_questioner.ros.nodes.perception import PerceptionNode
 class UnwaitedStorage(SqliteStorage):
     """Does not wait for the disk."""
 
-    synchronous = 'OFF'
+    def __init__(self, folder: Path, head: bytes) -> None:
+        super().__init__(folder, head)
+        self._database.execute('PRAGMA synchronous=OFF')
 
 
 KINDS: dict[str, StorageFactory | None] = {

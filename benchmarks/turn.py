@@ -1,4 +1,4 @@
-"""Where the time of a turn goes: offline, in the encoding of its messages, and through three ROS processes.
+"""Time of the parts of a turn: offline, in the encoding of its messages, and through three ROS processes.
 
 python benchmarks/turn.py --task prepare_lunch --strategy dt_task_env --turns 150 --budget 500
 python benchmarks/turn.py --offline        # without ROS: the first table alone
@@ -76,19 +76,19 @@ def measure(given: argparse.Namespace) -> Figures:
         need_ros()
         if given.turns < 3:
             raise InputError('--turns must be 3 or more for the graph: its first and last turn are not timed')
-    choice = WorldSpec(load_task(given.task), given.seed, given.seed)
-    settings = episode_settings(choice.task, given.strategy, given.budget, given.turns)
+    world_spec = WorldSpec(load_task(given.task), given.seed, given.seed)
+    settings = episode_settings(world_spec.task, given.strategy, given.budget, given.turns)
     print(f'{os.cpu_count()} cores; load average at the start: {os.getloadavg()[0]:.1f}\n')
     start = time.perf_counter()
-    expected = run_episode(choice, settings, teacher_of(choice))
+    expected = run_episode(world_spec, settings, teacher_of(world_spec))
     plain = time.perf_counter() - start
-    played = [play_timed(choice, settings, teacher_of(choice)) for _ in range(given.repeats)]
+    played = [play_timed(world_spec, settings, teacher_of(world_spec)) for _ in range(given.repeats)]
     if any(episode.records != expected.queries for episode in played):
         raise EpisodeError('the timed episode asked other questions than run_episode')
     figures = {'arguments': {name: str(value) for name, value in vars(given).items()}}
     figures['offline'] = report_offline(played, settings, plain)
     if not given.offline:
-        figures.update(measure_graph(given, choice, settings, played))
+        figures.update(measure_graph(given, world_spec, settings, played))
     return figures
 
 
@@ -107,9 +107,9 @@ def need_ros() -> None:
         raise InputError(f'ROS 2 cannot be imported ({error}): use --offline') from error
 
 
-def teacher_of(choice: WorldSpec) -> ScriptedTeacher:
+def teacher_of(world_spec: WorldSpec) -> ScriptedTeacher:
     """A teacher who never errs, as the teacher node by default."""
-    return ScriptedTeacher(choice.task.symbols, choice.task.relevant_groups, choice.seed)
+    return ScriptedTeacher(world_spec.task.symbols, world_spec.task.relevant_groups, world_spec.seed)
 
 
 def report_offline(played: Sequence[PlayedEpisode], settings: EpisodeSettings, plain: float) -> Figures:
@@ -141,7 +141,7 @@ def report_offline(played: Sequence[PlayedEpisode], settings: EpisodeSettings, p
 
 
 def measure_graph(
-    given: argparse.Namespace, choice: WorldSpec, settings: EpisodeSettings, played: Sequence[PlayedEpisode]
+    given: argparse.Namespace, world_spec: WorldSpec, settings: EpisodeSettings, played: Sequence[PlayedEpisode]
 ) -> Figures:
     """Measure what needs ROS, and print it.
 
@@ -157,12 +157,12 @@ def measure_graph(
     episodes = []
     with tempfile.TemporaryDirectory() as folder:
         for i in range(given.repeats):
-            world = {'task': given.task, 'seed': choice.seed, 'sample': choice.sample}
+            world = {'task': given.task, 'seed': world_spec.seed, 'sample': world_spec.sample}
             learner = {
                 'strategy': settings.strategy,
                 'budget': settings.budget,
                 'turns': settings.turns,
-                'episode_id': new_episode_id(choice),
+                'episode_id': new_episode_id(world_spec),
             }
             parameters = {'perception': world, 'teacher': world, 'learner': {**world, **learner}}
             episode = play_graph(f'turn_{os.getpid()}_{i}', parameters, Path(folder), PATIENCE)
@@ -276,7 +276,7 @@ def report_hops(hops: Mapping[str, Any], graph: Figures) -> Figures:
 
 
 def role(topic: str) -> str:
-    """What a turn has to do with the messages of a topic."""
+    """Return what a turn has to do with the messages of a topic."""
     if topic in waited_for(True):
         return 'waits for it'
     return 'sends it' if topic in {*sent_away(True), *sent_away(False)} else 'goes on'

@@ -118,13 +118,13 @@ def nodes(context: LaunchContext) -> list[Node]:
 
 
 def _names_this_file(before: str | None, word: str) -> bool:
-    """Whether a word of a command line, given the one before it, stands for this very file."""
+    """Return whether a word of a command line, given the one before it, stands for this very file."""
     path = Path(word)
     return path.name == FILE_NAME and (before == 'al_questioner' or path.resolve() == Path(__file__).resolve())
 
 
 def generate_launch_description() -> LaunchDescription:
-    """What `ros2 launch al_questioner demo.launch.py` starts."""
+    """Return what `ros2 launch al_questioner demo.launch.py` starts."""
     # Who includes this file has a robot to run, whose end is not for the learner to say.
     is_included = not any(map(_names_this_file, [None, *sys.argv], sys.argv))
     parameters = [SETTINGS[name] for name in (*WORLD_ARGUMENTS, *LEARNER_ARGUMENTS)]

@@ -1,4 +1,4 @@
-"""How the nodes under test talk, and a terminal for the programs under test.
+"""The transport of the nodes under test, and a terminal for the programs under test.
 
 ROS's range LOCALHOST talks to itself by shared memory, in which a process that is killed can leave a lock that hangs
 every later node. So the nodes get the range SUBNET, on a transport of Fast DDS that has the loopback interface alone.
@@ -73,7 +73,7 @@ class PseudoTerminal:
 
     @property
     def text(self) -> str:
-        """What the screen shows."""
+        """The text on the screen."""
         return '\n'.join(line.rstrip() for line in self.screen.display)
 
     def wait_for(self, is_shown: str | Callable[[str], object]) -> str:
@@ -91,7 +91,7 @@ class PseudoTerminal:
         return self.wait_for(until) if until else self.text
 
     def local_modes(self) -> int:
-        """Whether the terminal echoes, edits lines, and so on."""
+        """Return whether the terminal echoes, edits lines, and so on."""
         import termios
 
         return int(termios.tcgetattr(self.child.child_fd)[3])

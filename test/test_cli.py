@@ -1,4 +1,4 @@
-"""What every executable does at once, or whatever becomes of its output."""
+"""Behaviour of every executable at once, and with any kind of output."""
 
 from __future__ import annotations
 
@@ -16,21 +16,21 @@ from al_questioner.cli import EXECUTABLES
 from shared.checkout import ROOT
 
 HEAVY = ('scipy', 'numba', 'matplotlib', 'rclpy', 'joblib', 'rosbags', 'prompt_toolkit', 'al_questioner.ros.node')
-"""What takes long to import."""
+"""Modules that take long to import."""
 LOADED = 'import sys; print(*sorted(set(sys.argv[1].split()) & sys.modules.keys()), file=sys.stderr)'
 MODULE = [sys.executable, '-m', 'al_questioner']
 
 
 @pytest.fixture(autouse=True)
 def _interrupts_are_heard() -> Iterator[None]:
-    """What a shell starts in the background ignores interrupts, and so does all that it starts in turn."""
+    """Interrupts are restored, which a process that a shell starts in the background ignores."""
     before = signal.signal(signal.SIGINT, signal.default_int_handler)
     yield
     signal.signal(signal.SIGINT, before)
 
 
 def loaded(code: str) -> list[str]:
-    """Which of the heavy modules a piece of Python leaves loaded."""
+    """Return the heavy modules that a piece of Python leaves loaded."""
     done = subprocess.run(
         [sys.executable, '-c', f'{code}\n{LOADED}', ' '.join(HEAVY)], capture_output=True, text=True, check=True
     )
@@ -48,14 +48,14 @@ def calls(*commands: list[str]) -> str:
 
 
 def test_help_and_wrong_options_wait_for_nothing() -> None:
-    """`learner --help` would take seconds for what no help needs."""
+    """Otherwise `learner --help` would take seconds for what no help needs."""
     helps = [[name, '--help'] for name in EXECUTABLES]
     wrong = [[name, '--nonsense'] for name in EXECUTABLES]
     assert loaded(calls(['--help'], *helps, *wrong)) == []
 
 
 def test_values_that_are_refused_wait_for_little() -> None:
-    """Whoever mistypes a name would wait for pictures that are never drawn."""
+    """A mistyped name is refused before the slow imports for pictures."""
     commands = [
         ['demo', '--strategy', 'nonsense'],
         ['demo', '--task', 'nonsense'],
@@ -76,7 +76,7 @@ def test_a_learner_in_python_is_there_at_once_and_a_session_shown_without_pictur
 def ended(
     *command: str, status: int, encoding: str = 'utf-8', stdout: int = subprocess.PIPE, **environment: str
 ) -> tuple[str, str]:
-    """What an executable, run in the checkout, prints to either side before it ends with a status."""
+    """Return the output to either side of an executable, run in the checkout, that ends with a status."""
     given = {**os.environ, 'PYTHONIOENCODING': encoding, **environment}
     done = subprocess.run([*MODULE, *command], env=given, cwd=ROOT, stdout=stdout, stderr=subprocess.PIPE)
     error = done.stderr.decode(encoding)
@@ -86,7 +86,7 @@ def ended(
 
 
 def test_what_a_terminal_has_no_character_for_is_replaced(tmp_path: Path) -> None:
-    """An episode would be lost at its last word, for a dot between two names."""
+    """Otherwise an episode would be lost at its last word, for a dot between two names."""
     given = ['--offline', '--turns', '1', '--budget', '1', '--strategy', 'random_fsq', '--out', str(tmp_path)]
     printed, _ = ended('demo', *given, status=0, encoding='ascii')
     assert 'kitchen_table ? random_fsq' in printed
@@ -100,7 +100,7 @@ def test_what_a_terminal_has_no_character_for_is_replaced(tmp_path: Path) -> Non
     'command', [['--help'], ['replay', '--help'], ['replay', 'expert_0', '--check'], ['record', '--repair', 'expert_0']]
 )
 def test_a_reader_who_has_gone_is_no_error(command: list[str]) -> None:
-    """`--help | head` would end in a complaint of Python's."""
+    """Otherwise `--help | head` would end in a complaint of Python's."""
     reader, writer = os.pipe()
     os.close(reader)
     try:
@@ -129,7 +129,7 @@ def test_output_that_there_is_no_room_for_is_one_line() -> None:
     ],
 )
 def test_an_interrupt_while_modules_are_imported_ends_quietly(tmp_path: Path, module: str, command: list[str]) -> None:
-    """Ctrl-C in the first seconds would be a traceback, or be taken for a module that is missing."""
+    """Otherwise Ctrl-C in the first seconds would be a traceback, or be taken for a module that is missing."""
     (tmp_path / f'{module}.py').write_text(
         'import os, signal\n'
         'try:\n'
@@ -143,7 +143,7 @@ def test_an_interrupt_while_modules_are_imported_ends_quietly(tmp_path: Path, mo
 
 
 def test_an_interrupt_that_is_ignored_in_the_background_stays_ignored() -> None:
-    """`nohup` and `&` in a script would no longer shield an experiment."""
+    """Otherwise `nohup` and `&` in a script would no longer shield an experiment."""
     code = (
         'import signal; from al_questioner.support import interrupts\n'
         'interrupts.install(); print(signal.getsignal(2).name)'
@@ -154,7 +154,7 @@ def test_an_interrupt_that_is_ignored_in_the_background_stays_ignored() -> None:
 
 
 def test_a_full_disk_under_a_demo_is_one_line(tmp_path: Path) -> None:
-    """Its result would be lost, and empty files left."""
+    """Otherwise its result would be lost, and empty files left."""
     out = tmp_path / 'out'
     limited = f'ulimit -f 1; exec {sys.executable} -m al_questioner demo --offline --turns 1 --strategy random_fsq'
     done = subprocess.run(

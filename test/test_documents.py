@@ -1,4 +1,4 @@
-"""What the documents name is there."""
+"""Names in the documents, which must exist."""
 
 from __future__ import annotations
 
@@ -65,7 +65,7 @@ def name_of(document: Path) -> str:
 
 @pytest.mark.parametrize('document', DOCUMENTS, ids=name_of)
 def test_every_link_leads_to_a_file_and_a_heading(document: Path) -> None:
-    """Whoever follows it would find nothing."""
+    """A link that leads nowhere is a fault."""
     assert [target for target, _ in links(document) if not target.exists()] == []
     assert [
         f'{target.name}#{anchor}' for target, anchor in links(document) if anchor and anchor not in anchors(target)
@@ -74,7 +74,7 @@ def test_every_link_leads_to_a_file_and_a_heading(document: Path) -> None:
 
 @pytest.mark.parametrize('document', DOCUMENTS, ids=name_of)
 def test_every_source_that_a_document_names_is_there(document: Path) -> None:
-    """Whoever looks for it would look for a file that has moved."""
+    """A file that has moved must not stay in a document under its old name."""
     text = document.read_text(encoding='utf-8')
     lost = [name for name in named_sources(text) if not any(f'/{path}'.endswith(f'/{name}') for path in SOURCES)]
     assert lost == []
@@ -82,7 +82,7 @@ def test_every_source_that_a_document_names_is_there(document: Path) -> None:
 
 @pytest.mark.parametrize('document', DOCUMENTS, ids=name_of)
 def test_every_command_that_needs_no_ros_is_taken_as_it_stands(document: Path) -> None:
-    """An option that was renamed would live on in the documentation; `test_documented_lines.py` tries the nodes."""
+    """No renamed option stays in the documentation; `test_documented_lines.py` tries the nodes."""
     for name, *arguments in commands(document):
         if name in ('demo', 'experiment', 'replay', 'session', 'train_weights'):
             import_module(f'al_questioner.commands.{name}.arguments').parser().parse_args(arguments)
@@ -95,7 +95,7 @@ def test_every_page_is_in_the_table_of_contents() -> None:
 
 
 def test_the_python_api_is_that_of_the_docstrings() -> None:
-    """A name that was changed would live on in the reference: `make generated` writes it anew."""
+    """The reference holds no old names: `make generated` writes it again."""
     tool = runpy.run_path(str(ROOT / 'tools' / 'python_api.py'))
     assert tool['PAGE'].read_text(encoding='utf-8') == tool['page']()
 

@@ -13,9 +13,11 @@ import al_questioner
 from al_questioner import simulation
 
 
-@pytest.mark.parametrize('package', ['al_questioner', 'al_questioner.bags', 'al_questioner.simulation'])
+@pytest.mark.parametrize(
+    'package', ['al_questioner', 'al_questioner.bags', 'al_questioner.event_log', 'al_questioner.simulation']
+)
 def test_every_public_name_is_there(package: str) -> None:
-    """A name that is imported when it is asked for would be missed no sooner than by its first user."""
+    """Otherwise a name that is imported when it is asked for would be missed no sooner than by its first user."""
     module = importlib.import_module(package)
     imports = [node for node in ast.walk(ast.parse(inspect.getsource(module))) if isinstance(node, ast.ImportFrom)]
     of_types = {(node.module, each.asname) for node in imports for each in node.names if each.asname}
@@ -35,11 +37,11 @@ def test_the_package_offers_what_the_contract_names() -> None:
 
 
 def test_another_name_is_an_error_that_names_it() -> None:
-    """`from al_questioner import Epsiode` would be anything else but an ImportError."""
+    """Otherwise `from al_questioner import Epsiode` would be anything else but an ImportError."""
     with pytest.raises(AttributeError, match="module 'al_questioner' has no attribute 'Epsiode'"):
         _ = al_questioner.Epsiode  # type: ignore[attr-defined]
 
 
 def test_the_package_says_that_it_has_types() -> None:
-    """Mypy would take everything that is imported from it for Any."""
+    """Otherwise Mypy would take everything that is imported from it for Any."""
     assert (files('al_questioner') / 'py.typed').is_file()

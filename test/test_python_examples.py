@@ -13,7 +13,7 @@ SNIPPETS = re.findall(r'```python\n(.*?)```', PAGE, flags=re.DOTALL)
 
 
 def test_concept_models_snippet_runs() -> None:
-    """The classifiers' contract would be misquoted."""
+    """Otherwise the classifiers' contract would be misquoted."""
     rng = np.random.default_rng(1)
     given = {'features': rng.normal(size=(6, 3)), 'labels': ['snack', 'fruit', 'none'] * 2}
     scene = rng.normal(size=(5, 3))
@@ -21,7 +21,7 @@ def test_concept_models_snippet_runs() -> None:
 
 
 def test_episode_snippets_ask_learn_and_recognise(capsys) -> None:
-    """The loop that people build on would not run."""
+    """Otherwise the loop that people build on would not run."""
     known: dict[str, object] = {}
     exec(SNIPPETS[1], known)
     asked = capsys.readouterr().out.splitlines()

@@ -17,7 +17,7 @@ from typing import Any
 
 from al_questioner.cli import EXECUTABLES
 from al_questioner.domain import Setting
-from al_questioner.domain.setting_type import LARGEST_AMOUNT, LARGEST_INTEGER
+from al_questioner.domain.setting import LARGEST_AMOUNT, LARGEST_INTEGER
 from al_questioner.ros.settings import (
     LEARNER_SETTINGS,
     PERCEPTION_SETTINGS,
@@ -52,7 +52,7 @@ A task can have its own `strategy`, `budget`, `turns`, `change_interval`, costs 
 defaults here are those of a task that has none of its own.""",
     'record': 'The node is called `recorder`.',
 }
-"""What stands above a table."""
+"""Texts above the tables."""
 
 
 def parts_of(learner: Settings) -> Mapping[str, Settings]:
@@ -124,7 +124,8 @@ def parameters_page() -> str:
 def parameter_row(each: Setting[Any]) -> tuple[str, ...]:
     """Return the cells of a parameter."""
     kind = f'double or `{each.word}`' if each.word else TYPES[type(each.default)]
-    return f'`{each.name}`', kind, f'`{yaml_of(each.default)}`', each.limits, each.unit, each.description
+    accepted = each.limits or quoted(each.choices)
+    return f'`{each.name}`', kind, f'`{yaml_of(each.default)}`', accepted, each.unit, each.description
 
 
 def commands_page() -> str:
@@ -143,6 +144,11 @@ def commands_page() -> str:
     return '\n\n'.join(parts) + '\n'
 
 
+def quoted(choices: Iterable[str]) -> str:
+    """Return names as code in a cell."""
+    return ', '.join(f'`{choice}`' for choice in choices)
+
+
 def option_row(action: argparse.Action) -> tuple[str, ...]:
     """Return the cells of an option."""
     value = str(action.metavar or action.dest.upper())
@@ -158,7 +164,7 @@ def option_row(action: argparse.Action) -> tuple[str, ...]:
 def range_of(action: argparse.Action) -> str:
     """Return what an option accepts, if there are limits."""
     if action.choices:
-        return ', '.join(f'`{choice}`' for choice in action.choices)
+        return quoted(action.choices)
     kind = action.type
     if not isinstance(kind, NumberWithin):
         return ''
@@ -171,7 +177,7 @@ FILES: Mapping[str, Callable[[], str]] = {
     'docs/reference/parameters.md': parameters_page,
     'docs/reference/commands.md': commands_page,
 }
-"""What makes the content of each generated file."""
+"""Functions that make the content of each generated file."""
 
 
 if __name__ == '__main__':

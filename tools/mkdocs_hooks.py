@@ -1,4 +1,4 @@
-"""How the site differs from the Markdown that GitHub shows.
+"""Differences of the site from the Markdown that GitHub shows.
 
 A link to a file outside `docs/` becomes plain text, and the Python API has whole docstrings.
 """

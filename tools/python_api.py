@@ -19,6 +19,7 @@ MODULES = (
     'questioning',
     'simulation',
     'perception',
+    'event_log',
     'bags',
     'imitation.bags',
     'imitation.demonstration',

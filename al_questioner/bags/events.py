@@ -44,7 +44,7 @@ def decode_run(source: Path, recorded: Recorded, run: Run, document: Document) -
     Raises:
         InputError: it cannot be used; the text does not name the bag.
     """
-    begun = EpisodeStarted(
+    started = EpisodeStarted(
         episode_id=run.episode_id,
         settings=documents.settings_of(document),
         seed=document['seed'],
@@ -60,7 +60,7 @@ def decode_run(source: Path, recorded: Recorded, run: Run, document: Document) -
             without = f'turn {min(missing)} was recorded without its learner_state'
             raise InputError(f'{without}: what was known then cannot be said, as an answer was corrected')
     records, told = _course(states)
-    decoder, events = _Decoder(recorded, run, begun, tuple(document['feature_names'])), list[EpisodeEvent]()
+    decoder, events = _Decoder(recorded, run, started, tuple(document['feature_names'])), list[EpisodeEvent]()
     for turn in range(1, last + 1):
         events += (*decoder.decided(turn), *decoder.ended(turn, told[turn]))
     if not events:
@@ -68,15 +68,15 @@ def decode_run(source: Path, recorded: Recorded, run: Run, document: Document) -
     with contextlib.suppress(InputError):
         events += decoder.decided(last + 1)
     of_turns = tuple(records[turn] for turn in sorted(records) if turn <= last)
-    return RecordedEpisode(source, begun, decoder.feature_names, tuple(events), last, of_turns)
+    return RecordedEpisode(source, started, decoder.feature_names, tuple(events), last, of_turns)
 
 
 class _Decoder:
     """Turns the messages of a run into events, turn by turn."""
 
-    def __init__(self, recorded: Recorded, run: Run, begun: EpisodeStarted, feature_names: tuple[str, ...]) -> None:
+    def __init__(self, recorded: Recorded, run: Run, started: EpisodeStarted, feature_names: tuple[str, ...]) -> None:
         self.feature_names = feature_names
-        self._recorded, self._run, self._settings = recorded, run, begun.settings
+        self._recorded, self._run, self._settings = recorded, run, started.settings
         self._query_ids: dict[int, str] = {}
         self._answers: dict[int, int] = {}
 
@@ -90,10 +90,10 @@ class _Decoder:
         if begin is None:
             late = 'did the recording begin too late?'
             raise InputError(f'{of_turns} was not recorded: {late}{self._recorded.hint()}')
-        seen = self._seen(turn, begin)
+        observed = self._observed(turn, begin)
         decision = self._recorded.decision(begin)
-        if seen is None or decision is None:
-            missing = 'objects' if seen is None else 'decision'
+        if observed is None or decision is None:
+            missing = 'objects' if observed is None else 'decision'
             # A learner that is killed and resumed may leave such a gap: its session has what no message told.
             raise InputError(
                 f'{of_turns} was recorded without its {missing}{self._recorded.hint()};'
@@ -103,7 +103,7 @@ class _Decoder:
         action = weighed.candidates[weighed.chosen]
         if action.kind is not QueryKind.NO_QUERY:
             self._query_ids[turn] = query_id(len(self._query_ids) + 1)
-        return seen, ActionChosen(turn, action, weighed=weighed)
+        return observed, ActionChosen(turn, action, weighed=weighed)
 
     def ended(self, turn: int, told: Sequence[QueryRecord]) -> Iterator[EpisodeEvent]:
         """Yield what was answered in a turn that was decided, and how it ended."""
@@ -127,7 +127,7 @@ class _Decoder:
             replaces=f'{NOT_RECORDED} {before}' if before else None,
         )
 
-    def _seen(self, turn: int, begin: Placed) -> SceneObserved | None:
+    def _observed(self, turn: int, begin: Placed) -> SceneObserved | None:
         """Return the first cloud that a learner takes, None if there is no cloud; another node's it passes over.
 
         Raises:

@@ -12,13 +12,15 @@ from al_questioner.bags.reading import BagError, Topic, typestore
 from al_questioner.bags.topics import CLOUD, STRING, TYPES
 from al_questioner.bags.writing import BagWriter
 from al_questioner.event_log.events import ActionChosen, AnswerAccepted, EpisodeEvent, LateAnswerKept, SceneObserved
-from al_questioner.event_log.replay import Replay
+from al_questioner.event_log.replay import replay_of
 from al_questioner.event_log.state_documents import episode_members, state_members
 from al_questioner.event_log.summary import SessionSummary
 from al_questioner.messages import documents
 from al_questioner.messages.clouds import CloudTypes, cloud_of_decision, cloud_of_scene
 from al_questioner.messages.documents import Document
 from al_questioner.messages.stamps import SECOND, stamp_members
+from al_questioner.questioning import Receipt
+from al_questioner.questioning.answer_acknowledgement import acknowledgement
 
 _VOLATILE = ('answer', 'answer_ack', 'decision')
 
@@ -51,8 +53,8 @@ class _Writing:
     """Turns events into messages, with a replay beside them that knows what was weighed and believed."""
 
     def __init__(self, summary: SessionSummary, bag: BagWriter) -> None:
-        self._begun = summary.begun
-        self._replay = Replay(summary.begun)
+        self._started = summary.started
+        self._replay = replay_of(summary.started)
         self._bag = bag
         self._stamp = 0
         self._types = typestore().types
@@ -69,42 +71,42 @@ class _Writing:
         self._replay.play(event)
         self._stamp = stamp
         if isinstance(event, SceneObserved):
-            self._say('turn', {'turn': event.turn, 'stamp': stamp_members(event.stamp), 'world': self._begun.world})
+            self._say('turn', {'turn': event.turn, 'stamp': stamp_members(event.stamp), 'world': self._started.world})
             self._send('objects', cloud_of_scene(event.scene, self._header(event), self._cloud_types))
         elif isinstance(event, ActionChosen):
             self._decided(event)
         elif isinstance(event, (AnswerAccepted, LateAnswerKept)):
-            answer = event.answer
-            reason = event.reason if isinstance(event, LateAnswerKept) else ''
-            ids = {'query_id': answer.query_id, 'answer_id': answer.answer_id}
-            self._say('answer', documents.answer_members(answer))
-            self._say('answer_ack', {**ids, 'accepted': not reason, 'reason': reason})
+            receipt, reason = Receipt.ACCEPTED, ''
+            if isinstance(event, LateAnswerKept):
+                receipt, reason = Receipt.LATE, event.reason
+            self._say('answer', documents.answer_members(event.answer))
+            self._say('answer_ack', acknowledgement(event.answer, receipt, reason))
 
     def end_turn(self) -> None:
         """Write the state of the learner after a turn; none before the first, and none while it waits."""
-        seen, episode = self._replay.seen, self._replay.episode
-        if seen is not None and not episode.awaits_answer:
+        observed, episode = self._replay.observed, self._replay.episode
+        if observed is not None and not episode.awaits_answer:
             beliefs = episode.concepts.predict_proba(episode.scene.features)
             self._say('learner_state', state_members(episode, beliefs))
 
     def _decided(self, event: ActionChosen) -> None:
-        seen, decision = self._replay.seen, self._replay.decision
-        if seen is None or decision is None:
+        observed, decision = self._replay.observed, self._replay.decision
+        if observed is None or decision is None:
             return
         if event.turn == 1:
-            self._say('episode', episode_members(self._begun, seen.scene.feature_names))
-        symbols = self._begun.settings.symbols
-        cloud = cloud_of_decision(decision, symbols, self._header(seen), self._cloud_types, seen.scene)
+            self._say('episode', episode_members(self._started, observed.scene.feature_names))
+        symbols = self._started.settings.symbols
+        cloud = cloud_of_decision(decision, symbols, self._header(observed), self._cloud_types, observed.scene)
         self._send('decision', cloud)
         if event.query is not None:
-            self._say('query', {**documents.query_members(event.query), 'world': self._begun.world})
+            self._say('query', {**documents.query_members(event.query), 'world': self._started.world})
 
-    def _header(self, seen: SceneObserved) -> Any:
-        time = self._types['builtin_interfaces/msg/Time'](seen.stamp // SECOND, seen.stamp % SECOND)
-        return self._types['std_msgs/msg/Header'](time, seen.frame_id)
+    def _header(self, observed: SceneObserved) -> Any:
+        time = self._types['builtin_interfaces/msg/Time'](observed.stamp // SECOND, observed.stamp % SECOND)
+        return self._types['std_msgs/msg/Header'](time, observed.frame_id)
 
     def _say(self, name: str, members: Document) -> None:
-        self._send(name, self._types[STRING](documents.write(name, self._begun.episode_id, members)))
+        self._send(name, self._types[STRING](documents.write(name, self._started.episode_id, members)))
 
     def _send(self, name: str, message: Any) -> None:
         self._bag.write(f'/{name}', bytes(typestore().serialize_cdr(message, TYPES[name])), self._stamp)

@@ -15,9 +15,9 @@ from rosbags.rosbag2 import Reader
 from rosbags.typesys import Stores, get_typestore
 from rosbags.typesys.store import Typestore
 
+from al_questioner.bags.settings import STORAGE_SUFFIXES
 from al_questioner.bags.storages import (
     BROKEN,
-    STORAGE_SUFFIXES,
     files_of,
     holds_messages,
     is_compressed,

@@ -38,7 +38,7 @@ class RecordedEpisode:
     """
 
     source: Path
-    begun: EpisodeStarted
+    started: EpisodeStarted
     feature_names: tuple[str, ...]
     events: tuple[EpisodeEvent, ...]
     turns_over: int

@@ -192,7 +192,7 @@ class Recorded:
         if any(turn in run.begins and run.begins[turn].stamp == begin.stamp for run in same):
             return
         for run in same:
-            # A learner that was killed before it decided begins the turn anew.
+            # A learner that was killed before it decided begins the turn again.
             is_free = turn not in run.begins or self.decision(run.begins[turn]) is None
             if is_free and run.takes(turn, begin.stamp):
                 run.begins[turn] = begin

@@ -13,11 +13,11 @@ from rosbags.rosbag2.reader import DirectoryReader
 from rosbags.rosbag2.storage_mcap import McapReader
 from rosbags.rosbag2.storage_sqlite3 import Sqlite3Reader
 
+from al_questioner.bags.settings import STORAGE_SUFFIXES
+
 if TYPE_CHECKING:
     from rosbags.rosbag2.reader import ReaderProtocol
 
-STORAGE_SUFFIXES = {'mcap': '.mcap', 'sqlite3': '.db3'}
-"""Suffix of a bag's file by the name of its storage."""
 COMPRESSED = '.zstd'
 """Suffix added to the name of a file that was compressed as a whole."""
 

@@ -24,12 +24,12 @@ from rosbags.rosbag2.storage_mcap import Channel, McapWriter, write_channel, wri
 from rosbags.rosbag2.storage_sqlite3 import Sqlite3Writer
 
 from al_questioner.bags.reading import BagError, Topic, typestore
-from al_questioner.bags.storages import STORAGE_SUFFIXES, storage_files
+from al_questioner.bags.settings import STORAGE
+from al_questioner.bags.storages import storage_files
 from al_questioner.support.files import sync_to_disk
 
 FIRST = '_0'
 """Suffix added to the name of a bag for its first file; `ros2 bag reindex` expects a number."""
-_STORAGES = {'mcap': StoragePlugin.MCAP, 'sqlite3': StoragePlugin.SQLITE3}
 _FOREVER = QosTime(9223372036, 854775807)
 _CRC_OFFSET = 33
 """Number of bytes from the beginning of an MCAP chunk record to its checksum.
@@ -112,15 +112,15 @@ class BagWriter:
     Messages before the last `sync` survive a crash of the process and, if the disk stores what it confirms, of the
     machine; `repair` completes a bag that was never closed. After an error of writing, the bag accepts no more
     messages. It is then left for `repair`, or removed if no message had reached the disk. Use it as a context manager,
-    by one thread at a time. Its directory must not exist; the storage is 'mcap' or 'sqlite3'.
+    by one thread at a time. Its directory must not exist.
 
     Raises:
         BagError: something is at the path already, it cannot be written to, or a type that Jazzy does not have.
     """
 
-    def __init__(self, path: Path, topics: Sequence[Topic], storage: str = 'mcap') -> None:
-        if storage not in _STORAGES:
-            raise BagError(f'unknown storage {storage!r}; known: {", ".join(STORAGE_SUFFIXES)}')
+    def __init__(self, path: Path, topics: Sequence[Topic], storage: str = STORAGE.default) -> None:
+        if storage not in STORAGE.choices:
+            raise BagError(f'unknown storage {storage!r}; known: {", ".join(STORAGE.choices)}')
         if path.exists():
             raise BagError(f'{path}: exists already; a bag is never overwritten')
         unknown = sorted({topic.type for topic in topics} - typestore().fielddefs.keys())
@@ -129,7 +129,7 @@ class BagWriter:
         self.path = path
         self._counts = Counter[str]({topic.name: 0 for topic in topics})
         self._holds_messages = False
-        self._writer = _Writer(path, version=9, storage_plugin=_STORAGES[storage])
+        self._writer = _Writer(path, version=9, storage_plugin=StoragePlugin[storage.upper()])
         try:
             with self._disk():
                 self._writer.open()

@@ -138,7 +138,7 @@ def _implausible_at_the_ends(ordered: Array, most: int) -> tuple[int, int]:
 
 
 def _are_far(ordered: Array, below: int, above: int) -> bool:
-    """Return whether so many readings at the lower and the upper end are too far from the others."""
+    """Return whether these numbers of readings at the lower and the upper end are too far from the others."""
     last = len(ordered) - above
     gaps = [ordered[at] - ordered[at - 1] for at, count in ((below, below), (last, above)) if count]
     return bool(min(gaps) > _largest_gap(ordered[below:last]))

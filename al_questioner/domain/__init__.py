@@ -21,7 +21,7 @@ from al_questioner.domain.query import (
 )
 from al_questioner.domain.random_streams import random_stream
 from al_questioner.domain.scene import Camera, FloatArray, Observation, Scene, View, group_of
-from al_questioner.domain.setting_type import Setting
+from al_questioner.domain.setting import Setting
 from al_questioner.domain.settings import (
     AMPLITUDE,
     AUTO,

@@ -2,14 +2,15 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from typing import Final, Literal
 
 from al_questioner.domain.errors import SettingsError
 from al_questioner.domain.names import listed
 from al_questioner.domain.query import NO_SYMBOL, Outcome, QueryKind
-from al_questioner.domain.setting_type import Setting
+from al_questioner.domain.setting import Setting
 
 LARGEST_TURN = 10_000
 """Largest number of turns: each `learner_state` holds all queries so far, and must stay a message of a sane size."""
@@ -119,8 +120,11 @@ class EpisodeSettings:
             raise SettingsError(f'a symbol must not be blank, as one of {list(self.symbols)} is')
         if NO_SYMBOL in self.symbols:
             raise SettingsError(f'{NO_SYMBOL!r} cannot be a symbol: it stands for things that belong to no symbol')
-        for setting in (BUDGET, TURNS, CHANGE_INTERVAL, AMPLITUDE, TUNE_EVERY):
+        for setting in (BUDGET, AMPLITUDE):
             setting.check(getattr(self, setting.name))
+        for number_of_turns in (TURNS, CHANGE_INTERVAL, TUNE_EVERY):
+            # Their upper limits are for nodes and commands; a program may give more, and so may an old log.
+            replace(number_of_turns, upper=math.inf).check(getattr(self, number_of_turns.name))
         if self.length_scale is not None:
             LENGTH_SCALE.check(self.length_scale)
         for name, price in COSTS.items():

@@ -19,92 +19,93 @@ from al_questioner.event_log.events import (
 )
 from al_questioner.event_log.log import LogContents, LogWriteError, SessionLog, SessionLogError
 from al_questioner.event_log.replay import Replay
-from al_questioner.questioning import Episode, Receipt
+from al_questioner.questioning import Episode, PreparedAnswer, Receipt, Strategy
 from al_questioner.support.differences import differences
 from al_questioner.support.rate_limiter import RateLimiter
 
 NOT_SETTINGS = frozenset({'version'})
 """Members of an episode's first event that a learner that goes on with it need not share."""
-REFUSED_KEPT, REFUSED_PERIOD = 10, 60.0
-"""Texts that were no answers and are kept word for word within so many seconds; of a flood the rest is counted."""
+REJECTED_KEPT, REJECTED_PERIOD = 10, 60.0
+"""Number of texts that were no answers and are kept word for word in a period; of a flood the rest is counted."""
 
 
 class DurableEpisode:
-    """An Episode each event of which is on the disk before its effect is known to anybody.
+    """An Episode whose events are all on the disk before their effects are known to anybody.
 
-    Without a log it is the Episode alone. An empty `episode_id` stands for whichever episode the log has.
+    Without a log it is the Episode alone. An empty `episode_id` stands for the episode that the log has.
 
     Attributes:
-        begun: the episode, as the log has it if there is one already.
+        started: the episode, as the log has it if there is one already.
 
     Raises:
         SessionLogError: the log is of an episode with other settings, which the text names, or it cannot be understood.
     """
 
-    def __init__(self, wanted: EpisodeStarted, log: SessionLog | None = None) -> None:
+    def __init__(self, wanted: EpisodeStarted, strategy: Strategy, log: SessionLog | None = None) -> None:
+        self._strategy = strategy
         self._log = log
         self._encoder = Encoder()
         self._events: list[EpisodeEvent] = []
         self._replay: Replay | None = None
-        self._last_refused: InputRejected | None = None
-        self._throttle = RateLimiter(REFUSED_KEPT, REFUSED_PERIOD)
+        self._last_rejected: InputRejected | None = None
+        self._limiter = RateLimiter(REJECTED_KEPT, REJECTED_PERIOD)
         self._only_counted = 0
-        self.begun = wanted
+        self.started = wanted
         if log is not None and log.events:
             self._events, damage = decoded(LogContents(log.events, None))
             if damage is not None:
                 raise SessionLogError(f'{log.folder}: {damage}')
-            self.begun = _same_episode(log, self._events[0], wanted)
+            self.started = _same_episode(log, self._events[0], wanted)
 
     @property
     def is_ready(self) -> bool:
-        """True once `start` has come to its end."""
+        """True once `start` has ended."""
         return self._replay is not None
 
     @property
     def episode(self) -> Episode:
         """The episode itself, to look at."""
-        return self._started.episode
+        return self._running.episode
 
     @property
-    def seen(self) -> SceneObserved | None:
+    def observed(self) -> SceneObserved | None:
         """The scene of the present turn; None before the first."""
-        return self._started.seen
+        return self._running.observed
 
     @property
     def decision(self) -> Decision | None:
         """The decision of the present turn; None before the first."""
-        return self._started.decision
+        return self._running.decision
 
     def start(self) -> None:
-        """Begin, or come to where the log ends by playing all of it.
+        """Begin, or play all of the log to continue where it ends.
 
         Raises:
             ReplayError: the log does not lead to the decisions in it.
             LogWriteError: the log of a new episode cannot be written.
         """
-        replay = Replay(self.begun)
+        replay = Replay(self.started, self._strategy)
         if not self._events:
-            self._write(self.begun)
+            self._write(self.started)
         for event in self._events[1:]:
             replay.play(event)
             self._encoder.follow(event)
         self._events = []
         self._replay = replay
 
-    def ask(self, seen: SceneObserved) -> Decision:
+    def ask(self, observed: SceneObserved) -> Decision:
         """See `Episode.ask`.
 
         Raises:
             SceneError: the scene is refused.
             LogWriteError: scene and decision cannot be written; the episode cannot go on.
         """
-        decision = self.episode.ask(seen.scene)
-        self._write(seen, ActionChosen(decision.turn, decision.candidates[decision.chosen], decision.query))
-        self._started.asked(seen, decision)
+        decision = self.episode.ask(observed.scene)
+        self._write(observed, ActionChosen(decision.turn, decision.candidates[decision.chosen], decision.query))
+        self._running.note_turn(observed, decision)
         return decision
 
-    def take(self, answer: Answer) -> Receipt:
+    def take(self, answer: Answer) -> PreparedAnswer:
         """See `Episode.take`.
 
         Raises:
@@ -114,29 +115,28 @@ class DurableEpisode:
         prepared = self.episode.prepare(answer)
         if prepared.is_kept:
             is_late = prepared.receipt is Receipt.LATE
-            reason = self.episode.answers.why_not(answer, prepared.receipt)
-            self._write(LateAnswerKept(answer, reason) if is_late else AnswerAccepted(answer))
+            self._write(LateAnswerKept(answer, prepared.reason) if is_late else AnswerAccepted(answer))
             self.episode.commit(prepared)
-        return prepared.receipt
+        return prepared
 
-    def note_refused(self, text: str, reason: str) -> None:
+    def note_rejected(self, text: str, reason: str) -> None:
         """Keep a text that was not taken for an answer, once if it is repeated; of a flood of them, keep the number.
 
         Raises:
             LogWriteError: it cannot be written.
         """
-        refused = InputRejected(text, reason)
-        if refused == self._last_refused:
+        rejected = InputRejected(text, reason)
+        if rejected == self._last_rejected:
             return
-        self._last_refused = refused
-        if self._throttle.passes():
+        self._last_rejected = rejected
+        if self._limiter.passes():
             self._note_counted()
-            self._write(refused)
+            self._write(rejected)
         else:
             self._only_counted += 1
 
     def _note_counted(self) -> None:
-        """Write down how many refused texts were counted only."""
+        """Write down how many rejected texts were counted only."""
         count, self._only_counted = self._only_counted, 0
         if count:
             self._write(InputRejected('', f'{count} more, too many to keep', count))
@@ -173,7 +173,7 @@ class DurableEpisode:
             self._log.close()
 
     @property
-    def _started(self) -> Replay:
+    def _running(self) -> Replay:
         if self._replay is None:
             raise RuntimeError('the episode has not been started')
         return self._replay
@@ -189,7 +189,7 @@ def _same_episode(log: SessionLog, first: EpisodeEvent, wanted: EpisodeStarted) 
         raise SessionLogError(f'{log.folder}: its first event is not the beginning of an episode')
     ignored = NOT_SETTINGS if wanted.episode_id else NOT_SETTINGS | {'episode_id'}
     if wanted.view_tolerance == AUTO:
-        # Logs of before have the number that was the default then; they go on with it.
+        # Older logs have the number that was the default then, and keep it.
         ignored |= {'view_tolerance'}
     differing = differences(first.members(), wanted.members(), ignored)
     if differing:

@@ -104,7 +104,7 @@ class SessionLog:
                 reason = (isinstance(error, OSError) and error.strerror) or str(error)
                 self._failure = (
                     f'{self.folder}: the session log cannot be written ({reason}): nothing is asked or taken any more;'
-                    ' what was acknowledged is safe; see to the disk and start the learner again'
+                    ' what was acknowledged is safe; free or repair the disk, and start the learner again'
                 )
                 raise LogWriteError(self._failure) from error
 

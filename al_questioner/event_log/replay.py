@@ -7,7 +7,7 @@ from collections.abc import Iterable
 
 import numpy as np
 
-from al_questioner.domain import Decision, InputError, Query, random_stream
+from al_questioner.domain import Decision, EpisodeError, InputError, Query, random_stream
 from al_questioner.event_log.events import (
     ActionChosen,
     AnswerAccepted,
@@ -19,7 +19,7 @@ from al_questioner.event_log.events import (
     TurnTimedOut,
     kind_of,
 )
-from al_questioner.questioning import Episode, ReplayedPicks, Strategy, make_strategy
+from al_questioner.questioning import Episode, Human, Strategy, TurnContext, make_strategy
 
 ROUNDING = 1e-8
 """Difference, absolute or relative, up to which numbers are equal: processors differ in their last digits."""
@@ -32,26 +32,20 @@ class ReplayError(InputError):
 class Replay:
     """Plays the events of an episode to an Episode, in the order in which they came about.
 
-    If no strategy is given, that of the settings decides, with a person's choices as recorded.
+    The strategy decides again, but a person's choices are taken as recorded.
 
     Attributes:
         episode: as it is after the events played so far.
-        seen: the scene of the present turn; None before the first.
+        observed: the scene of the present turn; None before the first.
         decision: of the present turn; None before the first.
-
-    Raises:
-        InputError: the strategy, or its weights, do not exist.
     """
 
-    def __init__(self, begun: EpisodeStarted, strategy: Strategy | None = None) -> None:
-        self._picks = ReplayedPicks()
-        if strategy is None:
-            strategy = make_strategy(begun.settings.strategy, begun.settings.weights, self._picks)
-        rng = random_stream(begun.seed, 'learner')
-        self.episode = Episode(begun.settings, rng, begun.view_tolerance, strategy)
-        self.seen: SceneObserved | None = None
+    def __init__(self, started: EpisodeStarted, strategy: Strategy) -> None:
+        rng = random_stream(started.seed, 'learner')
+        self.episode = Episode(started.settings, rng, started.view_tolerance, strategy)
+        self.observed: SceneObserved | None = None
         self.decision: Decision | None = None
-        self._next_seen: SceneObserved | None = None
+        self._next_observed: SceneObserved | None = None
 
     def play(self, event: EpisodeEvent) -> None:
         """Play the next event.
@@ -66,37 +60,40 @@ class Replay:
         except (InputError, RuntimeError) as error:
             raise ReplayError(f'turn {self.episode.turn}: {kind_of(event)}: {error}') from error
 
-    def asked(self, seen: SceneObserved, decision: Decision) -> None:
-        """Take note of what the episode was asked."""
-        self.seen, self.decision = seen, decision
+    def note_turn(self, observed: SceneObserved, decision: Decision) -> None:
+        """Take note of a turn that the episode itself was asked for."""
+        self.observed, self.decision = observed, decision
 
     def _play(self, event: EpisodeEvent) -> None:
         if isinstance(event, EpisodeStarted):
             raise ReplayError('another episode begins within the log')
         if isinstance(event, SceneObserved):
-            self._next_seen = event
+            self._next_observed = event
         elif isinstance(event, ActionChosen):
             self._decide(event)
         elif isinstance(event, AnswerAccepted):
             self.episode.tell(event.answer)
         elif isinstance(event, LateAnswerKept):
-            self.episode.answers.keep_late(event.answer)
+            self.episode.keep_late(event.answer)
         elif isinstance(event, TurnTimedOut):
             self._time_out(event)
         elif isinstance(event, KernelTuned):
             self._tune(event)
 
     def _decide(self, recorded: ActionChosen) -> None:
-        seen, self._next_seen = self._next_seen, None
-        if seen is None or seen.turn != self.episode.turn + 1 or recorded.turn != seen.turn:
+        observed, self._next_observed = self._next_observed, None
+        if observed is None or observed.turn != self.episode.turn + 1 or recorded.turn != observed.turn:
             raise ReplayError(f'turn {recorded.turn}: the decision is not about the scene of the next turn')
-        self._picks.action = recorded.action
-        decision = self.episode.ask(seen.scene)
-        self._picks.action = None
+        strategy = self.episode.strategy
+        if isinstance(strategy, Human):
+            strategy.recorded = recorded.action
+        decision = self.episode.ask(observed.scene)
+        if isinstance(strategy, Human):
+            strategy.recorded = None
         found = _difference(decision, recorded)
         if found:
             raise ReplayError(f'turn {recorded.turn}: {found}')
-        self.asked(seen, decision)
+        self.note_turn(observed, decision)
 
     def _time_out(self, recorded: TurnTimedOut) -> None:
         query = self.episode.awaited
@@ -117,7 +114,20 @@ class Replay:
             )
 
 
-def first_divergence(begun: EpisodeStarted, events: Iterable[EpisodeEvent]) -> str | None:
+def replay_of(started: EpisodeStarted) -> Replay:
+    """Return the replay of an episode by the strategy that its settings name.
+
+    Raises:
+        InputError: the strategy, or its weights, do not exist.
+    """
+    return Replay(started, make_strategy(started.settings.strategy, started.settings.weights, _refuse_to_pick))
+
+
+def _refuse_to_pick(context: TurnContext) -> int:
+    raise EpisodeError('strategy human: only what is recorded is replayed, nobody is there to choose')
+
+
+def first_divergence(started: EpisodeStarted, events: Iterable[EpisodeEvent]) -> str | None:
     """Play what follows the beginning of an episode, and compare every decision as far as it is recorded.
 
     Decisions are the same if they weigh the same candidates, choose the same one and, but for rounding, see the same
@@ -129,7 +139,7 @@ def first_divergence(begun: EpisodeStarted, events: Iterable[EpisodeEvent]) -> s
     Raises:
         InputError: the strategy of the episode, or its weights, do not exist.
     """
-    replay = Replay(begun)
+    replay = replay_of(started)
     for event in events:
         try:
             replay.play(event)

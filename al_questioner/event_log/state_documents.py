@@ -15,14 +15,14 @@ from al_questioner.messages.documents import Document
 from al_questioner.questioning import Episode
 
 
-def episode_members(begun: EpisodeStarted, feature_names: Sequence[str]) -> Document:
+def episode_members(started: EpisodeStarted, feature_names: Sequence[str]) -> Document:
     """Members of the `episode` document, once the features are known."""
     return {
-        **documents.settings_members(begun.settings),
+        **documents.settings_members(started.settings),
         'feature_names': list(feature_names),
-        'view_tolerance': begun.view_tolerance,
-        'seed': begun.seed,
-        'world': begun.world,
+        'view_tolerance': started.view_tolerance,
+        'seed': started.seed,
+        'world': started.world,
     }
 
 

@@ -67,9 +67,6 @@ StorageFactory = Callable[[Path, bytes], Storage]
 class SqliteStorage:
     """A database that is written ahead, and a file for the head, in the folder of the log."""
 
-    synchronous = 'FULL'
-    """SQLite's word for how far a commit waits for the disk."""
-
     def __init__(self, folder: Path, head: bytes) -> None:
         with contextlib.ExitStack() as stack:
             # The head first: a database without one has lost it.
@@ -80,7 +77,8 @@ class SqliteStorage:
             self._database = sqlite3.connect(folder / DATABASE, isolation_level=None, check_same_thread=False)
             stack.callback(self._database.close)
             self._database.execute('PRAGMA journal_mode=WAL')
-            self._database.execute(f'PRAGMA synchronous={self.synchronous}')
+            # A commit waits until the disk has it.
+            self._database.execute('PRAGMA synchronous=FULL')
             self._database.execute(_TABLE)
             for path in (folder, folder.absolute().parent):
                 sync_to_disk(path)

@@ -17,8 +17,8 @@ from al_questioner.event_log.events import (
     SceneObserved,
 )
 from al_questioner.event_log.log import LogContents, SessionLogError
-from al_questioner.event_log.replay import Replay, ReplayError
-from al_questioner.questioning import Episode
+from al_questioner.event_log.replay import ReplayError, replay_of
+from al_questioner.questioning import Episode, Receipt
 
 
 @dataclass(frozen=True)
@@ -29,13 +29,15 @@ class StatedAnswer:
         stamp: when it was written down, nanoseconds since the epoch.
         answer: what was said.
         query: to which it was said; None if none of this id was asked.
-        status: 'taken', 'taken, then replaced by ID', or 'late'.
+        receipt: whether it counted or came too late.
+        replaced_by: `answer_id` of the answer that replaced it; None if none did.
     """
 
     stamp: int
     answer: Answer
     query: Query | None
-    status: str
+    receipt: Receipt
+    replaced_by: str | None
 
 
 @dataclass(frozen=True, eq=False)
@@ -49,7 +51,7 @@ class SessionSummary:
     """
 
     folder: Path
-    begun: EpisodeStarted
+    started: EpisodeStarted
     events: tuple[tuple[int, EpisodeEvent], ...]
     episode: Episode
     fault: str | None
@@ -60,7 +62,7 @@ class SessionSummary:
         return self.episode.turns_over
 
     @property
-    def seen(self) -> tuple[SceneObserved, ...]:
+    def observed(self) -> tuple[SceneObserved, ...]:
         """The scene of each turn that began."""
         by_turn = {event.turn: event for _, event in self.events if isinstance(event, SceneObserved)}
         return tuple(by_turn[turn] for turn in range(1, self.episode.turn + 1))
@@ -72,7 +74,7 @@ class SessionSummary:
         return {decision.query.query_id: decision.query for decision in decided if decision.query is not None}
 
     @property
-    def said(self) -> list[StatedAnswer]:
+    def statements(self) -> list[StatedAnswer]:
         """All that was said to a query, in the order in which it was heard."""
         queries = self.queries
         told = [event.answer for _, event in self.events if isinstance(event, AnswerAccepted)]
@@ -81,14 +83,13 @@ class SessionSummary:
         for stamp, event in self.events:
             if isinstance(event, (AnswerAccepted, LateAnswerKept)):
                 answer = event.answer
-                by = replaced.get((answer.query_id, answer.answer_id))
-                taken = 'taken' if by is None else f'taken, then replaced by {by}'
-                status = 'late' if isinstance(event, LateAnswerKept) else taken
-                result.append(StatedAnswer(stamp, answer, queries.get(answer.query_id), status))
+                receipt = Receipt.LATE if isinstance(event, LateAnswerKept) else Receipt.ACCEPTED
+                replaced_by = replaced.get((answer.query_id, answer.answer_id))
+                result.append(StatedAnswer(stamp, answer, queries.get(answer.query_id), receipt, replaced_by))
         return result
 
     @property
-    def refused(self) -> list[tuple[int, InputRejected]]:
+    def rejected(self) -> list[tuple[int, InputRejected]]:
         """The texts that were not taken for answers, with their times."""
         return [(stamp, event) for stamp, event in self.events if isinstance(event, InputRejected)]
 
@@ -101,19 +102,19 @@ def summarise_session(folder: Path, contents: LogContents) -> SessionSummary:
         SettingsError: its strategy is not installed.
     """
     events, fault = decoded(contents)
-    begun = events[0] if events else None
-    if not isinstance(begun, EpisodeStarted):
+    started = events[0] if events else None
+    if not isinstance(started, EpisodeStarted):
         raise SessionLogError(f'{folder}: nothing usable is in the session log ({fault or "no episode was begun"})')
-    replay, played = Replay(begun), 1
+    replay, played = replay_of(started), 1
     try:
         for event in events[1:]:
             replay.play(event)
             played += 1
     except ReplayError as error:
         fault = f'event {played + 1} does not follow from those before ({error})'
-        # Anew, as the event may have had a part of its effect.
-        replay = Replay(begun)
+        # From the beginning, as the event may have had a part of its effect.
+        replay = replay_of(started)
         for event in events[1:played]:
             replay.play(event)
     stamps = [event.stamp for event in contents.events]
-    return SessionSummary(folder, begun, tuple(zip(stamps, events[:played], strict=False)), replay.episode, fault)
+    return SessionSummary(folder, started, tuple(zip(stamps, events[:played], strict=False)), replay.episode, fault)

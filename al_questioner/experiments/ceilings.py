@@ -49,7 +49,7 @@ def play_greedy_oracle(evaluation: Evaluation, task: Task, teacher: Teacher) -> 
     Raises:
         InputError: the world has no second draw of held-out observations.
     """
-    play(evaluation, teacher, strategy=GreedyOracle(evaluation.world))
+    play(evaluation, GreedyOracle(evaluation.world), teacher)
     return evaluation.result()
 
 

@@ -119,7 +119,7 @@ def _accuracy_verdicts(results: Results, task: str, name: str) -> Iterator[Verdi
     behind = compare(*_pair(results, task, name, EQUAL_IN_C2, PAPER_METHOD))[0]
     equal = EQUAL_IN_C2 not in beaten and behind.p >= SIGNIFICANT
     yield Verdict(
-        f'{where}: it statistically outperforms all others but {EQUAL_IN_C2}, to which it is equal'
+        f'{where}: {PAPER_METHOD} statistically outperforms all others but {EQUAL_IN_C2}, to which it is equal'
         ' (no difference found in either direction)',
         differences,
         (beaten == set(comparisons) - {EQUAL_IN_C2} and equal) if can_be_shown else None,

@@ -67,7 +67,7 @@ def _play(cell: Cell, variation: Variation, dataset: str) -> Played:
 def play_episode(cell: Cell, variation: Variation, dataset: str = '') -> EpisodeResult:
     """Play the episode of a cell."""
     task = variation.task(cell.task).of_sample(cell.sample)
-    choice = WorldSpec(task, cell.seed, cell.sample, Path(dataset) if dataset else None)
+    world_spec = WorldSpec(task, cell.seed, cell.sample, Path(dataset) if dataset else None)
     teacher = ScriptedTeacher(
         task.symbols,
         task.relevant_groups,
@@ -79,11 +79,11 @@ def play_episode(cell: Cell, variation: Variation, dataset: str = '') -> Episode
     world = _open_world(cell.task, cell.sample, variation.change_interval, variation.synchrony, dataset)
     if cell.strategy in CEILINGS:
         settings = episode_settings(task, CEILING_SETTINGS, cell.budget, cell.turns, amplitude=variation.amplitude)
-        return CEILINGS[cell.strategy](Evaluation(choice, settings, world), task, teacher)
+        return CEILINGS[cell.strategy](Evaluation(world_spec, settings, None, world), task, teacher)
     settings = episode_settings(task, cell.strategy, cell.budget, cell.turns, amplitude=variation.amplitude)
     if cell.strategy in variation.weights:
         settings = dataclasses.replace(settings, weights=variation.weights[cell.strategy])
-    return run_episode(choice, settings, teacher, world=world, strategy=variation.strategy(cell.strategy))
+    return run_episode(world_spec, settings, teacher, world=world, strategy=variation.strategy(cell.strategy))
 
 
 @lru_cache(maxsize=2)

@@ -2,14 +2,15 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections import defaultdict
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
 
 import numpy as np
 
 from al_questioner.experiments.ceilings import CEILINGS
-from al_questioner.experiments.claims import BASELINES, PAPER_METHOD, Verdict, verdicts
+from al_questioner.experiments.claims import BASELINES, PAPER_METHOD, SIGNIFICANT, Verdict, verdicts
 from al_questioner.experiments.figures import condition_name
 from al_questioner.experiments.plan import CONTROLS, Condition
 from al_questioner.experiments.results import Results
@@ -28,6 +29,9 @@ from al_questioner.questioning import Weights
 from al_questioner.support.text import number_of
 
 PAPER_SAMPLES = 5
+
+ABOUT_CONTROLS = f"""\
+A cell is a task with a budget and a time; the controls, {', '.join(CONTROLS)}, follow one rule each."""
 
 ABOUT_CLAIMS = """\
 A claim about significance counts as reproduced if one-tailed Mann-Whitney U tests of the accuracies at the end of the
@@ -89,12 +93,13 @@ class Page:
 def report(page: Page, folder: Path) -> str:
     """Write the page in Markdown, with links from the folder in which it will lie."""
     results = page.results
+    against_controls, where = _against_controls(results)
     parts = [
         '# Reproduction' if PAPER_METHOD in results.strategies else '# Comparison of questioning strategies',
-        f'Written by `{page.command}`; every result on this page is computed from its tables.',
+        ' '.join(filter(None, [against_controls, _count_claims(results, page.change_intervals)])),
         f'**Varied throughout: {page.varied}.**' if page.varied else '',
-        _first_paragraph(results),
-        _second_paragraph(results, page.change_intervals),
+        *_conclusions(verdicts(results, page.change_intervals)),
+        *(['## Where others are more accurate', where] if where else []),
         '## What the paper claims',
         *_claims(results, page.change_intervals),
     ]
@@ -115,6 +120,8 @@ def report(page: Page, folder: Path) -> str:
         parts += ['## What the paper does not tell', ABOUT_STUDIES]
         for study, found in page.studies:
             parts += [f'### {study.title}', study.about, *_study(study, results, found)]
+    parts += ['## How this page was made']
+    parts += [f'Written by `{page.command}`; every result on this page is computed from its tables.']
     return '\n\n'.join(part for part in parts if part) + '\n'
 
 
@@ -125,9 +132,9 @@ def _relative(path: Path, folder: Path) -> str:
         return path.as_posix()
 
 
-def _first_paragraph(results: Results) -> str:
-    """Write first what is against the method: a simple rule, or another strategy of the paper, that is better."""
-    beaten, others, cells = [], [], 0
+def _against_controls(results: Results) -> tuple[str, str]:
+    """Say first what is against the method: a simple rule that is better. Then where, and which other is better."""
+    beaten, others, cells, sure = [], [], 0, 0
     for task in results.tasks:
         for condition in results.conditions(task):
             accuracies = results.final_accuracies(task, condition)
@@ -147,21 +154,25 @@ def _first_paragraph(results: Results) -> str:
             if exceeds(controls[best], ours):
                 rivals = [accuracies[name] for name in controls if name != best]
                 p = control_test(accuracies[best], rivals, accuracies[PAPER_METHOD])
+                sure += p < SIGNIFICANT
                 where = f'{task}, {condition_name(condition)}'
                 beaten.append(f'{where}: {best} {controls[best]:.3f}, {PAPER_METHOD} {ours:.3f} ({p_text(p)})')
     if not cells:
-        return _not_compared(results.strategies)
-    if not beaten:
+        return _not_compared(results.strategies), ''
+    parts = []
+    if beaten:
+        where = f'{len(beaten)} of {number_of(cells, "cell")}'
+        finding = f'**A simple control is more accurate, in the mean, than {PAPER_METHOD} in {where}**, significantly'
+        finding += f' in {sure}. {ABOUT_CONTROLS}'
+        how = 'one-tailed Mann-Whitney U tests, Holm-corrected for the number of controls'
+        parts += [f'The best control of each cell ({how}):', '\n'.join(f'- {line}' for line in beaten)]
+    else:
         where = 'In the only cell no control is' if cells == 1 else f'In none of the {cells} cells is a control'
-        return f'{where} more accurate, in the mean, than {PAPER_METHOD}.'
-    where = f'{len(beaten)} of {number_of(cells, "cell")}'
-    how_often = f'**A simple control is more accurate, in the mean, than {PAPER_METHOD} in {where}**'
-    how = 'the best control of each; one-tailed Mann-Whitney U tests, Holm-corrected for the number of controls'
-    parts = [f'{how_often} ({how}):', '\n'.join(f'- {line}' for line in beaten)]
+        finding = f'{where} more accurate, in the mean, than {PAPER_METHOD}.'
     if others:
         listed = '\n'.join(f'- {line}' for line in others)
         parts.append(f'Other strategies of the paper are more accurate than it in these cells:\n\n{listed}')
-    return '\n\n'.join(parts)
+    return finding, '\n\n'.join(parts)
 
 
 def _not_compared(strategies: Sequence[str]) -> str:
@@ -175,7 +186,19 @@ def _not_compared(strategies: Sequence[str]) -> str:
     return f'No control was played in the same cell as {PAPER_METHOD}.'
 
 
-def _second_paragraph(results: Results, change_intervals: Mapping[str, int]) -> str:
+def _conclusions(found: Iterable[Verdict]) -> Iterator[str]:
+    """List the claims of the paper that hold, and those that do not, each with where."""
+    wheres: dict[bool | None, dict[str, list[str]]] = defaultdict(lambda: defaultdict(list))
+    for verdict in found:
+        where, _, claim = verdict.claim.partition(': ')
+        wheres[verdict.reproduced][claim].append(where)
+    for reproduced, word in ((True, 'hold'), (False, 'do not hold')):
+        if wheres[reproduced]:
+            claims = (f'- {"; ".join(where)}: {claim}' for claim, where in wheres[reproduced].items())
+            yield '\n'.join([f'These claims of the paper {word}:', '', *claims])
+
+
+def _count_claims(results: Results, change_intervals: Mapping[str, int]) -> str:
     """Count the claims of the paper that hold."""
     counts = []
     for samples in dict.fromkeys((results.samples[:PAPER_SAMPLES], results.samples)):
@@ -187,7 +210,7 @@ def _second_paragraph(results: Results, change_intervals: Mapping[str, int]) -> 
         counts.append(
             f'{len(held)} of {len(found)} are reproduced on {_count(samples).lower()} ({sure} of them by construction)'
         )
-    return f"Of the paper's claims below, {', '.join(counts)}."
+    return f"Of the paper's claims, {', '.join(counts)}."
 
 
 def _claims(results: Results, change_intervals: Mapping[str, int]) -> list[str]:

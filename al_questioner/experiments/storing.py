@@ -28,7 +28,7 @@ class Store:
     """The folder of an experiment: a manifest, a file for each finished cell, and the tables made from them.
 
     Raises:
-        InputError: the folder cannot be written to, or holds an experiment that cannot be gone on with: of another
+        InputError: the folder cannot be written to, or holds an experiment that cannot be continued: of another
             version of the method, or with other variations or worlds.
     """
 

@@ -1,4 +1,4 @@
-"""Resemblance of a questioner with given weights to an expert whom it was not trained on."""
+"""Resemblance of a questioner with given weights to an expert that it was not trained on."""
 
 from __future__ import annotations
 
@@ -70,15 +70,15 @@ def imitate(
     Raises:
         InputError: the demonstration took place in no world that can be played in.
     """
-    choice = demonstration.choice
+    world_spec = demonstration.world_spec
     feature_set = demonstration.feature_set
     named = dict(zip(feature_set.names, map(float, weights), strict=True))
     settings = dataclasses.replace(demonstration.settings, strategy=feature_set.strategy, weights=named)
     if amplitude is not None:
         settings = dataclasses.replace(settings, amplitude=amplitude)
     learner = FeatureRecorder(make_strategy(settings.strategy, named), feature_set)
-    episode = Episode(settings, random_stream(choice.seed, 'learner'), demonstration.view_tolerance, learner)
-    played = [decision for decision, _ in islice(turns(episode, world, teacher_of(choice)), demonstration.turns)]
+    episode = Episode(settings, random_stream(world_spec.seed, 'learner'), demonstration.view_tolerance, learner)
+    played = [decision for decision, _ in islice(turns(episode, world, teacher_of(world_spec)), demonstration.turns)]
     counts = np.mean([decision.features[decision.chosen] for decision in played], axis=0)
     return Imitation(np.asarray(counts), episode.records)
 

@@ -48,9 +48,9 @@ def is_same_episode(one: RecordedEpisode, other: RecordedEpisode) -> bool:
 
     Of the same `episode_id` one may have ended earlier than the other.
     """
-    if one.begun.settings != other.begun.settings:
+    if one.started.settings != other.started.settings:
         return False
-    if one.turns_over != other.turns_over and one.begun.episode_id != other.begun.episode_id:
+    if one.turns_over != other.turns_over and one.started.episode_id != other.started.episode_id:
         return False
     return all(_shown(ours) == _shown(theirs) for ours, theirs in zip(one.turns, other.turns, strict=False))
 
@@ -68,24 +68,24 @@ def demonstration_of(
     Raises:
         BagError: its decisions hold no decision features, or chose what was not considered.
     """
-    begun = episode.begun
+    started = episode.started
     try:
         # A bag holds the decision features; all others are those of what the learner knew at the time.
         as_recorded = feature_set.names == DECISION_FEATURES
         decisions = [turn.decision for turn in episode.turns] if as_recorded else decisions_anew(episode, feature_set)
         steps = steps_of(decisions)
     except InputError as error:
-        raise BagError(f'{episode.source}: strategy {begun.settings.strategy}: {error}') from error
+        raise BagError(f'{episode.source}: strategy {started.settings.strategy}: {error}') from error
     return Demonstration(
         name=name,
-        settings=begun.settings,
-        world=None if begun.world is None else _world(begun.world, begun.settings.symbols),
+        settings=started.settings,
+        world=None if started.world is None else _world(started.world, started.settings.symbols),
         turns=episode.turns_over,
         steps=steps,
         feature_names=episode.feature_names,
         queries=episode.records,
         change_turns=episode.change_turns,
-        view_tolerance=begun.view_tolerance,
+        view_tolerance=started.view_tolerance,
         feature_set=feature_set,
     )
 
@@ -97,7 +97,7 @@ def decisions_anew(episode: RecordedEpisode, feature_set: FeatureSet) -> Iterato
         InputError: the recorded candidates are not those that the episode's scenes and settings make.
     """
     follower = _Follower()
-    replay = Replay(episode.begun, FeatureRecorder(follower, feature_set))
+    replay = Replay(episode.started, FeatureRecorder(follower, feature_set))
     for event in episode.events:
         if isinstance(event, ActionChosen):
             follower.decision = event.weighed
@@ -131,9 +131,9 @@ def _world(members: Document, symbols: tuple[str, ...]) -> WorldSpec | UnknownWo
     name = members['task']
     try:
         dataset = Path(members['dataset']) if members['dataset'] else None
-        choice = WorldSpec(load_task(name), members['seed'], members['sample'], dataset)
+        world_spec = WorldSpec(load_task(name), members['seed'], members['sample'], dataset)
     except InputError as error:
         return UnknownWorld(name, str(error))
-    if choice.task.symbols != symbols:
+    if world_spec.task.symbols != symbols:
         return UnknownWorld(name, f'the task {name} that is known here has other symbols')
-    return choice
+    return world_spec

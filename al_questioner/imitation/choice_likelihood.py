@@ -54,7 +54,7 @@ def negative_log_likelihood(
 
 
 def fit_choices(
-    demonstrations: Sequence[Demonstration], importance: NDArray[np.float64] | None = None, ridge: float = RIDGE
+    demonstrations: Sequence[Demonstration], importance: NDArray[np.float64] | None = None, ridge: float = RIDGE.default
 ) -> Array:
     """Find the (F,) weights under which the expert's choices are most probable.
 

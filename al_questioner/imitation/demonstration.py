@@ -93,8 +93,8 @@ class Demonstration:
         return self.world.task_name if isinstance(self.world, UnknownWorld) else self.world.task.name
 
     @property
-    def choice(self) -> WorldSpec:
-        """The simulated world it took place in.
+    def world_spec(self) -> WorldSpec:
+        """Specification of the simulated world that it took place in.
 
         Raises:
             InputError: it cannot be played in.
@@ -109,7 +109,7 @@ class Demonstration:
         Raises:
             InputError: there is none, it cannot be opened, or things look otherwise in it than they were recorded.
         """
-        world = PerceivedWorld(self.choice.open())
+        world = PerceivedWorld(self.world_spec.open())
         if self.feature_names and world.scene(1).feature_names != self.feature_names:
             raise self._unplayable(f'its objects have other features than those of {self.task_name}')
         return world
@@ -162,9 +162,9 @@ def step_of(decision: Decision) -> Step:
     return Step(decision.turn, actions, features, int(chosen[0]))
 
 
-def teacher_of(choice: WorldSpec) -> ScriptedTeacher:
+def teacher_of(world_spec: WorldSpec) -> ScriptedTeacher:
     """Make the teacher of rollouts: as in the demonstrations that ship, it shows things that are known already."""
-    return ScriptedTeacher(choice.task.symbols, choice.task.relevant_groups, choice.seed, repeat_shown=True)
+    return ScriptedTeacher(world_spec.task.symbols, world_spec.task.relevant_groups, world_spec.seed, repeat_shown=True)
 
 
 def all_steps(demonstrations: Sequence[Demonstration]) -> Iterator[Step]:

@@ -90,13 +90,13 @@ class Simulator:
     def __exit__(self, kind: type[BaseException] | None, *_: object) -> None:
         if self._pool is not None:
             if kind is not None:
-                # Nobody waits for what they are at. Only Python 3.14 has a public way to say so.
+                # The results of the running jobs are not needed. Only Python 3.14 has a public way to say so.
                 for process in (self._pool._processes or {}).values():
                     process.terminate()
             self._pool.shutdown(cancel_futures=True)
 
     def roll_out(self, weights: Array, count: int, stream: str) -> list[list[Rollout]]:
-        """Play so many rollouts with these weights, (F,), for each demonstration; the stream names their randomness."""
+        """Play rollouts with these weights, (F,), for each demonstration; the stream names their randomness."""
         stages = range(len(self._stages))
         tasks = [(stage, weights, f'{stream}/{number}') for stage in stages for number in range(count)]
         if self._pool is None:
@@ -111,11 +111,11 @@ class _Stage:
 
     def __init__(self, demonstration: Demonstration) -> None:
         try:
-            choice, self._world = demonstration.choice, demonstration.open_world()
+            world_spec, self._world = demonstration.world_spec, demonstration.open_world()
         except InputError as error:
             raise InputError(f'{error}; use --method choice, which needs none') from error
-        self._seed = choice.seed
-        self._teacher = teacher_of(choice)
+        self._seed = world_spec.seed
+        self._teacher = teacher_of(world_spec)
         self._settings, self._tolerance = demonstration.settings, demonstration.view_tolerance
         self._feature_set = demonstration.feature_set
         # Of a demonstration that was cut off, a rollout is to be compared with what there is.

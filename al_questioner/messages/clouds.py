@@ -35,7 +35,7 @@ _DECISION_FIELDS = (
 """Fields that every decision cloud has; old recordings have no positions."""
 
 MAXIMAL_OBJECTS = 2_000
-"""Largest number of objects in a scene; with so many, one turn takes about half a minute to compute."""
+"""Largest number of objects in a scene; with this number, one turn takes about half a minute to compute."""
 MAXIMAL_CANDIDATES = 100_000
 """Largest number of candidates in a decision."""
 MAXIMAL_FIELDS = 10_000

@@ -6,15 +6,12 @@ import math
 from typing import Any
 
 from al_questioner.domain import (
-    AMPLITUDE,
     BUDGET,
     CHANGE_INTERVAL,
     COSTS,
     LARGEST_TURN,
-    LENGTH_SCALE,
     SAME_VIEW,
     SAYABLE_OUTCOMES,
-    TUNE_EVERY,
     TURNS,
     Outcome,
     QueryKind,
@@ -103,9 +100,10 @@ SCHEMAS: dict[str, JsonSchema] = {
             'world': {'oneOf': [_WORLD, {'type': 'null'}]},
         },
         {
-            'tune_every': _member(TUNE_EVERY),
-            'amplitude': _member(AMPLITUDE),
-            'length_scale': {'anyOf': [_member(LENGTH_SCALE), {'type': 'null'}]},
+            # Wider than the settings, as it has always been.
+            'tune_every': _COUNT,
+            'amplitude': _POSITIVE,
+            'length_scale': {'anyOf': [_POSITIVE, {'type': 'null'}]},
             'view_tolerance': _member(SAME_VIEW),
         },
     ),

@@ -18,8 +18,8 @@ from al_questioner.questioning.strategies.dt_iros import DtIros
 from al_questioner.questioning.strategies.dt_task import DtTask
 from al_questioner.questioning.strategies.expected_utility import expected_features
 from al_questioner.questioning.strategies.feature_sets import FEATURE_SETS, FeatureRecorder, FeatureSet
-from al_questioner.questioning.strategies.human import Human, ReplayedPicks
-from al_questioner.questioning.strategies.registry import STRATEGIES, known_strategies, make_strategy
+from al_questioner.questioning.strategies.human import Human, Picker
+from al_questioner.questioning.strategies.registry import STRATEGIES, make_strategy
 from al_questioner.questioning.strategies.subset_first import UnlabelledFirst
 from al_questioner.questioning.strategies.uncertainty_sampling import UncertaintySampling
 from al_questioner.questioning.strategies.weights import Weights, load_weights, read_weights, shipped_file
@@ -36,9 +36,9 @@ __all__ = [
     'FeatureRecorder',
     'FeatureSet',
     'Human',
+    'Picker',
     'PreparedAnswer',
     'Receipt',
-    'ReplayedPicks',
     'Strategy',
     'Teacher',
     'TurnContext',
@@ -48,7 +48,6 @@ __all__ = [
     'choose_best',
     'expected_features',
     'has_asked',
-    'known_strategies',
     'load_weights',
     'make_strategy',
     'new_concept_learner',

@@ -41,12 +41,14 @@ class PreparedAnswer:
 
     Attributes:
         record: what comes of its query; None if it is not accepted.
+        reason: why it is not; empty if it is.
         is_kept: whether it changes anything: not if it was heard before, or if too many others are late as well.
     """
 
     answer: Answer
     receipt: Receipt
     record: QueryRecord | None = None
+    reason: str = ''
     is_kept: bool = True
 
 

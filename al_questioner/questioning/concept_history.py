@@ -7,13 +7,12 @@ from functools import partial
 import numpy as np
 from numpy.typing import NDArray
 
-from al_questioner.concepts import VIEW_TOLERANCE, ConceptLearner, ViewMemory
+from al_questioner.concepts import VIEW_TOLERANCE, ConceptLearner, Selector, ViewMemory
 from al_questioner.concepts.view_memory import corrected
 from al_questioner.domain import AUTO, EpisodeSettings, Outcome, QueryRecord, Scene, ViewTolerance
 from al_questioner.questioning.initial_concepts import new_concept_learner
 from al_questioner.questioning.query_status import QueryBook
 from al_questioner.questioning.reliability import label_beliefs
-from al_questioner.questioning.strategies.choice import Strategy
 
 
 class ConceptHistory:
@@ -26,10 +25,10 @@ class ConceptHistory:
     """
 
     def __init__(
-        self, settings: EpisodeSettings, view_tolerance: ViewTolerance, strategy: Strategy, queries: QueryBook
+        self, settings: EpisodeSettings, view_tolerance: ViewTolerance, selector: Selector | None, queries: QueryBook
     ) -> None:
         tolerance = VIEW_TOLERANCE if view_tolerance == AUTO else view_tolerance
-        self._new_concepts = partial(new_concept_learner, settings, tolerance, strategy)
+        self._new_concepts = partial(new_concept_learner, settings, selector, tolerance)
         self._views = ViewMemory() if view_tolerance == AUTO else None
         self._queries = queries
         self._tuned_turns: set[int] = set()

@@ -50,6 +50,7 @@ class Episode:
         strategy: who decides; if not given, `make_strategy` makes the one that the settings name.
 
     Attributes:
+        strategy: who decides.
         answers: what was said to the queries.
 
     Raises:
@@ -66,9 +67,9 @@ class Episode:
         self.settings = settings
         self.answers = AnswerHistory()
         self._rng = rng
-        self._strategy = make_strategy(settings.strategy, settings.weights) if strategy is None else strategy
+        self.strategy = make_strategy(settings.strategy, settings.weights) if strategy is None else strategy
         self._queries = QueryBook()
-        self._history = ConceptHistory(settings, view_tolerance, self._strategy, self._queries)
+        self._history = ConceptHistory(settings, view_tolerance, self.strategy.selector, self._queries)
         self._look_ahead = LastResult()
         self._non_query_turns = 0
         self._scene_turn = 1
@@ -198,7 +199,7 @@ class Episode:
             look_ahead=self._look_ahead,
         )
         pending = self.pending
-        choice = self._strategy.choose(context, self._rng) if pending is None else ask_nothing(context)
+        choice = self.strategy.choose(context, self._rng) if pending is None else ask_nothing(context)
         self._history.begin_turn(scene)
         self._scene_turn = scene_turn
         query = self._query(context.candidates[choice.index], scene)
@@ -243,20 +244,23 @@ class Episode:
         """
         prepared = self.prepare(answer)
         if prepared.record is None:
-            reason = self.answers.why_not(answer, prepared.receipt)
-            raise AnswerError(f'the answer {answer.answer_id!r} to query {answer.query_id!r} does not count: {reason}')
+            which = f'the answer {answer.answer_id!r} to query {answer.query_id!r}'
+            raise AnswerError(f'{which} does not count: {prepared.reason}')
         self.commit(prepared)
         return prepared.record
 
-    def take(self, answer: Answer) -> Receipt:
+    def take(self, answer: Answer) -> PreparedAnswer:
         """Take an answer for what it is: each counts once, however often it is sent, and a late one is only kept.
+
+        Returns:
+            What became of it.
 
         Raises:
             AnswerError: it is invalid, see `prepare`.
         """
         prepared = self.prepare(answer)
         self.commit(prepared)
-        return prepared.receipt
+        return prepared
 
     def prepare(self, answer: Answer) -> PreparedAnswer:
         """Check an answer, and say what `commit` will do with it; nothing changes.
@@ -270,8 +274,9 @@ class Episode:
                 the one that it replaces was not, or was replaced already.
         """
         receipt = self.answers.receipt_for(answer)
+        reason = self.answers.why_not(answer, receipt)
         if receipt is Receipt.DUPLICATE:
-            return PreparedAnswer(answer, receipt, is_kept=False)
+            return PreparedAnswer(answer, receipt, reason=reason, is_kept=False)
         query = self._queries.by_id.get(answer.query_id)
         if query is None:
             if self.pending is None:
@@ -281,7 +286,7 @@ class Episode:
         scene = self._scene_of(query)
         object_id, symbol, groups = content_of(answer, query.action, self.settings.symbols, self.concepts.groups, scene)
         if receipt is Receipt.LATE:
-            return PreparedAnswer(answer, receipt, is_kept=self.answers.keeps_late(answer))
+            return PreparedAnswer(answer, receipt, reason=reason, is_kept=self.answers.keeps_late(answer))
         before = self._queries.record_of(query)
         if answer.replaces is None or before is None:
             answered_in = None if query.turn == self.turn else self.turn
@@ -300,7 +305,11 @@ class Episode:
             self.answers.take(answer, query)
             self._history.learn(record, is_correction=answer.replaces is not None)
         elif prepared.is_kept:
-            self.answers.keep_late(answer)
+            self.keep_late(answer)
+
+    def keep_late(self, answer: Answer) -> None:
+        """Keep an answer that is known to be late; a replay has it from what was recorded."""
+        self.answers.keep_late(answer)
 
     def tune(self) -> bool:
         """Re-optimise the kernel if this turn is one for it; call it at the end of a turn, when nobody waits.

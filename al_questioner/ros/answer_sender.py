@@ -30,7 +30,7 @@ class AnswerSender:
         return self._retransmitter.message
 
     def send(self, answer: Answer, delay: float = 0.0) -> None:
-        """Send an answer after so many seconds, in place of any other that is not acknowledged yet.
+        """Send an answer after a delay in seconds, in place of any other that is not acknowledged yet.
 
         If this answer is being sent already, nothing changes, so that a repeated question does not delay it.
         """

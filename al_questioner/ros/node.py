@@ -1,4 +1,4 @@
-"""The base of all nodes: a worker thread, counted refusals, and diagnostics."""
+"""The base of all nodes: a worker thread, counted rejections, and diagnostics."""
 
 from __future__ import annotations
 
@@ -41,7 +41,7 @@ MAXIMAL_WAITING = 1000
 """Messages of a topic that is not latched."""
 
 NO_WARNINGS = PublisherEventCallbacks(use_default_callbacks=False)
-"""Whom a publisher does not suit is told once a second, with its name: see `unserved`."""
+"""A warning that names the subscribers that a publisher does not suit comes once a second: see `unserved`."""
 
 SECONDS_FOR_PUBLISHER = 10.0
 """Seconds without a publisher of what the node waits for, after which it warns."""
@@ -51,22 +51,35 @@ RECORDER = 'recorder'
 SECONDS_FOR_RECORDER = 10.0
 """Seconds without a recorder, after which a node that waits for one warns."""
 
-REFUSALS_PER_SECOND = 10
+REJECTIONS_PER_SECOND = 10
 """Refusals that are logged each second, one for each reason. The rest is counted."""
 DETAIL = re.compile(r"""'[^']*'|"[^"]*"|\S*[\d_]\S*|\b(nan|inf)\b""")
 """Names and numbers, by which refusals for one reason differ."""
-REFUSAL_SHOWN = 60.0
+REJECTION_SHOWN = 60.0
 """Seconds for which a refusal makes the node's status a warning; its count stays."""
 
 
-class QuestionerNode(Node):
+class _LeavesOnError(type):
+    """Type of nodes that leave the graph if their constructor refuses its input: their timers keep them alive."""
+
+    def __call__(cls: Any, *arguments: Any, **node_arguments: Any) -> Any:
+        node = object.__new__(cls)
+        try:
+            node.__init__(*arguments, **node_arguments)
+        except InputError:
+            QuestionerNode.destroy_node(node)
+            raise
+        return node
+
+
+class QuestionerNode(Node, metaclass=_LeavesOnError):
     """A node whose callbacks only hand messages to its worker.
 
     Input that cannot be used is refused: counted, logged, and shown on /diagnostics; the node goes on.
 
     Args:
         name: of the node.
-        topics: whose quality of service parameters may override, be they this node's or those of its neighbours.
+        topics: whose quality of service parameters may override, of this node or of its neighbours.
         node_arguments: of rclpy's node.
 
     Raises:
@@ -75,22 +88,22 @@ class QuestionerNode(Node):
 
     def __init__(self, name: str, topics: Collection[str] = qos.TOPICS, **node_arguments: Any) -> None:
         super().__init__(name, **node_arguments)
+        self._worker = Worker(name, self._failed)
         check_overrides(self, topics)
         self.episode_id = ''
         self._advertised: list[str] = []
         self._hearings: list[FlexibleSubscription] = []
-        self._refused: Counter[str] = Counter()
-        self._last_refusal = ''
-        self._refused_at = -math.inf
-        self._said = RepeatLimiter(REFUSALS_PER_SECOND, 1.0)
+        self._rejected: Counter[str] = Counter()
+        self._last_rejection = ''
+        self._rejected_at = -math.inf
+        self._said = RepeatLimiter(REJECTIONS_PER_SECOND, 1.0)
         self._failure = ''
         self._activity = 'starting'
         self._awaited = ''
         self._began = time.monotonic()
         self._overdue = math.inf
         self._said_overdue = False
-        self._concerns: list[str] = []
-        self._worker = Worker(name, self._failed)
+        self._last_warnings: list[str] = []
         self._diagnostics = self.advertise(DiagnosticArray, '/diagnostics', qos.DIAGNOSTICS)
         steady = Clock(clock_type=ClockType.STEADY_TIME)
         self.create_timer(DIAGNOSTICS_PERIOD, self._publish_diagnostics, clock=steady)
@@ -100,10 +113,11 @@ class QuestionerNode(Node):
         """Set all of the parameters, or none, as `ros2 param set` asks for; rclpy's own refusals say less."""
         unknown = [one.name for one in parameter_list if not self.has_parameter(one.name)]
         if unknown:
-            return _refused(f'no parameter {", ".join(unknown)}; known: {", ".join(self.get_parameters_by_prefix(""))}')
+            known = ', '.join(self.get_parameters_by_prefix(''))
+            return _rejection(f'no parameter {", ".join(unknown)}; known: {known}')
         fixed = [one.name for one in parameter_list if self.describe_parameter(one.name).read_only]
         if fixed:
-            return _refused(f'{", ".join(fixed)}: only read when the node starts: -p NAME:=VALUE')
+            return _rejection(f'{", ".join(fixed)}: only read when the node starts: -p NAME:=VALUE')
         return super().set_parameters_atomically(parameter_list)
 
     def advertise(self, message_type: type, topic: str, profile: QoSProfile) -> Publisher:
@@ -154,7 +168,7 @@ class QuestionerNode(Node):
         self.on_message(String, kind, lambda message: job(documents.read(kind, message.data)), profile)
 
     def after(self, seconds: float, job: Callable[[], None]) -> Cancel:
-        """Have the worker do a job once, so many seconds from now by the steady clock.
+        """Have the worker do a job once, after these seconds of the steady clock.
 
         Returns:
             A function that calls the job off.
@@ -163,9 +177,9 @@ class QuestionerNode(Node):
 
     def reject(self, topic: str, reason: str) -> None:
         """Count and show input that cannot be used."""
-        self._refused[topic] += 1
-        self._last_refusal = f'{topic}: {reason}'
-        self._refused_at = time.monotonic()
+        self._rejected[topic] += 1
+        self._last_rejection = f'{topic}: {reason}'
+        self._rejected_at = time.monotonic()
         if self._said.passes(f'{topic}: {DETAIL.sub("", reason)}'):
             more = self._said.held_back()
             others = f' ({number_of(more, "other refusal was", "other refusals were")} only counted)' if more else ''
@@ -215,7 +229,7 @@ class QuestionerNode(Node):
         return names
 
     def health_warning(self) -> str:
-        """Something around the node that somebody should see to, for /diagnostics, where it is a warning; else empty.
+        """Return a warning for /diagnostics about what surrounds the node and needs attention; empty if there is none.
 
         It is asked by the executor's thread once a second.
         """
@@ -223,7 +237,7 @@ class QuestionerNode(Node):
 
     def counts(self) -> Mapping[str, int]:
         """Return the counters of the node, for /diagnostics."""
-        return {f'refused on {topic}': count for topic, count in dict(self._refused).items()}
+        return {f'refused on {topic}': count for topic, count in dict(self._rejected).items()}
 
     def measurements(self) -> Mapping[str, str]:
         """Return the measurements of the node, in words, for /diagnostics."""
@@ -274,15 +288,15 @@ class QuestionerNode(Node):
             if not self._said_overdue:
                 self._said_overdue = True
                 self.get_logger().warning(f'{message}: is everything running that should be?')
-        concerns = [*filter(None, [self.health_warning()]), *self._mismatches()]
-        if concerns:
-            level, message = DiagnosticStatus.WARN, '; '.join([self._activity, *concerns])
-            for health_warning in concerns:
-                if health_warning not in self._concerns:
-                    self.get_logger().warning(health_warning)
-        self._concerns = concerns
-        if time.monotonic() - self._refused_at < REFUSAL_SHOWN:
-            level, message = DiagnosticStatus.WARN, f'{self._activity}; refused {self._last_refusal}'
+        warnings = [*filter(None, [self.health_warning()]), *self._mismatches()]
+        if warnings:
+            level, message = DiagnosticStatus.WARN, '; '.join([self._activity, *warnings])
+            for warning in warnings:
+                if warning not in self._last_warnings:
+                    self.get_logger().warning(warning)
+        self._last_warnings = warnings
+        if time.monotonic() - self._rejected_at < REJECTION_SHOWN:
+            level, message = DiagnosticStatus.WARN, f'{self._activity}; refused {self._last_rejection}'
         if self._failure:
             level, message = DiagnosticStatus.ERROR, self._failure
         status = DiagnosticStatus(
@@ -299,5 +313,5 @@ class QuestionerNode(Node):
         self._diagnostics.publish(array)
 
 
-def _refused(reason: str) -> SetParametersResult:
+def _rejection(reason: str) -> SetParametersResult:
     return SetParametersResult(successful=False, reason=reason)

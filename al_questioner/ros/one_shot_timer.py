@@ -16,7 +16,7 @@ class OneShotTimer:
         self._cancel: Cancel | None = None
 
     def set(self, seconds: float) -> None:
-        """Set the timer to so many seconds from now; any earlier setting is cancelled."""
+        """Set the timer to this number of seconds from now; any earlier setting is cancelled."""
         self.clear()
         self._cancel = self._after(seconds, self._job)
 

@@ -64,7 +64,7 @@ def addresses(pattern: str, name: str) -> bool:
     return re.fullmatch(regex, name) is not None
 
 
-def refuse_files_without_parameters(arguments: Sequence[str]) -> None:
+def reject_files_without_parameters(arguments: Sequence[str]) -> None:
     """Refuse what ROS takes for a file without parameters.
 
     Raises:
@@ -109,7 +109,7 @@ def _ros_options(arguments: Sequence[str]) -> Iterator[tuple[str, str]]:
 def _names_in(path: str, warn: Callable[[str], None]) -> Iterator[str]:
     names, doubts = _names_and_doubts(path)
     for doubt in doubts:
-        # ROS has read it, and may take the last of two equal keys, or 010 for 8: whoever wrote it should know.
+        # ROS has read it, and may take the last of two equal keys, or 010 for 8: the author should know.
         warn(f'{doubt}; ROS took the file all the same')
     yield from names
 

@@ -28,7 +28,7 @@ def checked(setting: Setting[Any], value: object) -> Value:
     """Return a value in the type of its parameter.
 
     Raises:
-        InputError: another type, not finite, or outside the range.
+        InputError: another type, not finite, outside the range, or none of the choices.
     """
     if setting.word and value == setting.word:
         return setting.word
@@ -38,6 +38,9 @@ def checked(setting: Setting[Any], value: object) -> Value:
     if not isinstance(value, kind) or (isinstance(value, bool) and kind is not bool):
         expected = f"be a number or '{setting.word}'" if setting.word else f'be of type {kind.__name__}'
         raise InputError(f'parameter {setting.name} must {expected}, not {value!r}')
+    if setting.choices and value not in setting.choices:
+        known = ', '.join(setting.choices)
+        raise InputError(f'parameter {setting.name}: unknown {setting.name} {value!r}; known: {known}')
     if kind in (int, float):
         setting.check(value, f'parameter {setting.name}')
     return value
@@ -63,7 +66,7 @@ def descriptor(setting: Setting[Any]) -> ParameterDescriptor:
     return described
 
 
-def refuse_unknown(node: Node, known_elsewhere: Collection[str]) -> None:
+def reject_unknown(node: Node, known_elsewhere: Collection[str]) -> None:
     """Refuse parameters that were set but that no node has: most likely misspelt.
 
     What is known elsewhere are parameters of the other nodes, which a common file may set.

@@ -48,7 +48,7 @@ class Retransmitter(Generic[Message]):
         self._timer = OneShotTimer(after, self._transmit)
 
     def send(self, message: Message, delay: float = 0.0) -> None:
-        """Repeat this message, in place of an earlier one: for the first time after so many seconds, or at once."""
+        """Repeat this message, in place of an earlier one: for the first time after a delay in seconds, or at once."""
         self.message = message
         self._pause = self._back_off.first
         if delay > 0:

@@ -16,7 +16,7 @@ from rclpy.utilities import remove_ros_args, try_shutdown
 from al_questioner.domain import InputError
 from al_questioner.ros.node import QuestionerNode
 from al_questioner.ros.node_arguments import check_ros_arguments
-from al_questioner.ros.parameter_files import refuse_files_without_parameters, tell_what_has_no_effect, with_doubts
+from al_questioner.ros.parameter_files import reject_files_without_parameters, tell_what_has_no_effect, with_doubts
 
 TRANSPORTS = ('FASTDDS_BUILTIN_TRANSPORTS', 'UDPv4')
 """Environment variable for the transports of Fast DDS, and our value.
@@ -87,7 +87,7 @@ class Spinner:
         if self._interrupted.is_set():
             # The signal came before rclpy had a handler of its own.
             raise ExternalShutdownException
-        refuse_files_without_parameters(self._arguments)
+        reject_files_without_parameters(self._arguments)
         try:
             node = make()
         except InputError as error:

@@ -6,6 +6,7 @@ from collections.abc import Sequence
 from dataclasses import replace
 from typing import Any, TypeAlias
 
+from al_questioner.bags.settings import STORAGE
 from al_questioner.domain import (
     AMPLITUDE,
     BUDGET,
@@ -35,9 +36,9 @@ PERCEPTION_SETTINGS: Settings = (
     WAIT_FOR_RECORDER,
 )
 
-TEACHER_MODES = ('scripted', 'terminal')
+_OF_MODE = "who answers: scripted, or terminal: a person at this process's terminal"
 TEACHER_SETTINGS: Settings = (
-    Setting('mode', TEACHER_MODES[0], "who answers: scripted, or terminal: a person at this process's terminal"),
+    Setting('mode', 'scripted', _OF_MODE, choices=('scripted', 'terminal')),
     Setting('teacher_id', '', "name under which the answers are given; empty: scripted, or the person's login name"),
     WRONG_RATE,
     UNKNOWN_RATE,
@@ -69,7 +70,7 @@ LEARNER_SETTINGS: Settings = (
 
 RECORDER_SETTINGS: Settings = (
     Setting('bag', '', 'directory of the new bag; empty: al_questioner_ and the date and time'),
-    Setting('storage', 'mcap', 'format of the file: mcap or sqlite3'),
+    STORAGE,
     Setting('namespace_in_bag', '', 'under which the bag names the topics of this namespace; empty: their own'),
     Setting('until_done', False, 'end by itself when the learner says that its episode is over'),
 )

@@ -41,7 +41,7 @@ class Worker:
         self._thread.start()
 
     def submit(self, job: Job, delay: float = 0.0) -> Cancel:
-        """Run a job after so many seconds, or at once; ignored after the worker is stopped.
+        """Run a job after a delay in seconds, or at once; ignored after the worker is stopped.
 
         Returns:
             A function that cancels the job; it has no effect once the job has begun.
@@ -49,7 +49,7 @@ class Worker:
         return self._enter(job, delay)
 
     def inbox(self, handle: Callable[[Any], None], most: int) -> Callable[[Any], None]:
-        """Return a function that queues a message for `handle`; if so many wait already, the oldest is dropped.
+        """Return a function that queues a message for `handle`; if `most` wait already, the oldest is dropped.
 
         Otherwise the memory of a busy worker would fill with messages of a fast publisher, which are old when the
         worker handles them.

@@ -13,7 +13,7 @@ from fractions import Fraction
 import numpy as np
 from numpy.typing import NDArray
 
-from al_questioner.concepts import ConceptLearner, Kernel
+from al_questioner.concepts import ConceptLearner, Kernel, Selector
 from al_questioner.domain import EpisodeSettings, QueryRecord
 from al_questioner.questioning import new_concept_learner
 from al_questioner.simulation.perceived_world import PerceivedWorld
@@ -46,14 +46,14 @@ class EpisodeResult:
     """Result of an episode.
 
     Attributes:
-        choice, settings: world and settings of the episode.
+        world_spec, settings: world and settings of the episode.
         queries: every query, in order.
         accuracy: on the held-out observations, after each turn.
         test_size: number of held-out observations.
         kernel: kernel of the learner's models after the last turn.
     """
 
-    choice: WorldSpec
+    world_spec: WorldSpec
     settings: EpisodeSettings
     queries: tuple[QueryRecord, ...]
     accuracy: tuple[float, ...]
@@ -75,16 +75,24 @@ class Evaluation:
     """Evaluation that follows an episode turn by turn and measures accuracy on held-out observations.
 
     Args:
-        choice: the world of the episode.
+        world_spec: of the world of the episode.
         settings: settings of the episode.
+        selector: selects features computationally, as the strategy of the episode does; None for none.
         world: that world, if it is open already: episodes that share it draw and measure every view once.
     """
 
-    def __init__(self, choice: WorldSpec, settings: EpisodeSettings, world: PerceivedWorld | None = None) -> None:
-        self.choice = choice
+    def __init__(
+        self,
+        world_spec: WorldSpec,
+        settings: EpisodeSettings,
+        selector: Selector | None,
+        world: PerceivedWorld | None = None,
+    ) -> None:
+        self.world_spec = world_spec
         self.settings = settings
-        self.world = PerceivedWorld(choice.open()) if world is None else world
-        self._concepts = new_concept_learner(settings)
+        self.world = PerceivedWorld(world_spec.open()) if world is None else world
+        self._selector = selector
+        self._concepts = new_concept_learner(settings, selector)
         self._features, self._labels = self.world.test_set
         self._queries: list[QueryRecord] = []
         self._accuracy: list[float] = []
@@ -127,7 +135,7 @@ class Evaluation:
         if followed == self._queries:
             return
         turns, by_turn = self.turn, {record.turn: record for record in followed}
-        self._concepts = new_concept_learner(self.settings)
+        self._concepts = new_concept_learner(self.settings, self._selector)
         self._queries, self._accuracy, self._measured_version = [], [], -1
         for turn in range(1, turns + 1):
             self.next_turn(by_turn.get(turn))
@@ -135,7 +143,7 @@ class Evaluation:
     def result(self) -> EpisodeResult:
         """Return the result of the episode so far."""
         return EpisodeResult(
-            self.choice,
+            self.world_spec,
             self.settings,
             tuple(self._queries),
             tuple(self._accuracy),

@@ -52,17 +52,17 @@ class MadeUpWorld(SimulatedWorld):
         groups = ', '.join(self.relevant_groups)
         return f'dry run on made-up features: {groups} {matter}, {self._irrelevant_group} does not'
 
-    def _observe(self, sight: ViewSpec, object_id: int) -> Observation:
-        rng = random_stream(self._sample_number, f'made up/observation/{sight.key}')
+    def _observe(self, view_spec: ViewSpec, object_id: int) -> Observation:
+        rng = random_stream(self._sample_number, f'made up/observation/{view_spec.key}')
         relevant = len(self.relevant_groups) * FEATURES_PER_GROUP
-        kind = sight.thing.kind
+        kind = view_spec.thing.kind
         centre = self._drawn(f'symbol/{kind.symbol if kind.symbol != NO_SYMBOL else kind.name}', relevant)
         centre = centre + KIND_SPREAD * self._drawn(f'kind/{kind.name}', relevant)
-        centre = centre + STATE_SPREAD * self._drawn(f'state/{kind.name}/{sight.state}', relevant)
+        centre = centre + STATE_SPREAD * self._drawn(f'state/{kind.name}/{view_spec.state}', relevant)
         values = [*(centre + rng.normal(0, VIEW_SPREAD, relevant)), *rng.normal(0, 1, FEATURES_PER_GROUP)]
         groups = (*self.relevant_groups, self._irrelevant_group)
         names = [f'{group}_{number}' for group in groups for number in range(1, FEATURES_PER_GROUP + 1)]
-        position = position_of(sight, self._task, rng)
+        position = position_of(view_spec, self._task, rng)
         return Observation(object_id, position, UNSEEN, dict(zip(names, map(float, values), strict=True)))
 
     def _drawn(self, what: str, count: int) -> NDArray[np.float64]:

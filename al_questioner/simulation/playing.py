@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Iterator
 
 from al_questioner.domain import Decision, EpisodeSettings, QueryRecord, random_stream
-from al_questioner.questioning import Episode, Strategy, Teacher
+from al_questioner.questioning import Episode, Strategy, Teacher, make_strategy
 from al_questioner.simulation.evaluation import EpisodeResult, Evaluation
 from al_questioner.simulation.perceived_world import PerceivedWorld
 from al_questioner.simulation.world_spec import WorldSpec
@@ -15,7 +15,7 @@ TurnWatcher = Callable[[int, QueryRecord | None, float], None]
 
 
 def run_episode(
-    choice: WorldSpec,
+    world_spec: WorldSpec,
     settings: EpisodeSettings,
     teacher: Teacher,
     watch: TurnWatcher | None = None,
@@ -25,23 +25,22 @@ def run_episode(
     """Play an episode in one process, as the three nodes do, without ROS.
 
     Args:
-        choice: the world; its seed is the learner's too.
+        world_spec: of the world; its seed is the learner's too.
         settings: settings of the episode.
         teacher: answers the queries.
         watch: called after each turn.
-        world: the world of the choice, if it is open already.
+        world: the world, if it is open already.
         strategy: decides instead of the strategy that the settings name.
     """
-    evaluation = Evaluation(choice, settings, world)
-    play(evaluation, teacher, watch, strategy)
+    strategy = make_strategy(settings.strategy, settings.weights) if strategy is None else strategy
+    evaluation = Evaluation(world_spec, settings, strategy.selector, world)
+    play(evaluation, strategy, teacher, watch)
     return evaluation.result()
 
 
-def play(
-    evaluation: Evaluation, teacher: Teacher, watch: TurnWatcher | None = None, strategy: Strategy | None = None
-) -> None:
+def play(evaluation: Evaluation, strategy: Strategy, teacher: Teacher, watch: TurnWatcher | None = None) -> None:
     """Play the episode that an evaluation is about to follow, see `run_episode`."""
-    episode = Episode(evaluation.settings, random_stream(evaluation.choice.seed, 'learner'), strategy=strategy)
+    episode = Episode(evaluation.settings, random_stream(evaluation.world_spec.seed, 'learner'), strategy=strategy)
     for decision, record in turns(episode, evaluation.world, teacher):
         accuracy_now = evaluation.next_turn(record, episode.concepts)
         if watch is not None:

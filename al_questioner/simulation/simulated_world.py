@@ -14,10 +14,10 @@ from al_questioner.simulation.task import Task
 
 
 class _PlacedView(NamedTuple):
-    """An object of a scene: its id, and the view of the training pool that shows it."""
+    """An object of a scene: its id, and the row of the training pool whose view shows it."""
 
     object_id: int
-    sight: int
+    pool_row: int
 
 
 class SimulatedWorld:
@@ -53,12 +53,11 @@ class SimulatedWorld:
 
     def truth(self, turn: int) -> Mapping[int, str]:
         """Return the symbols of a turn by object id, see `World.truth`."""
-        return {seen.object_id: self._sample.training[seen.sight].symbol for seen in self._seen(turn)}
+        return {seen.object_id: self._sample.training[seen.pool_row].symbol for seen in self._seen(turn)}
 
     def names(self, turn: int) -> Mapping[int, str]:
         """Return the name of each object with its state, in words: for pictures and logs that people read."""
-        sights = {seen.object_id: self._sample.training[seen.sight] for seen in self._seen(turn)}
-        return {object_id: describe(sight) for object_id, sight in sights.items()}
+        return {seen.object_id: describe(self._sample.training[seen.pool_row]) for seen in self._seen(turn)}
 
     def change_turns(self, turns: int) -> list[int]:
         """Return the turns that begin with a scene change, see `World.change_turns`."""
@@ -72,7 +71,7 @@ class SimulatedWorld:
 
     def training_labels(self) -> tuple[str, ...]:
         """Return the symbols of the training pool, see `World.training_labels`."""
-        return tuple(sight.symbol for sight in self._sample.training)
+        return tuple(view_spec.symbol for view_spec in self._sample.training)
 
     def test_observations(self) -> tuple[Observation, ...]:
         """Return the test observations, see `World.test_observations`; the ids number the observations."""
@@ -80,15 +79,15 @@ class SimulatedWorld:
 
     def test_labels(self) -> tuple[str, ...]:
         """Return the symbols of the test observations, see `World.test_labels`."""
-        return tuple(sight.symbol for sight in self._sample.test)
+        return tuple(view_spec.symbol for view_spec in self._sample.test)
 
     def validation_observations(self) -> tuple[Observation, ...]:
         """Return the second draw, see `World.validation_observations`; the ids number the observations."""
-        return tuple(self._observe(sight, i) for i, sight in enumerate(self._validation))
+        return tuple(self._observe(view_spec, i) for i, view_spec in enumerate(self._validation))
 
     def validation_labels(self) -> tuple[str, ...]:
         """Return the symbols of the second draw, see `World.validation_labels`."""
-        return tuple(sight.symbol for sight in self._validation)
+        return tuple(view_spec.symbol for view_spec in self._validation)
 
     def report(self) -> str:
         """Return an empty text, see `World.report`: there is nothing to say about a simulated world."""
@@ -96,26 +95,26 @@ class SimulatedWorld:
 
     @cached_property
     def _test_observations(self) -> tuple[Observation, ...]:
-        return tuple(self._observe(sight, i) for i, sight in enumerate(self._sample.test))
+        return tuple(self._observe(view_spec, i) for i, view_spec in enumerate(self._sample.test))
 
     @cached_property
     def _validation(self) -> tuple[ViewSpec, ...]:
         return make_validation(self._task, self._sample_number, self._kinds)
 
     @cached_property
-    def _sights_of(self) -> list[list[int]]:
-        """Views of the training pool by the slot of a scene that they may fill."""
+    def _rows_of(self) -> list[list[int]]:
+        """Rows of the training pool by the slot of a scene that they may fill."""
         of: list[list[int]] = [[] for _ in range(self._task.scenes.objects)]
-        for index, sight in enumerate(self._sample.training):
-            of[sight.thing.slot].append(index)
+        for index, view_spec in enumerate(self._sample.training):
+            of[view_spec.thing.slot].append(index)
         return of
 
-    def _observe(self, sight: ViewSpec, object_id: int) -> Observation:
-        return observe(sight, self._task, self._sample_number, object_id)
+    def _observe(self, view_spec: ViewSpec, object_id: int) -> Observation:
+        return observe(view_spec, self._task, self._sample_number, object_id)
 
     def _observation(self, seen: _PlacedView) -> Observation:
         if seen not in self._observed:
-            self._observed[seen] = self._observe(self._sample.training[seen.sight], seen.object_id)
+            self._observed[seen] = self._observe(self._sample.training[seen.pool_row], seen.object_id)
         return self._observed[seen]
 
     def _seen(self, turn: int) -> tuple[_PlacedView, ...]:
@@ -129,10 +128,9 @@ class SimulatedWorld:
     def _first_scene(self) -> tuple[_PlacedView, ...]:
         rng = random_stream(self._seed, 'world/scene/0')
         if self._task.scenes.turnover == 'state':
-            return tuple(
-                _PlacedView(slot + 1, self._draw_state(slot, 0, None, rng)) for slot in range(len(self._sights_of))
-            )
-        return tuple(_PlacedView(slot + 1, int(rng.choice(sights))) for slot, sights in enumerate(self._sights_of))
+            slots = range(len(self._rows_of))
+            return tuple(_PlacedView(slot + 1, self._draw_state(slot, 0, None, rng)) for slot in slots)
+        return tuple(_PlacedView(slot + 1, int(rng.choice(rows))) for slot, rows in enumerate(self._rows_of))
 
     def _next_scene(self, before: tuple[_PlacedView, ...], number: int) -> tuple[_PlacedView, ...]:
         """Return the scene after a change: exactly the persistent share of the objects stays the same."""
@@ -144,25 +142,25 @@ class SimulatedWorld:
         for slot in leaving:
             old = before[slot]
             if self._task.scenes.turnover == 'state':
-                after[slot] = _PlacedView(old.object_id, self._draw_state(slot, number, old.sight, rng))
+                after[slot] = _PlacedView(old.object_id, self._draw_state(slot, number, old.pool_row, rng))
             else:
                 newest += 1
-                others = [sight for sight in self._sights_of[slot] if sight != old.sight]
-                after[slot] = _PlacedView(newest, int(rng.choice(others or [old.sight])))
+                others = [row for row in self._rows_of[slot] if row != old.pool_row]
+                after[slot] = _PlacedView(newest, int(rng.choice(others or [old.pool_row])))
         return tuple(after)
 
     def _draw_state(self, slot: int, clock: int, last: int | None, rng: np.random.Generator) -> int:
-        """Return a view of the object of a slot: in the state of the common clock, or in a random one."""
-        sights = self._sights_of[slot]
-        states = self._sample.training[sights[0]].thing.kind.states
+        """Return the row of a view of the object of a slot: in the state of the common clock, or in a random one."""
+        rows = self._rows_of[slot]
+        states = self._sample.training[rows[0]].thing.kind.states
         synchronous = rng.random() < self._task.scenes.synchrony
         state = clock % len(states) if synchronous else int(rng.integers(len(states)))
-        fitting = [i for i in sights if self._sample.training[i].state == state]
+        fitting = [i for i in rows if self._sample.training[i].state == state]
         fresh = [i for i in fitting if i != last]
-        return int(rng.choice(fresh or fitting or sights))
+        return int(rng.choice(fresh or fitting or rows))
 
 
-def describe(sight: ViewSpec) -> str:
+def describe(view_spec: ViewSpec) -> str:
     """Return a view in words: 'pasta, in pot'."""
-    kind = sight.thing.kind
-    return kind.name if len(kind.states) == 1 else f'{kind.name}, {kind.states[sight.state].name}'
+    kind = view_spec.thing.kind
+    return kind.name if len(kind.states) == 1 else f'{kind.name}, {kind.states[view_spec.state].name}'

@@ -7,7 +7,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from types import MappingProxyType
 
-from al_questioner.domain import BUDGET, NO_SYMBOL, TURNS, Costs, InputError
+from al_questioner.domain import BUDGET, CHANGE_INTERVAL, NO_SYMBOL, TURNS, Costs, InputError, Setting
 from al_questioner.domain.names import suggestion
 from al_questioner.questioning.strategies.names import STRATEGY
 from al_questioner.simulation.task_reading import (
@@ -31,6 +31,9 @@ from al_questioner.simulation.task_reading import (
 )
 from al_questioner.simulation.variety import Variety
 from al_questioner.support.configuration import named_file, read_yaml
+
+SCENE_INTERVAL = replace(CHANGE_INTERVAL, description='turns between changes', unit='', upper=1_000_000)
+SYNCHRONY = Setting('synchrony', 1.0, 'how synchronously objects change', '', 0, 1)
 
 _EMPTY: Mapping[str, float] = MappingProxyType({})
 
@@ -73,10 +76,10 @@ class SceneParameters:
     """
 
     objects: int = setting(whole(1, 200), 10)
-    change_interval: int = setting(whole(1, 1_000_000), 10)
+    change_interval: int = declared(SCENE_INTERVAL)
     turnover: str = setting(choice('state', 'object'), 'object')
     persistence: float = setting(number(0, 1), 0.0)
-    synchrony: float = setting(number(0, 1), 1.0)
+    synchrony: float = declared(SYNCHRONY)
     clutter_share: float = setting(number(0, 0.95), 0.0)
     class_frequencies: Mapping[str, float] = setting(table_of(number(0, 1)), _EMPTY)
     training_size: int = setting(whole(1, 100_000), 80)

@@ -65,6 +65,7 @@ def add_option(parser: argparse.ArgumentParser, setting: Setting[Any], otherwise
     else:
         details = {
             'type': NumberWithin(kind, setting.lower, setting.largest) if kind in (int, float) else kind,
+            'choices': setting.choices or None,
             'default': setting.default if DEFAULT in otherwise else None,
             'help': f'{setting.described} ({otherwise})',
         }

@@ -9,7 +9,6 @@ from typing import Any
 
 import yaml
 
-import al_questioner
 from al_questioner.domain import InputError
 from al_questioner.domain.names import suggestion
 from al_questioner.support import strict_yaml
@@ -25,7 +24,7 @@ def config_dir() -> Path:
     Raises:
         InputError: neither place exists.
     """
-    package = Path(al_questioner.__file__).resolve().parent
+    package = Path(__file__).resolve().parents[1]
     installed = (parent / 'share' / 'al_questioner' / 'config' for parent in package.parents)
     for candidate in (package.parent / 'config', *installed):
         if (candidate / 'tasks').is_dir():

@@ -6,7 +6,7 @@ import time
 
 
 class RateLimiter:
-    """A limiter that lets at most so many events pass in any period of so many seconds, by the steady clock."""
+    """A limiter that lets at most `most` events pass in any period of `period` seconds, by the steady clock."""
 
     def __init__(self, most: int, period: float) -> None:
         self._most, self._period = most, period
@@ -28,7 +28,7 @@ class RateLimiter:
 
 
 class RepeatLimiter:
-    """A limiter that lets each kind of event pass once in any period, and at most so many kinds; it counts the others.
+    """A limiter that lets each kind of event pass once in any period, and at most `most` kinds; it counts the others.
 
     The period is in seconds.
     """

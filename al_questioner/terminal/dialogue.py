@@ -188,7 +188,7 @@ class TeacherDialogue:
                 self._notice = f'The robot did not take that: {reason}'
             self._tell()
 
-    def board(self) -> ViewState:
+    def view_state(self) -> ViewState:
         """Return the present view state."""
         with self._changed:
             return ViewState(
@@ -204,7 +204,7 @@ class TeacherDialogue:
     def wait_for(self, is_true: Callable[[ViewState], bool], seconds: float | None = None) -> bool:
         """Wait until a condition on the view state is true; return whether it became true in time."""
         with self._changed:
-            return self._changed.wait_for(lambda: is_true(self.board()), seconds)
+            return self._changed.wait_for(lambda: is_true(self.view_state()), seconds)
 
     def wake(self) -> None:
         """Wake the threads that wait, so that they check their condition again."""

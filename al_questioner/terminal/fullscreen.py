@@ -84,7 +84,7 @@ class FullScreen:
             while not self._stopped.is_set() and not self._nothing_left():
                 await asyncio.sleep(LOOK_PERIOD)
                 # No event tells that no reply has come.
-                waits = self._dialogue.board().phase is Phase.SENDING
+                waits = self._dialogue.view_state().phase is Phase.SENDING
                 if waits or application.output.get_size() != self._size:
                     application.invalidate()
             if not application.is_done:
@@ -102,7 +102,7 @@ class FullScreen:
             self._dialogue.on_change = lambda: None
 
     def _nothing_left(self) -> bool:
-        view_state = self._dialogue.board()
+        view_state = self._dialogue.view_state()
         return view_state.phase is Phase.OVER and not view_state.can_undo
 
     def _drawn(self) -> str:
@@ -110,7 +110,7 @@ class FullScreen:
         capabilities = Capabilities(
             size.columns, size.rows, self._look.colors, self._look.monochrome, self._look.unicode
         )
-        view_state = self._dialogue.board()
+        view_state = self._dialogue.view_state()
         pad = self._pad if self._pad.about == about(view_state) else Pad()
         try:
             return capabilities.written(screen(view_state, pad, capabilities, self._in_help))
@@ -153,7 +153,7 @@ class FullScreen:
         if self._in_help:
             self._in_help = False
             return
-        self._pad, command = press(key, self._pad, self._dialogue.board())
+        self._pad, command = press(key, self._pad, self._dialogue.view_state())
         if command is not None:
             self._follow(command)
 

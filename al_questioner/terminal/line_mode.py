@@ -85,7 +85,7 @@ class LineMode:
         """Ask and answer until the episode is over, the person quits, the input ends, or it is stopped."""
         ended_at = None
         while not self._stopped.is_set():
-            view_state = self._dialogue.board()
+            view_state = self._dialogue.view_state()
             if view_state.notice != self._noticed:
                 self._noticed = view_state.notice
                 self._tell(view_state.notice)

@@ -31,7 +31,7 @@ def run_terminal(dialogue: TeacherDialogue, stopped: threading.Event) -> None:
         dialogue.wait_for(
             lambda view_state: stopped.is_set() or view_state.phase is not Phase.SENDING, SECONDS_TO_SETTLE
         )
-    print(farewell(dialogue.board()), file=sys.stdout if keys else sys.stderr, flush=True)
+    print(farewell(dialogue.view_state()), file=sys.stdout if keys else sys.stderr, flush=True)
 
 
 def _is_terminal() -> bool:

@@ -85,7 +85,7 @@ def _placed(
 
 
 def _nearest_gap(taken: NDArray[np.bool_], row: int, column: int, width: int) -> tuple[int, int] | None:
-    """Return the (row, column) next to the wanted one where so many cells are free in a row."""
+    """Return the (row, column) next to the wanted one where `width` cells are free in a row."""
     if taken.shape[1] < width:
         return None
     if not taken[row, column : column + width].any():

@@ -20,7 +20,7 @@ RAMP = ' .:-=+*#%@'
 
 
 def thumbnail(picture: Picture, columns: int, rows: int, capabilities: Capabilities) -> list[Text]:
-    """Return the picture in at most so many columns and rows; half a character is about square.
+    """Return the picture in at most this number of columns and rows; half a character is about square.
 
     With colours, each character shows two; otherwise it is one of a few characters by brightness.
     """

@@ -1,4 +1,4 @@
-"""Which query a decision-theoretic learner would choose, given a look-ahead."""
+"""Query that a decision-theoretic learner would choose, given a look-ahead."""
 
 from __future__ import annotations
 
@@ -37,7 +37,7 @@ def task_weights() -> Array:
 
 
 def choose(state: State, q: Array, ahead: Array, weights: Array) -> Chosen:
-    """What a learner would ask.
+    """Choose a query as a learner would.
 
     Args:
         state: examples and scene.

@@ -19,7 +19,7 @@ NEAR_TIE = 1e-9
 """Margin of expected utility below which two actions are equally good: rounding decides."""
 
 EVERY = 10
-"""One state of so many is also compared to scikit-learn, in two hypotheses for each symbol."""
+"""Number of states of which one is also compared to scikit-learn, in two hypotheses for each symbol."""
 
 SAMPLED = 2
 """Labels of each state that are refitted, where not all are."""

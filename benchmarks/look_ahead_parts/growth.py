@@ -1,4 +1,4 @@
-"""How time, memory and the error of the approximate mode grow with labels, things and symbols."""
+"""Growth of time, memory and the error of the approximate mode with labels, things and symbols."""
 
 from __future__ import annotations
 
@@ -26,7 +26,7 @@ LONGEST = 12.0
 
 CALLS = 5
 ENOUGH = 0.5
-"""A look-ahead is timed so many times, or fewer that together take so many seconds."""
+"""Number of timed look-aheads, and of seconds that they may take together, which can make them fewer."""
 
 MIB = 2**20
 
@@ -115,14 +115,14 @@ def measure(models: ConceptModels, state: State, exact: bool) -> Measured:
 
 
 def forgetting(models: ConceptModels, state: State) -> Callable[[], object]:
-    """What makes the models forget the last scene, and does so now: they see another thing."""
+    """Make the models forget the last scene by showing them another thing."""
     other = state.scene[:1] + 1.0
     models.predict_proba(other)
     return lambda: models.predict_proba(other)
 
 
 def approximates(models: ConceptModels, state: State) -> bool:
-    """Whether the models, left to themselves, approximate: they say so in a warning before the first chunk.
+    """Return whether the models, left to themselves, approximate: they say so in a warning before the first chunk.
 
     No default look-ahead has been asked of them; they warn once, so it is a copy that is asked.
     """

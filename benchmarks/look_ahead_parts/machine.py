@@ -1,4 +1,4 @@
-"""What this machine could do: its fastest matrix product, and the arithmetic that a look-ahead needs."""
+"""Limits of this machine: its fastest matrix product, and the arithmetic that a look-ahead needs."""
 
 from __future__ import annotations
 
@@ -32,7 +32,7 @@ class Work:
     single: float
 
     def seconds(self, peak: Work) -> float:
-        """Least time they take at so many a second."""
+        """Return the least time that they take at this rate a second."""
         return self.double / peak.double + self.single / peak.single
 
 

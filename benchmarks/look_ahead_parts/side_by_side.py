@@ -22,7 +22,7 @@ ACTIVEML = 'scikit-activeml, error reduction'
 COLD = 'ours: look_ahead, new scene'
 SEEN = 'ours: look_ahead, scene seen'
 WITH_FIT = 'ours: fit one label more + it'
-OURS = (COLD, SEEN, WITH_FIT)
+OUR_WAYS = (COLD, SEEN, WITH_FIT)
 
 OURS_A_ROUND = 5
 """Calls of ours after each call of a rival, which take so much longer."""
@@ -77,7 +77,7 @@ def timed_in_turns(state: State, repeats: int) -> dict[str, list[float]]:
 
 
 def own_calls(state: State) -> dict[str, Call]:
-    """What times our ways: each prepares, unmeasured, what its name takes for granted."""
+    """Return the timed calls of our ways; each prepares, unmeasured, what its name takes for granted."""
     models = ConceptModels(state.symbols, state.amplitude)
 
     def new_scene() -> float:
@@ -138,7 +138,7 @@ def report(state: State, seconds: dict[str, list[float]], errors: dict[str, floa
         median, spread = median_and_spread(values)
         error = errors.get(name, float('nan'))
         cells = [f'{1e3 * median:.3f}', f'{1e3 * spread:.3f}', f'{len(values)}', f'{reference / median:.0f}x']
-        cells += ['' if np.isnan(error) else f'{error:.0e}', f'{least / median:.0%}' if name in OURS else '']
+        cells += ['' if np.isnan(error) else f'{error:.0e}', f'{least / median:.0%}' if name in OUR_WAYS else '']
         rows.append([name, *cells])
         figures[name] = {'median': 1e3 * median, 'spread': 1e3 * spread, 'ratio': reference / median, 'error': error}
     print_table(

@@ -1,4 +1,4 @@
-"""What a learner may know and see: labelled features and a scene, drawn at random."""
+"""States of a learner, its labelled features and scene, drawn at random."""
 
 from __future__ import annotations
 
@@ -38,7 +38,7 @@ class State:
 
     @property
     def length_scale(self) -> float:
-        """What `ConceptModels` takes when none is given."""
+        """Length scale that `ConceptModels` takes when none is given."""
         return float(np.sqrt(self.scene.shape[1]))
 
     @property
@@ -56,7 +56,7 @@ class State:
 
 
 def names(number: int) -> tuple[str, ...]:
-    """Names of so many symbols, in alphabetical order."""
+    """Return the names of this number of symbols, in alphabetical order."""
     return tuple(f'symbol_{i:02}' for i in range(number))
 
 

@@ -1,4 +1,4 @@
-"""What of a turn's wall time is work, what is encoding, and what remains for transport."""
+"""Shares of a turn's wall time: work, encoding, and the rest for transport."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ THERE_IF_ASKED = ('query', 'answer')
 AWAY = ('learner_state',)
 AWAY_IF_ASKED = ('answer_ack',)
 AWAY_IF_NOT = ('decision',)
-"""Messages that the learner only has to get rid of before it goes on.
+"""Messages that the learner has to send, and no more, before it goes on.
 
 If it asks, it writes the decision and the markers while the teacher answers; after the answer it writes the markers
 while perception looks. Neither is on the turn's way.

@@ -24,7 +24,7 @@ BELIEFS = 'what is believed then'
 
 OFFLINE_STAGES = (RENDERING, PERCEIVING, CHOOSING, ANSWERING, LEARNING, EVALUATING)
 GRAPH_STAGES = (RENDERING, PERCEIVING, CHOOSING, ANSWERING, LEARNING, BELIEFS)
-"""What the nodes do between two messages; nobody evaluates there, but the learner tells what it believes."""
+"""Stages of the nodes between two messages; nobody evaluates there, but the learner publishes what it believes."""
 
 
 class Stages:
@@ -44,7 +44,7 @@ class Stages:
 
 @dataclass(frozen=True, eq=False)
 class PlayedTurn:
-    """What a turn was about: all that its messages tell.
+    """All that the messages of a turn tell.
 
     Attributes:
         scene: what was seen.
@@ -92,13 +92,13 @@ class PlayedEpisode:
         return np.sum([self.seconds.get(stage, np.zeros(len(self.turns))) for stage in stages], axis=0)
 
 
-def play_timed(choice: WorldSpec, settings: EpisodeSettings, teacher: ScriptedTeacher) -> PlayedEpisode:
+def play_timed(world_spec: WorldSpec, settings: EpisodeSettings, teacher: ScriptedTeacher) -> PlayedEpisode:
     """Play the episode of `run_episode`, with the stopwatch on."""
     start = time.perf_counter()
-    evaluation = Evaluation(choice, settings)
+    episode = Episode(settings, random_stream(world_spec.seed, 'learner'))
+    evaluation = Evaluation(world_spec, settings, episode.strategy.selector)
     making = time.perf_counter() - start
     world = evaluation.world
-    episode = Episode(settings, random_stream(choice.seed, 'learner'))
     stages = Stages(settings.turns)
     turns = []
     accuracy = float('nan')

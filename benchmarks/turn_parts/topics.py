@@ -25,7 +25,7 @@ SPOKEN: Mapping[str, tuple[str, ...]] = {
     'teacher': ('answer',),
     'learner': ('turn', 'query', 'decision', 'scene_markers', 'answer_ack', 'learner_state'),
 }
-"""Who publishes which."""
+"""Topics by the node that publishes them."""
 IF_ASKED = ('query', 'answer', 'answer_ack')
 """Topics on which nothing comes in an episode without a question."""
 VOLATILE = ('answer', 'answer_ack', 'decision')

@@ -30,29 +30,29 @@ from shared.bags import SHIPPED, text
 
 @pytest.mark.parametrize('storage', ['mcap', 'sqlite3'])
 def test_an_episode_is_what_was_lived(bags, tmp_path, storage):
-    """The expert's scenes, choices and answers would be others than those learnt from."""
+    """Otherwise the expert's scenes, choices and answers would be others than those learnt from."""
     lived = bags.write_episode(tmp_path / 'b', storage)
     (episode,) = read_episodes(tmp_path / 'b')
-    assert episode.begun.settings == lived.settings
-    assert episode.begun.world['task'] == 'prepare_lunch'
+    assert episode.started.settings == lived.settings
+    assert episode.started.world['task'] == 'prepare_lunch'
     assert episode.change_turns == (5,) or episode.change_turns == ()
     assert [turn.record for turn in episode.turns if turn.record] == list(lived.episode.records)
     for turn in episode.turns:
         np.testing.assert_array_equal(turn.scene.features, lived.world.scene(turn.turn).features)
-    assert first_divergence(episode.begun, episode.events) is None
+    assert first_divergence(episode.started, episode.events) is None
 
 
 def test_another_learner_diverges_and_the_turn_is_named(bags, tmp_path):
-    """A check that finds nothing would be worth nothing."""
+    """The check finds what differs, and does not pass for every learner."""
     bags.write_episode(tmp_path / 'b', strategy='random_fsq')
     (episode,) = read_episodes(tmp_path / 'b')
-    assert first_divergence(episode.begun, episode.events) is None
-    begun = episode.begun
-    other = first_divergence(dataclasses.replace(begun, seed=begun.seed + 1), episode.events)
+    assert first_divergence(episode.started, episode.events) is None
+    started = episode.started
+    other = first_divergence(dataclasses.replace(started, seed=started.seed + 1), episode.events)
     assert other is not None
     assert int(other.split()[1].rstrip(':')) >= 2
     assert 'was recorded' in other
-    changed = dataclasses.replace(begun, settings=dataclasses.replace(begun.settings, strategy='farthest_fsq'))
+    changed = dataclasses.replace(started, settings=dataclasses.replace(started.settings, strategy='farthest_fsq'))
     assert first_divergence(changed, episode.events) is not None
 
 
@@ -71,12 +71,12 @@ def test_features_of_another_look_are_a_divergence_and_rounding_is_none(bags, tm
     """The same choice for other reasons is not the same decision; but processors differ in their last digits."""
     bags.write_episode(tmp_path / 'b')
     (episode,) = read_episodes(tmp_path / 'b')
-    assert first_divergence(episode.begun, with_other_features(episode, 1, change)) == found
+    assert first_divergence(episode.started, with_other_features(episode, 1, change)) == found
 
 
 @pytest.mark.parametrize('accepted', [True, False])
 def test_without_a_turns_state_nobody_knows_since_when_an_answer_is_corrected(bags, tmp_path, accepted):
-    """A decision would be replayed with what was not known then."""
+    """Otherwise a decision would be replayed with what was not known then."""
 
     def then(writing, _):
         stamp = bags.START + 2 * 10**9
@@ -95,7 +95,7 @@ def test_without_a_turns_state_nobody_knows_since_when_an_answer_is_corrected(ba
 
 
 def test_an_episode_without_a_whole_turn_is_told_of_beside_others(bags, tmp_path):
-    """What was recorded before it would be as good as lost; or its loss go unnoticed."""
+    """The user is told of the part, and what was recorded before it is not hidden."""
 
     def then(writing, episode):
         stamp = bags.START + 2 * 10**9
@@ -107,11 +107,11 @@ def test_an_episode_without_a_whole_turn_is_told_of_beside_others(bags, tmp_path
         read_episodes(tmp_path / 'b')
     left_out: list[LeftOut] = []
     (episode,) = read_episodes(tmp_path / 'b', left_out)
-    assert (episode.begun.episode_id, [what for what, _ in left_out]) == ('e1', ['e2'])
+    assert (episode.started.episode_id, [what for what, _ in left_out]) == ('e1', ['e2'])
 
 
 def test_an_unfinished_recording_counts_as_far_as_it_goes(bags, tmp_path):
-    """A killed recording of a person's half hour would be lost; repaired, it trains."""
+    """Otherwise a killed recording of a person's half hour would be lost; repaired, it trains."""
     bags.write_episode(tmp_path / 'b', close=False)
     with pytest.raises(BagError, match='record --repair'):
         read_episodes(tmp_path / 'b')
@@ -132,7 +132,7 @@ def test_an_unfinished_recording_counts_as_far_as_it_goes(bags, tmp_path):
     ],
 )
 def test_what_is_missing_is_named(bags, tmp_path, missing, reason):
-    """An episode with holes would be learnt from as if the expert had done nothing."""
+    """Otherwise an episode with holes would be learnt from as if the expert had done nothing."""
     bags.write_episode(tmp_path / 'b', missing=missing)
     with pytest.raises(BagError, match=reason):
         read_episodes(tmp_path / 'b')
@@ -155,7 +155,7 @@ def test_other_types_and_documents_that_are_none_are_named(bags, tmp_path, types
 
 
 def test_objects_with_other_features_than_announced_are_named(bags, tmp_path, monkeypatch):
-    """The decision would belong to another scene."""
+    """Otherwise the decision would belong to another scene."""
     original = bags.Writing.say
 
     def renamed(self, name, members, stamp, episode_id='e1'):
@@ -178,7 +178,7 @@ def test_decisions_without_features_cannot_be_learnt_from(bags, tmp_path):
 
 
 def test_what_latched_topics_tell_of_an_earlier_episode_is_left_out(tmp_path):
-    """A learner that is done and still up would make the bag of the next episode unreadable."""
+    """Otherwise a learner that is done and still up would make the bag of the next episode unreadable."""
     old, new = (read_bag(SHIPPED.with_name(name)) for name in ('expert_0', 'expert_1'))
     topics = [dataclasses.replace(topic, name=f'/r/{last_part(topic.name)}') for topic in new.topics]
     left_over = [
@@ -189,7 +189,7 @@ def test_what_latched_topics_tell_of_an_earlier_episode_is_left_out(tmp_path):
         for message in (*left_over, *new.messages):
             bag.write(f'/r/{last_part(message.topic)}', message.data, message.stamp)
     (episode,) = read_episodes(tmp_path / 'b')
-    assert episode.begun.seed == 1
+    assert episode.started.seed == 1
     assert len(episode.turns) == 30
 
 
@@ -221,7 +221,7 @@ def stepped(messages, at, by):
 @pytest.mark.parametrize(('at', 'by'), [(54, -HOUR), (54, HOUR), (100, -5 * 10**8), (160, -HOUR)])
 @pytest.mark.parametrize('is_sorted', [False, True], ids=['as recorded', 'sorted since'])
 def test_a_clock_that_was_put_back_hides_nothing(tmp_path, storage, at, by, is_sorted):
-    """Of thirty decisions ten would be checked and learnt from, and nobody told."""
+    """Otherwise only ten of thirty decisions would be checked and learnt from, without a word."""
     messages = stepped(read_bag(SHIPPED).messages, at, by)
     if is_sorted:
         messages.sort(key=lambda message: message.stamp)
@@ -229,7 +229,7 @@ def test_a_clock_that_was_put_back_hides_nothing(tmp_path, storage, at, by, is_s
     (before,) = read_episodes(SHIPPED)
     assert len(episode.turns) == 30
     assert episode.records == before.records
-    assert first_divergence(episode.begun, episode.events) is None
+    assert first_divergence(episode.started, episode.events) is None
 
 
 @pytest.mark.parametrize(
@@ -247,12 +247,12 @@ def test_the_order_of_a_file_is_not_that_of_the_episode(tmp_path, arranged):
     """Whatever rewrites a bag has an order of its own."""
     (episode,) = read_episodes(written(tmp_path / 'b', arranged(read_bag(SHIPPED).messages)))
     assert len(episode.turns) == 30
-    assert first_divergence(episode.begun, episode.events) is None
+    assert first_divergence(episode.started, episode.events) is None
 
 
-@pytest.mark.parametrize('later', [HOUR, -HOUR, 0], ids=['later', 'on a clock that began anew', 'at the same times'])
+@pytest.mark.parametrize('later', [HOUR, -HOUR, 0], ids=['later', 'on a clock that began again', 'at the same times'])
 def test_two_learners_stay_apart(bags, tmp_path, later):
-    """The turns of one would be taken for those of the next, which has the same parameters, or the same times."""
+    """Otherwise turns of one would be taken for those of the next, which has the same parameters, or times."""
     bags.write_episode(tmp_path / 'long', n_turns=8)
     bags.write_episode(tmp_path / 'short', n_turns=4, strategy='random_fsq', start=bags.START + later)
     first, second = (read_bag(tmp_path / name).messages for name in ('long', 'short'))
@@ -260,9 +260,9 @@ def test_two_learners_stay_apart(bags, tmp_path, later):
         ids = (b'"episode_id":"e1"', b'"episode_id":"e2"')
         second = [dataclasses.replace(message, data=message.data.replace(*ids)) for message in second]
     episodes = read_episodes(written(tmp_path / 'b', [*first, *second]))
-    assert [episode.begun.settings.strategy for episode in episodes] == ['expert', 'random_fsq']
+    assert [episode.started.settings.strategy for episode in episodes] == ['expert', 'random_fsq']
     assert [len(episode.turns) for episode in episodes] == [8, 4]
-    assert [first_divergence(episode.begun, episode.events) for episode in episodes] == [None, None]
+    assert [first_divergence(episode.started, episode.events) for episode in episodes] == [None, None]
 
 
 @pytest.mark.parametrize(
@@ -281,7 +281,7 @@ def test_two_learners_stay_apart(bags, tmp_path, later):
     ],
 )
 def test_what_other_nodes_say_on_such_names_is_passed_over(bags, tmp_path, name, type_, data):
-    """A whole robot is recorded: the topic of another node would make the bag unreadable, or be learnt from."""
+    """In the recording of a whole robot the topics of other nodes are neither an error nor learnt from."""
     bags.write_episode(tmp_path / 'ours')
     messages = list(read_bag(tmp_path / 'ours').messages)
     if data == 'cloud of others':
@@ -297,11 +297,11 @@ def test_what_other_nodes_say_on_such_names_is_passed_over(bags, tmp_path, name,
     left_out: list[LeftOut] = []
     (episode,) = read_episodes(path, left_out)
     assert (len(episode.turns), left_out) == (8, [])
-    assert first_divergence(episode.begun, episode.events) is None
+    assert first_divergence(episode.started, episode.events) is None
 
 
 def cloud_of_others(bags, messages):
-    """What a camera publishes: points without the ids of objects, stamped like the first turn."""
+    """Return a cloud as a camera publishes it: points without the ids of objects, stamped like the first turn."""
     store = typestore()
     field, header = store.types['sensor_msgs/msg/PointField'], store.types['std_msgs/msg/Header']
     begin = next(message.stamp for message in messages if last_part(message.topic) == 'turn')
@@ -322,7 +322,7 @@ def add_topic(path, name, type_):
 
 
 def test_what_could_not_be_used_beside_others_is_told(bags, tmp_path):
-    """The decisions that were not checked would be taken for checked ones."""
+    """Otherwise the decisions that were not checked would be taken for checked ones."""
     missing_from = {
         'a': (),
         'b': [('objects', 3)],
@@ -352,19 +352,19 @@ def test_what_could_not_be_used_beside_others_is_told(bags, tmp_path):
 
 
 def test_the_last_decision_of_a_recording_that_ended_early_is_checked_and_counted(bags, tmp_path, capsys):
-    """It would be left out without a word, or seem not to have been checked."""
+    """Otherwise it would be left out without a word, or seem not to have been checked."""
     bags.write_episode(tmp_path / 'b', missing=[('learner_state', 8)])
     (episode,) = read_episodes(tmp_path / 'b')
     assert (len(episode.turns), episode.decisions) == (7, 8)
-    assert first_divergence(episode.begun, episode.events) is None
+    assert first_divergence(episode.started, episode.events) is None
     other = with_other_features(episode, 8, 1)
-    assert first_divergence(episode.begun, other) == 'turn 8: the features differ by up to 1'
+    assert first_divergence(episode.started, other) == 'turn 8: the features differ by up to 1'
     assert main(['replay', str(tmp_path / 'b'), '--check']) == 0
     assert '8 decisions, all as recorded' in capsys.readouterr().out.replace('\n', ' ')
 
 
 def test_the_scenes_of_a_camera_whose_clock_went_back_are_found(bags, tmp_path):
-    """Whoever records in a simulation that loops would be told that nothing was seen."""
+    """The recording of a simulation that loops holds scenes all the same."""
 
     def earlier(message):
         cloud = deserialize(message)
@@ -380,11 +380,11 @@ def test_the_scenes_of_a_camera_whose_clock_went_back_are_found(bags, tmp_path):
     ]
     (episode,) = read_episodes(written(tmp_path / 'b', messages))
     assert len(episode.turns) == 8
-    assert first_divergence(episode.begun, episode.events) is None
+    assert first_divergence(episode.started, episode.events) is None
 
 
 def test_what_a_camera_with_a_fast_clock_showed_before_the_turn_is_not_its_scene(bags, tmp_path):
-    """The learner waited for none yet; the scene before a change would be taken for the one after it."""
+    """The learner waited for none yet: it is the scene before a change, and not the one after it."""
     lived = bags.write_episode(tmp_path / 'whole', n_turns=12)
     messages, before = [], None
     for message in read_bag(tmp_path / 'whole').messages:
@@ -403,7 +403,7 @@ def test_what_a_camera_with_a_fast_clock_showed_before_the_turn_is_not_its_scene
 
 
 def test_the_scene_of_the_next_learner_is_not_taken_for_one_that_is_missing(bags, tmp_path):
-    """The end of an episode would be learnt from with things in view that were not there."""
+    """Otherwise the end of an episode would be learnt from with things in view that were not there."""
     bags.write_episode(tmp_path / 'first', missing=[('objects', 8)])
     bags.write_episode(tmp_path / 'second', start=bags.START + HOUR)
     first, second = (read_bag(tmp_path / name).messages for name in ('first', 'second'))

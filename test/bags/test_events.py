@@ -16,28 +16,28 @@ from al_questioner.event_log.log import read_log
 from al_questioner.event_log.replay import first_divergence
 from al_questioner.event_log.summary import summarise_session
 from al_questioner.simulation import PerceivedWorld, WorldSpec
-from shared.durable_sessions import TASK, ask, events, play_turns, started
+from shared.durable_sessions import TASK, ask, events, play_turns, start_durable
 
 
 @pytest.fixture
 def log(tmp_path: Path) -> Path:
     """A session in which an answer was corrected, another came a turn late, and another not at all."""
     world = PerceivedWorld(WorldSpec(TASK, 4, 4).open())
-    session = started(tmp_path / 'log')
-    (first, *_) = play_turns(session, world, 2)
-    ask(session, world)
-    session.take(Answer(first.query_id, 'c1', 'anna', Outcome.UNKNOWN, replaces=first.answer_id))
-    session.time_out()
-    late = ask(session, world)
+    durable = start_durable(tmp_path / 'log')
+    (first, *_) = play_turns(durable, world, 2)
+    ask(durable, world)
+    durable.take(Answer(first.query_id, 'c1', 'anna', Outcome.UNKNOWN, replaces=first.answer_id))
+    durable.time_out()
+    late = ask(durable, world)
     assert late.query is None
-    assert session.episode.pending is not None
-    session.take(Answer(session.episode.pending.query_id, 'a3', 'bert', Outcome.SKIP))
-    session.tune()
-    play_turns(session, world, 1)
-    assert ask(session, world).query is not None
-    session.time_out()
-    session.tune()
-    session.close()
+    assert durable.episode.pending is not None
+    durable.take(Answer(durable.episode.pending.query_id, 'a3', 'bert', Outcome.SKIP))
+    durable.tune()
+    play_turns(durable, world, 1)
+    assert ask(durable, world).query is not None
+    durable.time_out()
+    durable.tune()
+    durable.close()
     return tmp_path / 'log'
 
 
@@ -49,7 +49,7 @@ def recorded(log: Path, tmp_path: Path) -> RecordedEpisode:
 
 
 def told(event: object) -> object:
-    """What a bag tells of an event of a log."""
+    """Return what a bag holds of an event of a log."""
     if isinstance(event, SceneObserved):
         return event.turn, event.stamp, event.frame_id, event.scene.features.tobytes()
     if isinstance(event, ActionChosen):
@@ -63,18 +63,18 @@ def told(event: object) -> object:
 
 
 def test_bag_and_log_tell_of_the_same_events(log: Path, recorded: RecordedEpisode) -> None:
-    """What is replayed would depend on where it was written down."""
-    begun, *others = events(log)
-    assert dataclasses.replace(recorded.begun, version=begun.version) == begun
+    """A replay does not depend on where the episode was written down."""
+    started, *others = events(log)
+    assert dataclasses.replace(recorded.started, version=started.version) == started
     expected = [dataclasses.replace(e, model_version=None) if isinstance(e, KernelTuned) else e for e in others]
     assert [(type(event), told(event)) for event in recorded.events] == [(type(e), told(e)) for e in expected]
     assert {type(event) for event in others} == {SceneObserved, ActionChosen, AnswerAccepted, KernelTuned, TurnTimedOut}
-    assert first_divergence(begun, others) is None
-    assert first_divergence(recorded.begun, recorded.events) is None
+    assert first_divergence(started, others) is None
+    assert first_divergence(recorded.started, recorded.events) is None
 
 
 def test_what_a_bag_does_not_tell_is_not_made_up(recorded: RecordedEpisode) -> None:
-    """Somebody would look for a teacher who does not exist, or take a guess for what was recorded."""
+    """Otherwise somebody would look for a teacher who does not exist, or take a guess for what was recorded."""
     answers = [event.answer for event in recorded.events if isinstance(event, AnswerAccepted)]
     assert {answer.teacher_id for answer in answers} == {NOT_RECORDED}
     assert [answer.answer_id for answer in answers if answer.query_id == 'q1'] == ['not recorded 1', 'not recorded 2']

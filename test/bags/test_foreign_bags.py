@@ -1,4 +1,4 @@
-"""Bags as other tools write them, index them anew, split and compress them."""
+"""Bags as other tools write, index, split and compress them."""
 
 from __future__ import annotations
 
@@ -29,7 +29,7 @@ def change_metadata(path, change):
     [('offered_qos_profiles', []), ('offered_qos_profiles', ''), ('type_description_hash', 'RIHS01_00')],
 )
 def test_metadata_that_describe_the_topics_otherwise_lose_nothing(tmp_path, storage, member, value):
-    """After `ros2 bag reindex` all messages would be missing."""
+    """Otherwise after `ros2 bag reindex` all messages would be missing."""
     path = write(tmp_path / 'b', storage=storage)
 
     def change(information):
@@ -52,7 +52,7 @@ def test_a_table_of_the_first_versions_is_read(tmp_path):
 @pytest.mark.parametrize('storage', ['mcap', 'sqlite3'])
 @pytest.mark.parametrize('mode', [CompressionMode.MESSAGE, CompressionMode.FILE])
 def test_compressed_bags_are_read(tmp_path, storage, mode):
-    """`ros2 bag record --compression-mode` would make recordings that nobody can learn from."""
+    """Otherwise `ros2 bag record --compression-mode` would make recordings that nobody can learn from."""
     bag = Writer(tmp_path / 'b', version=9, storage_plugin=StoragePlugin[storage.upper()])
     bag.set_compression(mode, CompressionFormat.ZSTD)
     with bag:
@@ -98,7 +98,7 @@ def test_the_files_of_a_split_bag_are_read_in_order(tmp_path, storage):
     ids=['topic after topic', 'a clock that was put back', 'no stamps'],
 )
 def test_messages_come_in_the_order_in_which_they_were_received(tmp_path, storage, received, expected):
-    """A recording would be played, and learnt from, in an order that never was."""
+    """Otherwise a recording would be played, and learnt from, in an order that never was."""
     with BagWriter(tmp_path / 'b', TOPICS, storage) as bag:
         for topic, stamp in received:
             bag.write(topic, text('a'), stamp)
@@ -106,7 +106,7 @@ def test_messages_come_in_the_order_in_which_they_were_received(tmp_path, storag
 
 
 def test_bags_of_ros_1_are_named_as_such(tmp_path):
-    """Whoever has a recording of ROS 1 would be told that it is no bag, or to repair it."""
+    """The message says ROS 1, and does not advise a repair."""
     old = tmp_path / 'old'
     old.mkdir()
     (old / 'run.bag').write_bytes(b'#ROSBAG V2.0\n' + bytes(100))

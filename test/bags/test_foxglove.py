@@ -43,7 +43,7 @@ def as_foxglove(tmp_path):
 
 @pytest.mark.slow
 def test_foxglove_reads_what_was_recorded(as_foxglove, bags, tmp_path):
-    """People who look at a recording in Foxglove would see nothing, or something else."""
+    """Otherwise people who look at a recording in Foxglove would see nothing, or something else."""
     bags.write_episode(tmp_path / 'b')
     found = as_foxglove(tmp_path / 'b' / 'b_0.mcap')
     bag = read_bag(tmp_path / 'b')

@@ -24,7 +24,7 @@ def stamps(found):
 
 
 def test_messages_come_when_they_came():
-    """Watchers would see another episode."""
+    """Otherwise watchers would see another episode."""
     play = Playback(messages(0, 1, 1, 3))
     assert stamps(play.due(100.0)) == [0]
     assert play.wait(100.25) == pytest.approx(0.75)
@@ -37,7 +37,7 @@ def test_messages_come_when_they_came():
 
 
 def test_the_rate_divides_the_time():
-    """--rate would do nothing, or the opposite."""
+    """Otherwise --rate would do nothing, or the opposite."""
     play = Playback(messages(0, 1, 3), rate=2.0)
     play.due(0.0)
     assert play.wait(0.0) == pytest.approx(0.5)
@@ -48,7 +48,7 @@ def test_the_rate_divides_the_time():
 
 
 def test_a_pause_loses_no_time():
-    """All messages of the pause would come at once after it."""
+    """Otherwise all messages of the pause would come at once after it."""
     play = Playback(messages(0, 1))
     play.due(0.0)
     play.pause(0.4)
@@ -61,7 +61,7 @@ def test_a_pause_loses_no_time():
 
 
 def test_a_step_is_a_turn_or_a_message():
-    """A person could not look at one turn after the other."""
+    """Otherwise a person could not look at one turn after the other."""
     all_ = [*messages(0, topic='/r/turn'), *messages(0.1, 0.2), *messages(1.0, topic='/r/turn'), *messages(1.1)]
     play = Playback(all_, paused=True)
     assert play.due(0.0) == []
@@ -74,7 +74,7 @@ def test_a_step_is_a_turn_or_a_message():
 
 
 def test_a_step_ends_with_the_turn_that_comes_next():
-    """What stands before the first turn, or a turn of which some was seen, would make a step that shows no turn."""
+    """Messages before the first turn, or a part of a turn, make no step of their own."""
     all_ = [
         *messages(0, topic='/r/episode'),
         *messages(0.1, topic='/r/turn'),
@@ -93,7 +93,7 @@ def test_a_step_ends_with_the_turn_that_comes_next():
 
 
 def test_a_step_from_the_midst_of_playing_pauses_there():
-    """The rest of the bag would run away from the person who wanted to look at one turn."""
+    """Otherwise the rest of the bag would run away from the person who wanted to look at one turn."""
     play = Playback(messages(0, 1, 2, topic='/r/turn'))
     play.due(0.0)
     assert stamps(play.step(0.5, turn=True)) == [1]
@@ -104,7 +104,7 @@ def test_a_step_from_the_midst_of_playing_pauses_there():
 
 
 def test_a_loop_begins_anew():
-    """--loop would stop, or play the end for ever."""
+    """Otherwise --loop would stop, or play the end for ever."""
     play = Playback(messages(0, 1), loop=True)
     assert stamps(play.due(0.0) + play.due(1.0)) == [0, 1]
     assert not play.done
@@ -114,7 +114,7 @@ def test_a_loop_begins_anew():
 
 
 def test_a_paused_loop_stays_at_its_end_until_the_next_step():
-    """The last turn would not be shown as the last one."""
+    """Otherwise the last turn would not be shown as the last one."""
     play = Playback(messages(0, 1, topic='/r/turn'), loop=True, paused=True)
     for _ in range(2):
         play.step(0.0, turn=True)
@@ -125,7 +125,7 @@ def test_a_paused_loop_stays_at_its_end_until_the_next_step():
 
 
 def test_a_bag_of_one_moment_loops_without_end_but_not_at_once():
-    """One call would never return."""
+    """Otherwise one call would never return."""
     play = Playback(messages(0, 0), loop=True)
     assert len(play.due(0.0)) == 2
     assert len(play.due(0.0)) == 2
@@ -133,7 +133,7 @@ def test_a_bag_of_one_moment_loops_without_end_but_not_at_once():
 
 @pytest.mark.parametrize('rate', [0.0, -1.0, float('nan'), float('inf')])
 def test_impossible_rates_are_refused(rate):
-    """A playback would stand still or run backwards."""
+    """Otherwise a playback would stand still or run backwards."""
     with pytest.raises(InputError, match='rate must be a number above 0'):
         Playback(messages(0), rate)
     with pytest.raises(InputError, match='nothing to play'):
@@ -141,7 +141,7 @@ def test_impossible_rates_are_refused(rate):
 
 
 def test_the_highest_rate_plays_everything_at_once():
-    """The time would become infinite, and the replay would end with a traceback."""
+    """Otherwise the time would become infinite, and the replay would end with a traceback."""
     play = Playback(messages(0, 1, 2), rate=1e308)
     play.due(0.0)
     assert stamps(play.due(1.0)) == [1, 2]
@@ -150,7 +150,7 @@ def test_the_highest_rate_plays_everything_at_once():
 
 @pytest.mark.parametrize('factor', [FASTER, 1 / FASTER])
 def test_a_key_that_is_held_down_changes_the_rate_within_bounds(factor):
-    """The rate would become 0 or infinite, from which no key leads back."""
+    """Otherwise the rate would become 0 or infinite, from which no key leads back."""
     play = Playback(messages(0, 1))
     play.due(0.0)
     for _ in range(5000):
@@ -161,7 +161,7 @@ def test_a_key_that_is_held_down_changes_the_rate_within_bounds(factor):
 
 
 def test_a_rate_beyond_the_bounds_of_the_keys_only_comes_nearer():
-    """A key for slower would make a very slow replay faster."""
+    """Otherwise a key for slower would make a very slow replay faster."""
     play = Playback(messages(0, 1), rate=1e-6)
     play.change_rate(0.0, 1 / FASTER)
     assert play.rate == 1e-6
@@ -170,7 +170,7 @@ def test_a_rate_beyond_the_bounds_of_the_keys_only_comes_nearer():
 
 
 def test_a_change_of_the_rate_before_the_first_message_starts_no_time():
-    """The wait for listeners would count as playing time."""
+    """Otherwise the wait for listeners would count as playing time."""
     play = Playback(messages(0, 1))
     play.change_rate(0.0, 2.0)
     assert play.elapsed(50.0) == 0.0
@@ -184,7 +184,7 @@ def test_a_change_of_the_rate_before_the_first_message_starts_no_time():
     pauses=st.lists(st.tuples(st.floats(0, 3), st.floats(0, 100)), max_size=10),
 )
 def test_the_spacing_is_the_recorded_one_divided_by_the_rate_and_pauses_do_not_count(gaps, rate, pauses):
-    """What happened slowly would be seen fast, or the other way round."""
+    """The replay is neither faster nor slower than asked for."""
     times = [0.0, *accumulate(gaps)]
     play, now, paused_for = Playback(messages(*times), rate), 0.0, 0.0
     play.due(now)
@@ -208,7 +208,7 @@ def test_the_spacing_is_the_recorded_one_divided_by_the_rate_and_pauses_do_not_c
     looks=st.lists(st.tuples(st.floats(0, 1), st.sampled_from(['look', 'pause', 'turn', 'step', 'up', 'down']))),
 )
 def test_whatever_is_pressed_every_message_comes_once_and_in_order(gaps, looks):
-    """A watcher would miss part of the demonstration, or see it twice."""
+    """Otherwise a watcher would miss part of the demonstration, or see it twice."""
     times = list(accumulate(gaps))
     all_ = [*messages(*times[::2], topic='/r/turn'), *messages(*times[1::2])]
     all_.sort(key=lambda message: message.stamp)
@@ -231,7 +231,7 @@ def test_whatever_is_pressed_every_message_comes_once_and_in_order(gaps, looks):
 
 
 def test_what_others_say_on_a_topic_of_that_name_is_no_turn():
-    """A step would end wherever a chat robot speaks."""
+    """Otherwise a step would end wherever a chat robot speaks."""
     play = Playback([*messages(0, topic='/r/turn'), *messages(1, topic='/chat/turn'), *messages(2, topic='/r/turn')])
     assert stamps(play.step(0.0, turn=True)) == [0, 1]
     assert (play.turn, play.turns) == (1, 2)
@@ -248,5 +248,5 @@ def test_what_others_say_on_a_topic_of_that_name_is_no_turn():
     ],
 )
 def test_a_clock_that_was_put_back_is_played_on(recorded, played):
-    """What came last would be played first, mixed with what came before."""
+    """Messages keep their recorded order, so that the last ones are not played first."""
     assert stamps(without_steps_back(messages(*recorded))) == played

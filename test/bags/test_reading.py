@@ -20,7 +20,7 @@ from shared.little_room import little_room
 
 @pytest.mark.parametrize('storage', ['mcap', 'sqlite3'])
 def test_what_is_written_is_read(tmp_path, storage):
-    """A demonstration would not be the one that was given."""
+    """Otherwise a demonstration would not be the one that was given."""
     bag = read_bag(write(tmp_path / 'b', storage=storage))
     assert [deserialize(message).data for message in bag.messages] == list('0123456789')
     assert [message.stamp for message in bag.messages] == list(range(1000, 1010))
@@ -28,7 +28,7 @@ def test_what_is_written_is_read(tmp_path, storage):
 
 
 def test_an_mcap_bag_is_what_rosbag2_writes(tmp_path):
-    """`ros2 bag` and Foxglove would not read it: held against the mcap library and the documented metadata."""
+    """`ros2 bag` and Foxglove can read it: held against the mcap library and the documented metadata."""
     path = write(tmp_path / 'b')
     with (path / 'b_0.mcap').open('rb') as file:
         reader = make_reader(file, validate_crcs=True)
@@ -58,7 +58,7 @@ def test_an_mcap_bag_is_what_rosbag2_writes(tmp_path):
 
 
 def test_a_sqlite3_bag_has_the_tables_of_rosbag2(tmp_path):
-    """`ros2 bag` would not read it."""
+    """Otherwise `ros2 bag` would not read it."""
     path = write(tmp_path / 'b', storage='sqlite3')
     database = sqlite3.connect(path / 'b_0.db3')
     assert database.execute('SELECT schema_version FROM schema').fetchall() == [(4,)]
@@ -81,7 +81,7 @@ def test_a_sqlite3_bag_has_the_tables_of_rosbag2(tmp_path):
 def test_a_bag_names_the_distribution_that_it_was_recorded_with(
     tmp_path, monkeypatch, storage, environment, wheels, expected
 ):
-    """`ros2 bag info` would name one that does not exist, and converters look for its message types."""
+    """Otherwise `ros2 bag info` would name one that does not exist, and converters look for its message types."""
     monkeypatch.setenv('ROS_DISTRO', environment)
     monkeypatch.setattr(writing, 'distributions', lambda: [SimpleNamespace(name=name) for name in wheels])
     writing.ros_distribution.cache_clear()
@@ -123,7 +123,7 @@ def test_a_bag_is_never_overwritten(tmp_path):
 
 
 def test_what_cannot_be_written_is_said(tmp_path):
-    """The user would believe that a recording runs."""
+    """Otherwise the user would believe that a recording runs."""
     with pytest.raises(BagError, match=r"unknown storage 'bag'; known: mcap, sqlite3"):
         BagWriter(tmp_path / 'b', TOPICS, 'bag')
     with pytest.raises(BagError, match='no message type'):
@@ -156,7 +156,7 @@ def miscount(path):
     ],
 )
 def test_a_broken_bag_is_one_clear_line(tmp_path, damage, reason):
-    """Half a demonstration would be learnt from in silence, or a traceback be all that the user sees."""
+    """Otherwise half a demonstration would be learnt from in silence, or a traceback be all that the user sees."""
     path = write(tmp_path / 'b')
     damage(path)
     with pytest.raises(BagError, match=reason) as raised:
@@ -174,7 +174,7 @@ def test_what_is_no_bag_is_said(tmp_path):
 
 
 def test_bytes_of_another_type_are_refused(tmp_path):
-    """Garbage would be learnt from."""
+    """Otherwise garbage would be learnt from."""
     with BagWriter(tmp_path / 'b', TOPICS) as bag:
         bag.write('/x/turn', b'\x00\x01\x00\x00\xff\xff\xff\x7f', 5)
     (message,) = read_bag(tmp_path / 'b').messages
@@ -184,7 +184,7 @@ def test_bytes_of_another_type_are_refused(tmp_path):
 
 @pytest.mark.parametrize('storage', ['mcap', 'sqlite3'])
 def test_another_thread_can_write_and_close(tmp_path, storage):
-    """The recorder writes by its worker what its constructor opened; SQLite alone would refuse every message."""
+    """The recorder's worker writes to what its constructor opened, which SQLite alone refuses."""
     with BagWriter(tmp_path / 'b', TOPICS, storage) as bag:
         thread = threading.Thread(target=lambda: (bag.write('/x/turn', text('a'), 1), bag.sync()))
         thread.start()
@@ -194,7 +194,7 @@ def test_another_thread_can_write_and_close(tmp_path, storage):
 
 @pytest.mark.parametrize('storage', ['mcap', 'sqlite3'])
 def test_a_full_disk_is_one_error_and_what_was_written_stays(tmp_path, storage):
-    """A recording would be finished with a hole in it, or end in an error that nobody expects."""
+    """Otherwise a recording would be finished with a hole in it, or end in an error that nobody expects."""
     path = tmp_path / 'b'
     bag = BagWriter(path, TOPICS, storage)
     for number in range(50):
@@ -218,7 +218,7 @@ def fill(bag):
 
 
 def test_writing_after_the_end_is_an_error(tmp_path):
-    """Messages would vanish."""
+    """Otherwise messages would vanish."""
     bag = BagWriter(tmp_path / 'b', TOPICS)
     bag.write('/x/turn', text('a'), 1)
     bag.close()
@@ -230,7 +230,7 @@ def test_writing_after_the_end_is_an_error(tmp_path):
 @pytest.mark.parametrize('storage', ['mcap', 'sqlite3'])
 @pytest.mark.parametrize('room', [0, 1000])
 def test_nothing_is_left_of_a_bag_that_there_was_no_room_for(tmp_path, storage, room):
-    """The next try would be told that the bag exists already, and a repair find no message in it."""
+    """Otherwise the next try would be told that the bag exists already, and a repair find no message in it."""
     path, full = tmp_path / 'b', pytest.raises((OSError, BagError), match=r'large|full|I/O')
     with little_room(room), full, BagWriter(path, TOPICS, storage) as bag:
         fill(bag)
@@ -238,7 +238,7 @@ def test_nothing_is_left_of_a_bag_that_there_was_no_room_for(tmp_path, storage, 
 
 
 def test_what_is_neither_a_file_nor_a_folder_is_no_bag(tmp_path):
-    """It would be a traceback, or wait for a writer who never comes."""
+    """Otherwise it would be a traceback, or wait for a writer who never comes."""
     os.mkfifo(tmp_path / 'pipe')
     (tmp_path / 'folder').mkdir()
     os.mkfifo(tmp_path / 'folder' / 'b_0.mcap')

@@ -35,7 +35,7 @@ time.sleep(60)
 
 @pytest.mark.parametrize('storage', ['mcap', 'sqlite3'])
 def test_a_killed_recording_is_repaired(tmp_path, storage):
-    """What was synced before SIGKILL must be there; a rosbags writer alone would lose all."""
+    """All that was synced before SIGKILL is there; a rosbags writer alone would lose all."""
     path = tmp_path / 'b'
     process = subprocess.Popen([sys.executable, '-c', KILLED, str(path), storage], stdout=subprocess.PIPE)
     assert process.stdout.readline() == b'ready\n'
@@ -57,7 +57,7 @@ def test_a_killed_recording_is_repaired(tmp_path, storage):
 
 @pytest.mark.parametrize('number', [0, 5])
 def test_a_flipped_bit_is_found_and_costs_one_chunk(tmp_path, number):
-    """A worn disk would give another demonstration, or repairing would lose all of it."""
+    """Otherwise a worn disk would give another demonstration, or repairing would lose all of it."""
     path = tmp_path / 'b'
     with BagWriter(path, TOPICS) as bag:
         for stamp in range(9):
@@ -73,7 +73,7 @@ def test_a_flipped_bit_is_found_and_costs_one_chunk(tmp_path, number):
 
 @pytest.mark.parametrize('storage', ['mcap', 'sqlite3'])
 def test_an_interrupted_repair_can_be_repeated(tmp_path, storage):
-    """The only copy of a demonstration would be out of reach."""
+    """Otherwise the only copy of a demonstration would be out of reach."""
     path = write(tmp_path / 'b', storage=storage)
     (file,) = path.glob('b_0.*')
     kept_as = file.rename(f'{file}.broken')
@@ -100,7 +100,7 @@ def test_a_bag_is_repaired_from_inside_its_folder_and_under_another_name(tmp_pat
 
 
 def test_an_original_that_was_kept_is_not_overwritten(tmp_path):
-    """A second repair would destroy what the first one could not read."""
+    """Otherwise a second repair would destroy what the first one could not read."""
     path = write(tmp_path / 'b')
     (path / 'b_0.mcap.broken').write_bytes(b'precious')
     (path / 'metadata.yaml').unlink()
@@ -110,7 +110,7 @@ def test_an_original_that_was_kept_is_not_overwritten(tmp_path):
 
 
 def test_topics_without_a_usable_type_are_left_out(tmp_path):
-    """One broken record would keep the user from all the others."""
+    """Otherwise one broken record would keep the user from all the others."""
     path = tmp_path / 'm'
     path.mkdir()
     with (path / 'm.mcap').open('wb') as file:
@@ -151,7 +151,7 @@ def test_a_table_of_the_first_versions_is_repaired(tmp_path):
 
 @pytest.mark.parametrize('storage', ['mcap', 'sqlite3'])
 def test_messages_that_were_compressed_one_by_one_are_repaired(tmp_path, storage):
-    """The bag would be made whole with messages in it that nothing can read."""
+    """Otherwise the bag would be made whole with messages in it that nothing can read."""
     path = tmp_path / 'b'
     bag = Writer(path, version=9, storage_plugin=StoragePlugin[storage.upper()])
     bag.set_compression(CompressionMode.MESSAGE, CompressionFormat.ZSTD)
@@ -166,7 +166,7 @@ def test_messages_that_were_compressed_one_by_one_are_repaired(tmp_path, storage
 
 @pytest.mark.parametrize('profiles', ['- durability: 1\n  depth: 1', '- depth: 1\n  durability: transient_local'])
 def test_what_was_latched_stays_so_when_it_is_repaired(tmp_path, profiles):
-    """Whoever comes late to a replay would see nothing; earlier versions wrote numbers."""
+    """A late subscriber to a replay gets the latched messages; earlier versions wrote numbers."""
     path = write(tmp_path / 'b', storage='sqlite3')
     (path / 'metadata.yaml').unlink()
     with contextlib.closing(sqlite3.connect(path / 'b_0.db3')) as database:
@@ -192,7 +192,7 @@ def overwrite(content, chance):
 @pytest.mark.parametrize('storage', ['mcap', 'sqlite3'])
 @pytest.mark.parametrize('copies', [15, pytest.param(60, marks=pytest.mark.slow)])
 def test_no_damage_ends_in_another_error(tmp_path, storage, copies):
-    """The user would see a traceback instead of what can be done."""
+    """Otherwise the user would see a traceback instead of what can be done."""
     whole = write(tmp_path / 'whole' / 'b', storage=storage)
     chance = random.Random(0)
     for number in range(copies):
@@ -248,7 +248,7 @@ def split(path, storage='mcap'):
 
 @pytest.mark.parametrize('storage', ['mcap', 'sqlite3'])
 def test_a_bag_of_several_files_is_repaired(tmp_path, storage):
-    """The advice to repair it would be followed by a refusal."""
+    """Otherwise the advice to repair it would be followed by a refusal."""
     path = split(tmp_path / 'b', storage)
     originals = {file.name: file.read_bytes() for file in path.iterdir()}
     with pytest.raises(BagError, match='record --repair'):
@@ -270,7 +270,7 @@ def test_of_several_files_the_broken_ones_are_kept_as_far_as_they_go(tmp_path):
 
 @pytest.mark.parametrize('renamed', [1, 2, 3])
 def test_an_interrupted_repair_of_several_files_can_be_repeated(tmp_path, renamed):
-    """What was renamed already would be missing."""
+    """The second repair finds the files that the first one renamed."""
     path = split(tmp_path / 'b')
     for number in (2, 9, 10)[:renamed]:
         (path / f'b_{number}.mcap').rename(path / f'b_{number}.mcap.broken')
@@ -279,7 +279,7 @@ def test_an_interrupted_repair_of_several_files_can_be_repeated(tmp_path, rename
 
 
 def test_no_repair_is_advised_that_cannot_work(tmp_path):
-    """The user would be sent in a circle."""
+    """Otherwise the advice would lead to a repair that gives the same advice."""
     path = tmp_path / 'b'
     bag = Writer(path, version=9)
     bag.set_compression(CompressionMode.FILE, CompressionFormat.ZSTD)
@@ -298,7 +298,7 @@ def test_no_repair_is_advised_that_cannot_work(tmp_path):
 
 
 def test_files_that_are_still_compressed_are_not_left_out_of_a_repair(tmp_path):
-    """A bag that was killed while a file was compressed would lose all files before."""
+    """Otherwise a bag that was killed while a file was compressed would lose all files before."""
     path = split(tmp_path / 'b')
     (path / 'b_2.mcap').rename(path / 'b_2.mcap.zstd')
     with pytest.raises(BagError, match=r'decompress'):

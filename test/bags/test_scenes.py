@@ -15,11 +15,11 @@ from shared.bags import STRING, text
 
 
 def test_every_turn_has_the_scene_that_its_learner_took(bags, tmp_path):
-    """A second learner would learn from other things than the first one saw."""
+    """Otherwise a second learner would learn from other things than the first one saw."""
     bags.write_episode(tmp_path / 'b')
     found = scenes_of(read_bag(tmp_path / 'b'))
     (episode,) = read_episodes(tmp_path / 'b')
-    assert found.world == episode.begun.world
+    assert found.world == episode.started.world
     assert list(found.clouds) == [turn.turn for turn in episode.turns]
     for turn in episode.turns:
         scene = scene_of_cloud(deserialize(found.clouds[turn.turn]))
@@ -28,20 +28,20 @@ def test_every_turn_has_the_scene_that_its_learner_took(bags, tmp_path):
 
 
 def test_turns_and_objects_are_enough(bags, tmp_path):
-    """A robot's own recording, without decisions, could not be shown to a learner."""
+    """Otherwise a robot's own recording, without decisions, could not be shown to a learner."""
     missing = [(name, turn) for name in ('decision', 'learner_state', 'episode') for turn in range(1, 9)]
     bags.write_episode(tmp_path / 'b', missing=missing)
     assert len(scenes_of(read_bag(tmp_path / 'b')).clouds) == 8
 
 
 def test_a_turn_whose_scene_is_missing_is_left_out(bags, tmp_path):
-    """The scene of the next turn would be shown in its place."""
+    """Otherwise the scene of the next turn would be shown in its place."""
     bags.write_episode(tmp_path / 'b', missing=[('objects', 3), ('objects', 8)])
     assert list(scenes_of(read_bag(tmp_path / 'b')).clouds) == [1, 2, 4, 5, 6, 7]
 
 
 def test_of_a_camera_the_first_cloud_that_is_not_older_than_the_turn_counts(bags, tmp_path):
-    """A cloud that the learner passed over would be shown."""
+    """Otherwise a cloud that the learner passed over would be shown."""
     lived = bags.write_episode(tmp_path / 'scenes', n_turns=4)
     scenes = [lived.world.scene(turn) for turn in range(1, 4)]
     writing = bags.Writing(tmp_path / 'b')
@@ -61,7 +61,7 @@ def test_of_a_camera_the_first_cloud_that_is_not_older_than_the_turn_counts(bags
 
 
 def test_what_holds_no_scenes_of_one_episode_is_refused(bags, tmp_path):
-    """A learner would wait for ever, or see the scenes of two robots in turn."""
+    """Otherwise a learner would wait for ever, or see the scenes of two robots in turn."""
     bags.write_episode(tmp_path / 'none', missing=[('objects', turn) for turn in range(1, 9)])
     two, broken = (bags.Writing(tmp_path / name) for name in ('two', 'broken'))
     for at, episode_id in enumerate(('e1', 'e2')):
@@ -82,7 +82,7 @@ def test_what_holds_no_scenes_of_one_episode_is_refused(bags, tmp_path):
 
 
 def test_an_empty_cloud_without_fields_is_a_scene_as_it_is_for_the_learner(bags, tmp_path):
-    """A camera that saw an empty table would make its recording useless."""
+    """Otherwise a camera that saw an empty table would make its recording useless."""
 
     def add_empty(writing, members):
         stamp = bags.START + 3 * bags.PERIOD

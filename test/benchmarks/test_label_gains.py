@@ -1,4 +1,4 @@
-"""What labels are measured to be worth: against really giving them, and sums by hand."""
+"""Measured worth of labels, against really giving them and against sums by hand."""
 
 from __future__ import annotations
 
@@ -13,15 +13,15 @@ from shared.lunches import teacher_of
 
 
 def test_a_gain_is_what_the_label_would_have_changed() -> None:
-    """The page would tell of labels that nobody could give."""
+    """Otherwise the page would tell of labels that nobody could give."""
     from label_gains import Measuring
 
-    choice = WorldSpec(load_task('kitchen_table'), 3, 3)
-    world = PerceivedWorld(choice.open())
-    settings = episode_settings(choice.task, 'random_fsq', 8, 6)
+    world_spec = WorldSpec(load_task('kitchen_table'), 3, 3)
+    world = PerceivedWorld(world_spec.open())
+    settings = episode_settings(world_spec.task, 'random_fsq', 8, 6)
     strategy = Measuring(make_strategy('random_fsq', {}), world, 6)
     episode = Episode(settings, random_stream(3, 'learner'), strategy=strategy)
-    playing = turns(episode, world, teacher_of(choice.task, 3))
+    playing = turns(episode, world, teacher_of(world_spec.task, 3))
     for _ in range(5):
         next(playing)
     assert strategy.found == []
@@ -37,7 +37,7 @@ def test_a_gain_is_what_the_label_would_have_changed() -> None:
     assert found.examples == positives.get(found.symbol, 0)
 
     again = Episode(settings, random_stream(3, 'learner'))
-    replayed = turns(again, world, teacher_of(choice.task, 3))
+    replayed = turns(again, world, teacher_of(world_spec.task, 3))
     for _ in range(5):
         next(replayed)
     again.concepts.observe(scene)
@@ -47,7 +47,7 @@ def test_a_gain_is_what_the_label_would_have_changed() -> None:
 
 
 def test_sums_by_hand() -> None:
-    """A table would hold other groups than its headings say."""
+    """Otherwise a table would hold other groups than its headings say."""
     from label_gains import Label, area_under_curve, gain_rows
 
     labels = [

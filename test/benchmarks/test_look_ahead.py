@@ -17,7 +17,7 @@ def state():
 
 
 def test_all_ways_make_the_same_table(state):
-    """A rival that solves another problem would make every ratio worthless."""
+    """The rivals solve the same problem, so that the ratios of their times mean something."""
     from look_ahead_parts import refitting
 
     truth = refitting.until_convergence(state)
@@ -30,7 +30,7 @@ def test_all_ways_make_the_same_table(state):
 
 
 def test_a_wrong_table_is_noticed(state):
-    """The error and the other action must show, or the check would prove nothing."""
+    """The check shows the error and the other action."""
     from look_ahead_parts.actions import choose, task_weights
     from look_ahead_parts.exactness import compare, report_actions
 
@@ -48,7 +48,7 @@ def test_a_wrong_table_is_noticed(state):
 
 
 def test_the_random_states_hold_what_the_table_says():
-    """A thousand easy states would be no check."""
+    """The thousand states of the check are not all easy."""
     from look_ahead_parts.states import random_state
 
     rng = np.random.default_rng(0)
@@ -64,7 +64,7 @@ def test_the_random_states_hold_what_the_table_says():
 
 @pytest.mark.slow
 def test_it_runs(tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]):
-    """The tables would rot unseen, since nobody measures every day."""
+    """Otherwise the tables would rot unseen, since nobody measures every day."""
     monkeypatch.setenv('OMP_NUM_THREADS', '1')  # the script would set it for good
     import look_ahead
     from look_ahead_parts import side_by_side

@@ -42,7 +42,7 @@ def run(monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]) -> 
 
 
 def test_a_questioner_is_compared_with_the_best_control(tmp_path: Path, run: Run) -> None:
-    """By hand: accuracies .7 and .8, against .6 and .7 of the better one of two controls."""
+    """Accuracies of .7 and .8 by hand, against .6 and .7 of the better one of two controls."""
     status, printed, _ = run(write(tmp_path / 'a', 'random_fsq', 'rarest_demo', 'value_per_cost'))
     lines = printed.splitlines()
     assert status == 0
@@ -53,7 +53,7 @@ def test_a_questioner_is_compared_with_the_best_control(tmp_path: Path, run: Run
 
 
 def test_experiments_are_read_as_one(tmp_path: Path, run: Run) -> None:
-    """Strategies that were played one after the other could not be compared."""
+    """Otherwise strategies that were played one after the other could not be compared."""
     names = ('random_fsq', 'rarest_demo', 'value_per_cost')
     status, printed, _ = run(*(write(tmp_path / name, name) for name in names))
     assert status == 0

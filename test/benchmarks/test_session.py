@@ -15,7 +15,7 @@ SCRIPT = ROOT / 'benchmarks' / 'session.py'
 
 @pytest.mark.slow
 def test_every_kind_of_log_is_measured(tmp_path: Path) -> None:
-    """What durability costs could not be told for another robot's disk."""
+    """The cost of durability can be measured on the disk of another robot."""
     command = [sys.executable, str(SCRIPT), '--answers', '4', '--repeats', '1', '--folder', str(tmp_path)]
     done = subprocess.run(command, capture_output=True, text=True, timeout=120, check=False)
     assert done.returncode == 0, done.stderr

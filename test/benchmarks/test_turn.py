@@ -26,7 +26,7 @@ def run(*arguments: str, **environment: str) -> subprocess.CompletedProcess[str]
 
 
 def test_a_turn_is_the_sum_of_its_parts() -> None:
-    """Transport would be blamed for work, or the other way round."""
+    """Otherwise transport would be blamed for work, or the other way round."""
     from turn_parts.accounts import remainders, transport_seconds
 
     # Writing takes 1 s and reading 10 s, whatever it is.
@@ -43,7 +43,7 @@ def test_a_turn_is_the_sum_of_its_parts() -> None:
 
 @pytest.mark.slow
 def test_offline_part_runs_and_adds_up(tmp_path: Path) -> None:
-    """Nobody could measure on a machine without ROS."""
+    """Otherwise nobody could measure on a machine without ROS."""
     path = tmp_path / 'turn.json'
     done = run('--turns', '3', '--repeats', '1', '--offline', '--json', str(path))
     assert done.returncode == 0, done.stderr
@@ -54,7 +54,7 @@ def test_offline_part_runs_and_adds_up(tmp_path: Path) -> None:
 
 
 def test_missing_ros_is_told_in_one_line(tmp_path: Path) -> None:
-    """A traceback would not say that --offline does without."""
+    """Otherwise a traceback would not say that --offline does without."""
     (tmp_path / 'rclpy.py').write_text("raise ImportError('no ROS here')\n")
     done = run('--turns', '3', PYTHONPATH=os.pathsep.join((str(tmp_path), str(ROOT))))
     assert done.returncode == 2
@@ -72,7 +72,7 @@ def test_missing_ros_is_told_in_one_line(tmp_path: Path) -> None:
 def test_unusable_arguments_are_refused(
     arguments: list[str], complaint: str, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
-    """A quarter of an hour would be measured for nothing."""
+    """Otherwise a quarter of an hour would be measured for nothing."""
     import turn
 
     monkeypatch.setattr(sys, 'argv', ['turn.py', *arguments])
@@ -84,7 +84,7 @@ def test_unusable_arguments_are_refused(
 
 @pytest.mark.slow
 def test_the_graph_part_runs(tmp_path: Path) -> None:
-    """The tables of the graph would rot unseen, since nobody measures every day."""
+    """Otherwise the tables of the graph would rot unseen, since nobody measures every day."""
     path = tmp_path / 'turn.json'
     done = run('--turns', '12', '--repeats', '1', '--round-trips', '5', '--json', str(path))
     assert done.returncode == 0, done.stdout + done.stderr

@@ -1,4 +1,4 @@
-"""What was told, and what follows from it."""
+"""Taking in answers, and their consequences for the models."""
 
 import numpy as np
 import pytest
@@ -69,7 +69,7 @@ def test_same_view_counts_once_in_the_statistics(scene):
 
 
 def test_what_stays_beside_something_new_is_not_counted_again():
-    """On a table where half of the things stay, the statistics would lean towards those that stay longest."""
+    """Otherwise on a table where half of the things stay, the statistics would lean towards those that stay longest."""
     rng = np.random.default_rng(4)
     old, new = rng.normal(size=(6, 4)), rng.normal(loc=9, size=(2, 4))
     later = scene_of(np.concatenate([old[:4], new]), object_ids=(0, 1, 2, 3, 6, 7))
@@ -211,7 +211,7 @@ def test_what_cannot_be_told(taught, scene):
 
 
 def test_tuned_kernel_is_that_of_the_labels_and_used_everywhere(taught, scene):
-    """Predictions, look-ahead and the imagined feature subset would follow different kernels."""
+    """Otherwise predictions, look-ahead and the imagined feature subset would follow different kernels."""
     untuned = taught.predict_proba(scene.features)
     version = taught.model_version
     assert taught.kernel == Kernel(4.0, 2.0)
@@ -228,7 +228,7 @@ def test_tuned_kernel_is_that_of_the_labels_and_used_everywhere(taught, scene):
 
 
 def test_tuned_length_scale_follows_the_number_of_features(taught):
-    """After a feature subset query the kernel would be far too wide for the few features that are left."""
+    """Otherwise after a feature subset query the kernel would be far too wide for the few features that are left."""
     taught.tune()
     before = taught.kernel
     taught.restrict_to_groups(('size',))
@@ -237,7 +237,7 @@ def test_tuned_length_scale_follows_the_number_of_features(taught):
 
 
 def test_events_after_tuning_keep_the_tuned_kernel_on_any_features():
-    """New labels would join a kernel matrix of other hyperparameters, or imagined subsets use too wide a kernel."""
+    """Otherwise labels would join a kernel matrix of other hyperparameters, or subsets use too wide a kernel."""
     table = np.random.default_rng(4).normal(size=(8, 30))
     table[:, 7] = [0, 9, 0, 9, 0, 9, 0, 9]
     many = scene_of(table, names=tuple(f'{"colour" if i < 10 else "noise"}_{i}' for i in range(30)))
@@ -262,7 +262,7 @@ def test_events_after_tuning_keep_the_tuned_kernel_on_any_features():
 
 
 def test_tuning_again_without_news_changes_nothing(taught):
-    """The kernel would drift with every call, and the version would tell of models that are not new."""
+    """Otherwise the kernel would drift with every call, and the version would tell of models that are not new."""
     assert taught.tune()
     kernel, version = taught.kernel, taught.model_version
     assert not taught.tune()
@@ -270,7 +270,7 @@ def test_tuning_again_without_news_changes_nothing(taught):
 
 
 def test_tuning_without_labels_keeps_the_configured_kernel(scene):
-    """A robot that has been told nothing would change its mind."""
+    """Otherwise a robot that has been told nothing would change its mind."""
     concepts = ConceptLearner(SYMBOLS, 9.0, 5.0)
     assert not concepts.tune(), 'not even a scene'
     concepts.observe(scene)
@@ -279,14 +279,14 @@ def test_tuning_without_labels_keeps_the_configured_kernel(scene):
 
 
 def test_tuning_moves_from_the_length_scale_that_was_configured(scene):
-    """A user's length scale would be forgotten at the first tuning."""
+    """Otherwise a user's length scale would be forgotten at the first tuning."""
     concepts = learner(scene, labels=['snack'], length_scale=40.0)
     concepts.tune()
     assert 20 <= concepts.kernel.length_scale <= 80
 
 
 def test_labels_of_a_scene_at_once_are_labels_one_by_one(scene):
-    """The ceiling that is told everything would know something else than a learner that asked for it."""
+    """Otherwise the ceiling that is told everything would know something else than a learner that asked for it."""
     said = {0: 'snack', 3: 'fruit', 5: NO_SYMBOL}
     at_once, one_by_one = learner(scene), learner(scene)
     at_once.label_scene(scene, said, turn=4)
@@ -302,7 +302,7 @@ def test_labels_of_a_scene_at_once_are_labels_one_by_one(scene):
 
 
 def test_predictions_after_labels_are_those_of_having_learnt_each(taught, scene):
-    """The oracle would weigh labels by what they do not lead to, or teach the learner what nobody told it."""
+    """Otherwise the oracle would weigh labels by what they do not lead to, or teach the learner what nobody told it."""
     taught.restrict_to_groups(('colour', 'size'))
     before = taught.predict_proba(scene.features)
     rows, symbols = [4, 5, 3], ['snack', NO_SYMBOL, 'fruit']

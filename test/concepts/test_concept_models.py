@@ -156,7 +156,7 @@ def test_sixty_labels_one_by_one_do_not_drift(learning_state, amplitude):
 
 
 def changed_examples(state, rng):
-    """What else can come after a fit: features and labels that do not just go on from the last."""
+    """Return examples that may follow a fit: features and labels that do not just continue the last ones."""
     features, labels = state.features, state.labels
     yield 'features that moved, as when the statistics change', features + 0.1 * rng.normal(size=features.shape), labels
     yield 'a subset of the features', features[:, ::2], labels
@@ -220,7 +220,7 @@ def test_a_refused_fit_changes_nothing(learning_state):
 
 
 def test_asking_again_gives_the_same_and_belongs_to_the_asker(learning_state):
-    """What is kept of the last scene must not be what was handed out."""
+    """The caller gets a copy, and not the array that is kept of the last scene."""
     state = learning_state(10, n=8, n_symbols=3)
     fitted = state.fitted()
     first = fitted.predict_proba(state.scene)
@@ -244,7 +244,7 @@ def test_points_that_change_in_place_are_new_points(learning_state):
 
 
 def test_a_scene_is_seen_with_what_was_learnt_since(learning_state):
-    """What is kept of the last scene must go with the fit it belongs to."""
+    """The cached values of the last scene belong to the fit that they were computed by."""
     state = learning_state(12, n=8, n_symbols=3)
     fitted = state.fitted()
     fitted.predict_proba(state.scene)
@@ -381,7 +381,7 @@ def test_impossible_models(arguments, reason):
 
 
 def test_predictions_and_score_are_those_that_scikit_learn_users_expect() -> None:
-    """A notebook that compares classifiers would need code of its own for this one."""
+    """Otherwise a notebook that compares classifiers would need code of its own for this one."""
     models = ConceptModels(('snack', 'fruit')).fit([[0.0], [1.0], [2.0]], ['snack', 'fruit', NO_SYMBOL])
     assert list(models.classes_) == ['snack', 'fruit']
     assert list(models.predict([[0.1], [0.9]])) == ['snack', 'fruit']

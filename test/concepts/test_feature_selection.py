@@ -66,7 +66,7 @@ def test_shapes_that_do_not_fit():
 
 @pytest.mark.parametrize('seed', range(5))
 def test_rank_p_values_equal_scipy_feature_by_feature(seed):
-    """A selector that is varied would be another than the one named."""
+    """Otherwise a selector that is varied would be another than the one named."""
     rng = np.random.default_rng(seed)
     features = rng.integers(0, 4, size=(15, 6)).astype(float)
     features[:, 2] = 7.0

@@ -112,7 +112,7 @@ def test_a_shape_out_of_range_is_refused(saturation: float, exponent: float) -> 
 
 
 def test_groups_of_another_number_of_features_are_refused() -> None:
-    """The models of before stay."""
+    """The models that were fitted stay."""
     models = ConceptModels(('x', 'y'), shape=GROUPED).fit([[0.0, 1.0]], ['x'], ('a', 'b'))
     before = models.predict_proba([[0.5, 0.5]])
     with pytest.raises(InputError, match='3 groups for 2 features'):

@@ -16,7 +16,7 @@ def readings_of(n: int) -> np.ndarray:
 
 
 def standardiser_of(readings: np.ndarray, batches: int = 1) -> Standardiser:
-    """The statistics of readings that came in so many batches."""
+    """Return the statistics of readings that came in this number of batches."""
     standardiser = Standardiser(readings.shape[1])
     for batch in np.split(readings, batches):
         standardiser.update(batch)

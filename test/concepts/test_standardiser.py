@@ -27,7 +27,7 @@ def test_batches_add_up_to_the_whole(seed, sizes):
 
 @pytest.mark.parametrize('value', [0.0, 0.1, 12345.678])
 def test_constant_feature_keeps_its_scale(value):
-    """Dividing by no spread, or by the rounding of one, would blow up the first value that differs."""
+    """Otherwise a division by no spread, or by its rounding, would blow up the first value that differs."""
     standardiser = Standardiser(1)
     for _ in range(7):
         standardiser.update(np.full((3, 1), value, dtype=np.float32))

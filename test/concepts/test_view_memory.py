@@ -1,4 +1,4 @@
-"""What wobbles is the same view, what has changed is another one."""
+"""A view that wobbles stays the same view, and one that has changed is another one."""
 
 from __future__ import annotations
 
@@ -191,7 +191,7 @@ def test_a_wrong_reading_of_one_feature_is_not_another_view() -> None:
 
 @pytest.mark.parametrize('error', [0.3, 65535.0])
 def test_the_only_look_at_a_view_is_corrected_by_those_after_it(error: float) -> None:
-    """A burst, or a wrong reading, in the first look would make two views of one thing."""
+    """Otherwise a burst, or a wrong reading, in the first look would make two views of one thing."""
     memory = ViewMemory()
     corrections = []
     for look, (scene, spread) in enumerate(scenes(noise_of(0.005), 5, 4, 0)):
@@ -211,7 +211,7 @@ def test_the_only_look_at_a_view_is_corrected_by_those_after_it(error: float) ->
 
 @pytest.mark.parametrize('seed', range(4))
 def test_a_change_amid_bursts_is_not_followed_as_if_it_were_noise(seed: int) -> None:
-    """Its own noise would seem to explain it, and what the thing is now would never be asked."""
+    """Otherwise its own noise would seem to explain it, and what the thing is now would never be asked."""
     noise = noise_of(0.05, lambda rng, look: 10 if look in (17, 19, 21) else 1)
     first, *others = views_seen(noise, 6, 5, seed, np.random.default_rng(seed).choice([-1.5, 1.5], size=5))
     assert len(first) == 2
@@ -227,7 +227,7 @@ def test_a_thing_that_was_seen_twice_as_it_was_is_not_corrected() -> None:
 
 
 def test_a_row_of_wrong_readings_is_not_another_view_even_if_it_comes_twice() -> None:
-    """The thing would be asked about again, and the answer would be learnt for what no sensor means."""
+    """Otherwise the thing would be asked about again, and the answer would be learnt for what no sensor means."""
 
     def spoil(look: int, scene: Scene, spread: np.ndarray) -> np.ndarray:
         is_wrong = np.zeros((4, 6), dtype=bool)

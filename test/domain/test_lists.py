@@ -21,7 +21,7 @@ SCENE: dict[str, Any] = {
 
 
 def test_a_scene_of_lists_is_that_of_arrays() -> None:
-    """A first try in a notebook would end in a traceback about an attribute of lists."""
+    """Otherwise a first try in a notebook would end in a traceback about an attribute of lists."""
     scene = Scene(**SCENE)
     tables = (np.array(SCENE[name], np.float32) for name in ('positions', 'features'))
     assert scene.equals(Scene((1, 2), *tables, ('colour_hue', 'size_m')))
@@ -30,7 +30,7 @@ def test_a_scene_of_lists_is_that_of_arrays() -> None:
 
 @pytest.mark.parametrize('dtype', [np.float32, np.float64])
 def test_arrays_stay_as_they_are(dtype: type) -> None:
-    """What was measured would be other numbers in the log than in the model."""
+    """The log and the model hold the same numbers."""
     features = np.array([[0.1, 0.2], [0.3, 0.4]], dtype)
     assert Scene(**{**SCENE, 'features': features}).features is features
 
@@ -51,13 +51,13 @@ def test_arrays_stay_as_they_are(dtype: type) -> None:
     ],
 )
 def test_what_is_no_scene_is_refused_in_words(member: str, value: object, reason: str) -> None:
-    """The reason would be one of numpy's, which names neither the member nor what is expected."""
+    """Otherwise the reason would be one of numpy's, which names neither the member nor what is expected."""
     with pytest.raises(SceneError, match=reason):
         Scene(**{**SCENE, member: value})
 
 
 def test_symbols_may_be_a_list_and_are_not_letters_of_a_word() -> None:
-    """An episode about a, b and c would be played for the one symbol abc, or a blank be asked for."""
+    """Otherwise an episode about a, b and c would be played for the one symbol abc, or a blank be asked for."""
     settings = EpisodeSettings(['cup', 'plate'], 4, 5, 'random_fsq')
     assert settings.symbols == ('cup', 'plate')
     for symbols in ('abc', [1, 2], None, ['cup', ' '], ['cup', 'cup'], ['cup', 'none']):
@@ -66,7 +66,7 @@ def test_symbols_may_be_a_list_and_are_not_letters_of_a_word() -> None:
 
 
 def test_an_episode_and_its_models_take_lists() -> None:
-    """Who has features in lists would have to know which function wants what."""
+    """Otherwise a user who has features in lists would have to know which function wants what."""
     episode = Episode(EpisodeSettings(['cup', 'plate'], 4, 5, 'random_fsq'), random_stream(0, 'learner'))
     assert episode.ask(Scene(**SCENE)).query is not None
     assert episode.concepts.predict_proba([[1, 2], [3, 4], [5, 6]]).shape == (3, 2)

@@ -1,4 +1,4 @@
-"""Which names people can say, and which one they mean by what they type."""
+"""Names that people can say, and the one that they mean by what they type."""
 
 from __future__ import annotations
 
@@ -70,7 +70,7 @@ NO_LETTER = 'it holds no letter'
     ],
 )
 def test_a_name_that_people_cannot_say_is_refused_with_the_reason(name: str, reason: str) -> None:
-    """Whoever says it would teach something else, or be refused with a text that shows the very word."""
+    """The reason is a second meaning, a comma, a blank, or a character that people cannot see or type."""
     with pytest.raises(InputError, match='cannot be a symbol') as caught:
         check_names(['plate', name], 'symbol')
     assert quoted(name) in str(caught.value)
@@ -89,13 +89,13 @@ def test_a_name_that_people_cannot_say_is_refused_with_the_reason(name: str, rea
     ],
 )
 def test_two_names_that_sound_the_same_are_refused(one: str, other: str) -> None:
-    """Whoever says one of them would teach the other."""
+    """A teacher who says one of them must not teach the other."""
     with pytest.raises(InputError, match=re.escape(f'{other!r} cannot be a symbol beside {one!r}')):
         check_names([one, 'plate', other], 'symbol')
 
 
 def test_ordinary_names_of_many_languages_are_fine() -> None:
-    """People could not use their own words."""
+    """Otherwise people could not use their own words."""
     check_names(
         [
             *('main_dish', 'Früchte', 'straße', 'カップ', '杯子', 'чашка', 'कप', 'น้ำ', 'x²', '7up', 'v1.2', 'nonesuch'),
@@ -109,14 +109,14 @@ def test_ordinary_names_of_many_languages_are_fine() -> None:
 
 
 def test_what_only_keys_mean_is_free_where_no_key_says_a_name() -> None:
-    """A camera's groups h, s and v could not be relevant."""
+    """Otherwise a camera's groups h, s and v could not be relevant."""
     check_names(['h', 's', 'v'], 'feature group', has_key=False)
     with pytest.raises(InputError, match="'skip' cannot be a feature group"):
         check_names(['skip'], 'feature group', has_key=False)
 
 
 def test_every_word_that_is_a_command_anywhere_is_reserved() -> None:
-    """A symbol of that name would be taken for the command, or the command for the symbol."""
+    """Otherwise a symbol of that name would be taken for the command, or the command for the symbol."""
     for word in (*OUTCOMES, *WISHES, *COMMANDS):
         assert loosely(word) in RESERVED, word
 
@@ -145,12 +145,12 @@ def test_every_word_that_is_a_command_anywhere_is_reserved() -> None:
     ],
 )
 def test_a_word_means_what_it_is_exactly_before_what_it_is_like(word: str, names: list[str], found: list[str]) -> None:
-    """The wrong one of two names would be learnt, or the right one refused."""
+    """Otherwise the wrong one of two names would be learnt, or the right one refused."""
     assert meant(word, names) == found
 
 
 def test_a_near_miss_has_a_suggestion() -> None:
-    """People would not see what is wrong with their word."""
+    """Otherwise people would not see what is wrong with their word."""
     assert near('screwdrver', ['skip', 'screwdriver']) == 'screwdriver'
     assert near('Srkewdriver', ['skip', 'screwdriver']) == 'screwdriver'
     assert near('cpu', ['plate', 'cup']) == 'cup'
@@ -171,7 +171,7 @@ def test_a_near_miss_has_a_suggestion() -> None:
     ],
 )
 def test_a_command_is_suggested_only_if_it_is_much_nearer(word: str, found: str | None) -> None:
-    """Whoever says the name of something else would be sent to quit."""
+    """The name of something else is not answered with the advice to quit."""
     assert near(word, ['plate', 'cutlery', 'snap'], ['quit', 'help', 'skip', 'unknown']) == found
 
 
@@ -184,14 +184,14 @@ def test_every_reserved_word_is_refused_however_it_is_marked() -> None:
 
 @given(st.lists(st.text(min_size=1).map(str.strip).filter(bool), min_size=1), st.booleans())
 def test_joined_names_can_be_parted_again(names: list[str], quotes: bool) -> None:
-    """A name with a comma would become two."""
+    """Otherwise a name with a comma would become two."""
     sayable = [name for name in names if quotes or '"' not in name]
     assert parted(joined(sayable, quotes)) == sayable
 
 
 @given(st.text())
 def test_whatever_is_called_so_can_be_judged(name: str) -> None:
-    """A strange name would end a node."""
+    """Otherwise a strange name would end a node."""
     assert isinstance(unsayable(name), str)
     assert loosely(loosely(name)) == loosely(name)
     assert near(name, ['cup']) in ('cup', None)
@@ -200,7 +200,7 @@ def test_whatever_is_called_so_can_be_judged(name: str) -> None:
 @given(st.text(min_size=1))
 @example('A´')
 def test_a_name_that_is_not_refused_is_understood(name: str) -> None:
-    """A symbol could not be said."""
+    """Otherwise a symbol could not be said."""
     if not unsayable(name):
         for form in ('NFC', 'NFD', 'NFKC', 'NFKD'):
             assert meant(f' {unicodedata.normalize(form, name)}\n', [name, 'quite another']) == [name]

@@ -13,7 +13,7 @@ from al_questioner.domain import Costs, EpisodeSettings, SettingsError
         ({'budget': -1.0}, 'budget must be 0 or more, not -1'),
         ({'budget': float('nan')}, 'budget must be a finite number, not nan'),
         ({'budget': float('inf')}, 'budget'),
-        ({'turns': 0}, r'turns must lie in \[1, 10000\] turns, not 0'),
+        ({'turns': 0}, 'turns must be 1 or more, not 0'),
         ({'change_interval': 0}, 'change_interval'),
         ({'symbols': ('a',)}, 'at least two'),
         ({'symbols': ('a', 'a')}, 'distinct'),
@@ -27,11 +27,16 @@ from al_questioner.domain import Costs, EpisodeSettings, SettingsError
         ({'length_scale': 0.0}, 'length_scale'),
         ({'length_scale': float('nan')}, 'length_scale'),
         ({'weights': {'gain': -1e200}}, r'the weight of gain must lie in \[-1e\+09, 1e\+09\]'),
-        ({'tune_every': -1}, r'tune_every must lie in \[0, 10000\] turns, not -1'),
+        ({'tune_every': -1}, 'tune_every must be 0 or more, not -1'),
         ({'weights': {'remaining_time': float('nan')}}, 'the weight of remaining_time must be a finite number'),
     ],
 )
 def test_settings_out_of_range_are_refused(changes: dict[str, object], reason: str) -> None:
-    """An episode would be played under limits that make no sense."""
+    """Otherwise an episode would be played under limits that make no sense."""
     with pytest.raises(SettingsError, match=reason):
         EpisodeSettings(**{'symbols': ('a', 'b'), 'budget': 1.0, 'turns': 1, 'strategy': 'random_fsq', **changes})
+
+
+def test_a_program_may_give_more_than_a_command_line() -> None:
+    """Programs, and logs, from the time without these limits keep working."""
+    EpisodeSettings(('a', 'b'), 1.0, turns=20_000, strategy='random_fsq', change_interval=20_000, tune_every=20_000)

@@ -8,7 +8,7 @@ from pathlib import Path
 import pytest
 
 from al_questioner.simulation import PerceivedWorld, WorldSpec
-from shared.durable_sessions import TASK, Start, started
+from shared.durable_sessions import TASK, Start, start_durable
 
 
 @pytest.fixture(scope='session')
@@ -27,7 +27,7 @@ def start(tmp_path: Path) -> Iterator[Start]:
 
     def start_again(**changes: object) -> object:
         end()
-        running.append(started(tmp_path, **changes))
+        running.append(start_durable(tmp_path, **changes))
         return running[0]
 
     yield start_again

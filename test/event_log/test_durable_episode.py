@@ -13,7 +13,6 @@ import numpy as np
 import pytest
 
 from al_questioner.domain import Answer, AnswerError, Outcome
-from al_questioner.event_log.durable_episode import DurableEpisode
 from al_questioner.event_log.encoding import Encoder
 from al_questioner.event_log.events import (
     ActionChosen,
@@ -24,12 +23,22 @@ from al_questioner.event_log.events import (
     SceneObserved,
 )
 from al_questioner.event_log.log import LogWriteError, SessionLog, SessionLogError
-from al_questioner.event_log.replay import Replay
+from al_questioner.event_log.replay import replay_of
 from al_questioner.questioning import Receipt, TurnContext
-from al_questioner.questioning.strategies import human
 from al_questioner.simulation import PerceivedWorld, episode_settings
 from shared.checkout import ROOT
-from shared.durable_sessions import TASK, WORLD, Start, answer, ask, begun, events, play_turns, started
+from shared.durable_sessions import (
+    TASK,
+    WORLD,
+    Start,
+    answer,
+    ask,
+    durable_of,
+    episode_started,
+    events,
+    play_turns,
+    start_durable,
+)
 
 DRIVER = ROOT / 'test' / 'shared' / 'session_driver.py'
 
@@ -44,7 +53,7 @@ def drive(*arguments: object) -> dict[str, object]:
 
 @pytest.mark.slow
 def test_killed_at_every_write_point(tmp_path: Path) -> None:
-    """An answer that was acknowledged would be lost, or counted twice, or what is asked next would be another thing."""
+    """An acknowledged answer is not lost or counted twice, and the next question stays the same."""
     result = drive('points', tmp_path)
     assert result['problems'] == []
     assert result['kills'] > 80
@@ -54,7 +63,7 @@ def test_killed_at_every_write_point(tmp_path: Path) -> None:
 
 @pytest.mark.slow
 def test_killed_at_random_moments(tmp_path: Path) -> None:
-    """What no list of write points foresees would lose an answer."""
+    """No answer is lost at a moment that no list of write points foresees."""
     result = drive('random', tmp_path, 200, 1)
     assert result['problems'] == []
     assert result['kills'] >= 200
@@ -63,10 +72,10 @@ def test_killed_at_random_moments(tmp_path: Path) -> None:
 def test_a_log_that_does_not_tell_what_was_known_is_gone_on_with(
     start: Start, tmp_path: Path, world: PerceivedWorld
 ) -> None:
-    """Sessions of earlier versions would be lost."""
-    session = start(settings=episode_settings(TASK, 'rarest_demo', 20.0, 8))
-    play_turns(session, world, 5)
-    replay, asked = Replay(session.begun), []
+    """Otherwise sessions of earlier versions would be lost."""
+    durable = start(settings=episode_settings(TASK, 'rarest_demo', 20.0, 8))
+    play_turns(durable, world, 5)
+    replay, asked = replay_of(durable.started), []
     for event in events(tmp_path)[1:]:
         earlier = event
         if isinstance(event, ActionChosen) and event.query is not None:
@@ -74,78 +83,78 @@ def test_a_log_that_does_not_tell_what_was_known_is_gone_on_with(
             earlier = dataclasses.replace(event, query=dataclasses.replace(event.query, known=None))
         replay.play(earlier)
     assert any(query.known for query in asked)
-    assert replay.episode.records == session.episode.records
+    assert replay.episode.records == durable.episode.records
 
 
 def test_the_same_state_after_resuming(start: Start, world: PerceivedWorld) -> None:
-    """The robot would believe other things than before, and so ask others."""
-    session = start()
-    play_turns(session, world, 3)
-    ask(session, world)
+    """Otherwise the robot would believe other things than before, and so ask others."""
+    durable = start()
+    play_turns(durable, world, 3)
+    ask(durable, world)
     resumed = start()
-    ours, theirs = session.episode, resumed.episode
+    ours, theirs = durable.episode, resumed.episode
     for name in ('turn', 'spent', 'pending', 'records'):
         assert getattr(ours, name) == getattr(theirs, name), name
     scene = world.scene(1).features
     np.testing.assert_array_equal(ours.concepts.predict_proba(scene), theirs.concepts.predict_proba(scene))
     assert ours._rng.bit_generator.state == theirs._rng.bit_generator.state
-    assert (resumed.seen.turn, resumed.seen.stamp, resumed.seen.frame_id) == (4, 4000, 'table')
-    np.testing.assert_array_equal(session.decision.utilities, resumed.decision.utilities)
+    assert (resumed.observed.turn, resumed.observed.stamp, resumed.observed.frame_id) == (4, 4000, 'table')
+    np.testing.assert_array_equal(durable.decision.utilities, resumed.decision.utilities)
 
 
 def test_an_answer_counts_once(start: Start, tmp_path: Path, world: PerceivedWorld) -> None:
-    """A resent answer would teach twice, or be refused so that the teacher despairs; before and after a crash."""
-    session = start()
-    (said, _, _) = play_turns(session, world, 3)
+    """A resent answer counts once and is acknowledged again, before and after a crash."""
+    durable = start()
+    (said, _, _) = play_turns(durable, world, 3)
     for _ in range(2):
-        assert session.take(said) is Receipt.DUPLICATE
+        assert durable.take(said).receipt is Receipt.DUPLICATE
         with pytest.raises(AnswerError, match='was taken already'):
-            session.take(dataclasses.replace(said, outcome=Outcome.SKIP, content=None))
-        session = start()
-    assert len(session.episode.records) == 3
+            durable.take(dataclasses.replace(said, outcome=Outcome.SKIP, content=None))
+        durable = start()
+    assert len(durable.episode.records) == 3
     assert sum(isinstance(event, AnswerAccepted) for event in events(tmp_path)) == 3
 
 
 def test_a_late_answer_is_kept_with_its_own_question(start: Start, tmp_path: Path, world: PerceivedWorld) -> None:
-    """What the second teacher said of one thing would be learnt of another, or be forgotten."""
-    session = start()
-    (first, *_) = play_turns(session, world, 2)
-    pending = ask(session, world).query
+    """The answer is learnt of the thing that the second teacher was asked about."""
+    durable = start()
+    (first, *_) = play_turns(durable, world, 2)
+    pending = ask(durable, world).query
     with pytest.raises(AnswerError, match='a feature subset is some of'):
-        session.take(Answer(first.query_id, 'b0', 'bert', Outcome.ANSWERED, 'snack'))
+        durable.take(Answer(first.query_id, 'b0', 'bert', Outcome.ANSWERED, 'snack'))
     late = Answer(first.query_id, 'b1', 'bert', Outcome.ANSWERED, ('size',))
     for _ in range(2):
-        assert session.take(late) is Receipt.LATE
-        assert session.episode.pending is pending
-        session = start()
-        pending = session.episode.pending
+        assert durable.take(late).receipt is Receipt.LATE
+        assert durable.episode.pending is pending
+        durable = start()
+        pending = durable.episode.pending
     kept = [event for event in events(tmp_path) if isinstance(event, LateAnswerKept)]
     assert kept == [LateAnswerKept(late, f"query 'q1' was answered already, by '{first.answer_id}'")]
 
 
 def test_a_correction_is_kept_beside_what_it_corrects(start: Start, tmp_path: Path, world: PerceivedWorld) -> None:
-    """Undo would rewrite the past, or not survive."""
-    session = start()
-    said = play_turns(session, world, 3)
+    """Otherwise undo would rewrite the past, or not survive."""
+    durable = start()
+    said = play_turns(durable, world, 3)
     label = next(a for a in said if isinstance(a.content, str))
     undo = Answer(label.query_id, 'c1', 'scripted', Outcome.UNKNOWN, replaces=label.answer_id)
-    assert session.take(undo) is Receipt.ACCEPTED
-    assert session.take(undo) is Receipt.DUPLICATE
+    assert durable.take(undo).receipt is Receipt.ACCEPTED
+    assert durable.take(undo).receipt is Receipt.DUPLICATE
     with pytest.raises(AnswerError, match="no answer 'c9' to query"):
-        session.take(dataclasses.replace(undo, answer_id='c2', replaces='c9'))
+        durable.take(dataclasses.replace(undo, answer_id='c2', replaces='c9'))
     told = [event.answer for event in events(tmp_path) if isinstance(event, AnswerAccepted)]
     assert told == [*said, undo]
     resumed = start()
-    assert resumed.episode.records == session.episode.records
+    assert resumed.episode.records == durable.episode.records
     assert Outcome.UNKNOWN in {record.outcome for record in resumed.episode.records}
 
 
 def test_refused_texts_are_kept_once(start: Start, tmp_path: Path, world: PerceivedWorld) -> None:
-    """Nobody could tell why a person's answer had not been taken; or a stuck sender would fill the disk."""
-    session = start()
+    """Otherwise nobody could tell why a person's answer had not been taken; or a stuck sender would fill the disk."""
+    durable = start()
     for _ in range(3):
-        session.note_refused('x' * 5000, 'nonsense')
-    session.close()
+        durable.note_rejected('x' * 5000, 'nonsense')
+    durable.close()
     assert events(tmp_path)[1:] == [InputRejected('x' * 1000, 'nonsense')]
     start()
 
@@ -153,16 +162,16 @@ def test_refused_texts_are_kept_once(start: Start, tmp_path: Path, world: Percei
 def test_a_flood_of_refused_texts_is_counted(
     start: Start, tmp_path: Path, world: PerceivedWorld, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    """Whoever sends garbage could fill the disk, and nothing would be left for the answers."""
+    """A sender of garbage cannot fill the disk, so that there is room for the answers."""
     now = 0.0
     monkeypatch.setattr('al_questioner.support.rate_limiter.time', SimpleNamespace(monotonic=lambda: now))
-    session = start()
+    durable = start()
     for number in range(1000):
-        session.note_refused(str(number), 'nonsense')
+        durable.note_rejected(str(number), 'nonsense')
     now = 61.0
     for number in range(1012):
-        session.note_refused(f'{number} again', 'nonsense')
-    session.close()
+        durable.note_rejected(f'{number} again', 'nonsense')
+    durable.close()
     refused = [event for event in events(tmp_path) if isinstance(event, InputRejected)]
     assert [event.text for event in refused[:10]] == list(map(str, range(10)))
     assert refused[10] == InputRejected('', '990 more, too many to keep', 990)
@@ -172,20 +181,20 @@ def test_a_flood_of_refused_texts_is_counted(
 
 def test_of_late_answers_to_one_query_so_many_are_kept(start: Start, tmp_path: Path, world: PerceivedWorld) -> None:
     """The same with answers that come too late."""
-    session = start()
-    (first,) = play_turns(session, world, 1)
+    durable = start()
+    (first,) = play_turns(durable, world, 1)
     for number in range(120):
-        assert session.take(dataclasses.replace(first, answer_id=f'late {number}')) is Receipt.LATE
+        assert durable.take(dataclasses.replace(first, answer_id=f'late {number}')).receipt is Receipt.LATE
     assert sum(isinstance(event, LateAnswerKept) for event in events(tmp_path)) == 100
 
 
 def test_tuning_is_on_the_disk(start: Start, tmp_path: Path, world: PerceivedWorld) -> None:
-    """A resumed learner would tune once more, or not at all."""
-    session = start()
-    play_turns(session, world, 2)
+    """Otherwise a resumed learner would tune once more, or not at all."""
+    durable = start()
+    play_turns(durable, world, 2)
     resumed = start()
     assert not resumed.episode.tune_is_due
-    assert resumed.episode.concepts.kernel == session.episode.concepts.kernel
+    assert resumed.episode.concepts.kernel == durable.episode.concepts.kernel
     assert sum(isinstance(event, KernelTuned) for event in events(tmp_path)) == 1
 
 
@@ -196,57 +205,57 @@ def test_tuning_is_on_the_disk(start: Start, tmp_path: Path, world: PerceivedWor
         ({'view_tolerance': 0.5}, 'view_tolerance 0.001, not 0.5'),
         ({'world': {**WORLD, 'sample': 9}}, 'world.sample 4, not 9'),
         ({'episode_id': 'e2'}, "episode_id 'e1', not 'e2'"),
-        ({'settings': dataclasses.replace(begun().settings, budget=9.0)}, 'budget 8.0, not 9.0'),
+        ({'settings': dataclasses.replace(episode_started().settings, budget=9.0)}, 'budget 8.0, not 9.0'),
         ({'world': None}, "world.task 'prepare_lunch', not None"),
     ],
 )
 def test_a_session_of_other_settings_is_refused(tmp_path: Path, changes: dict[str, object], difference: str) -> None:
-    """Two episodes would be mixed."""
-    started(tmp_path).close()
+    """Otherwise two episodes would be mixed."""
+    start_durable(tmp_path).close()
     with SessionLog(tmp_path) as log, pytest.raises(SessionLogError, match=difference):
-        DurableEpisode(begun(**changes), log)
-    resumed = started(tmp_path, episode_id='', version='2')
-    assert resumed.begun == begun()
+        durable_of(episode_started(**changes), log)
+    resumed = start_durable(tmp_path, episode_id='', version='2')
+    assert resumed.started == episode_started()
     resumed.close()
 
 
 def test_a_log_with_a_fixed_view_tolerance_goes_on_with_it_where_none_is_asked_for(tmp_path: Path) -> None:
-    """Sessions that were begun before the tolerance was estimated could not be gone on with."""
-    started(tmp_path, view_tolerance=0.25).close()
-    resumed = started(tmp_path, view_tolerance='auto')
-    assert resumed.begun.view_tolerance == 0.25
+    """Otherwise sessions that were begun before the tolerance was estimated could not be continued."""
+    start_durable(tmp_path, view_tolerance=0.25).close()
+    resumed = start_durable(tmp_path, view_tolerance='auto')
+    assert resumed.started.view_tolerance == 0.25
     resumed.close()
 
 
 def test_what_cannot_be_written_is_not_taken(start: Start, world: PerceivedWorld) -> None:
-    """An answer would be learnt, and acknowledged, that is gone after the next start."""
-    session = start()
-    play_turns(session, world, 2)
-    ask(session, world)
-    said = answer(session, world)
-    session._log._storage._database.execute('PRAGMA query_only=1')
+    """Otherwise an answer would be learnt, and acknowledged, that is gone after the next start."""
+    durable = start()
+    play_turns(durable, world, 2)
+    ask(durable, world)
+    said = answer(durable, world)
+    durable._log._storage._database.execute('PRAGMA query_only=1')
     for _ in range(2):
         with pytest.raises(LogWriteError, match='cannot be written'):
-            session.take(said)
-    assert len(session.episode.records) == 2
+            durable.take(said)
+    assert len(durable.episode.records) == 2
     resumed = start()
-    assert resumed.take(said) is Receipt.ACCEPTED
+    assert resumed.take(said).receipt is Receipt.ACCEPTED
 
 
 def test_without_a_log_answers_count_once_too(world: PerceivedWorld) -> None:
-    """A learner without a session would have other rules."""
-    session = started(None)
-    (said, *_) = play_turns(session, world, 2)
-    assert session.take(said) is Receipt.DUPLICATE
-    assert session.take(dataclasses.replace(said, answer_id='other')) is Receipt.LATE
-    session.close()
+    """Otherwise a learner without a session would have other rules."""
+    durable = start_durable(None)
+    (said, *_) = play_turns(durable, world, 2)
+    assert durable.take(said).receipt is Receipt.DUPLICATE
+    assert durable.take(dataclasses.replace(said, answer_id='other')).receipt is Receipt.LATE
+    durable.close()
 
 
 def test_a_scene_without_its_decision_is_passed_over(start: Start, tmp_path: Path, world: PerceivedWorld) -> None:
-    """A log that was cut off within a turn could not be gone on with."""
-    session = start()
-    play_turns(session, world, 1)
-    session.close()
+    """Otherwise a log that was cut off within a turn could not be continued."""
+    durable = start()
+    play_turns(durable, world, 1)
+    durable.close()
     with SessionLog(tmp_path) as log:
         log.append(Encoder().encode(SceneObserved(2, 2000, 'table', world.scene(2))))
     resumed = start()
@@ -256,22 +265,19 @@ def test_a_scene_without_its_decision_is_passed_over(start: Start, tmp_path: Pat
     assert again.episode.turn == 3
 
 
-def test_a_persons_choices_are_not_asked_for_again(
-    start: Start, world: PerceivedWorld, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    """Whoever shows how to ask would have to show it all again after a crash."""
+def test_a_persons_choices_are_not_asked_for_again(start: Start, world: PerceivedWorld) -> None:
+    """The demonstration of a person who shows how to ask survives a crash."""
     asked = []
 
     def person(context: TurnContext) -> int:
         asked.append(context.turn)
         return context.turn % len(context.candidates)
 
-    monkeypatch.setattr(human, 'at_terminal', lambda: person)
-    settings = dataclasses.replace(begun().settings, strategy='human')
-    session = start(settings=settings)
-    play_turns(session, world, 3)
-    queries = session.episode.records
-    again = start(settings=settings)
+    settings = dataclasses.replace(episode_started().settings, strategy='human')
+    durable = start(settings=settings, pick=person)
+    play_turns(durable, world, 3)
+    queries = durable.episode.records
+    again = start(settings=settings, pick=person)
     assert asked == [1, 2, 3]
     assert again.episode.records == queries
     play_turns(again, world, 1)

@@ -55,7 +55,7 @@ def killed_after_writing(folder: Path) -> None:
 
 @pytest.mark.parametrize('make', [write, killed_after_writing])
 def test_what_was_appended_is_there(tmp_path: Path, make) -> None:
-    """An acknowledged answer would be gone."""
+    """Otherwise an acknowledged answer would be gone."""
     make(tmp_path / 'log')
     assert contents_of(tmp_path / 'log') == ENTRIES
     with SessionLog(tmp_path / 'log') as log:
@@ -66,7 +66,7 @@ def test_what_was_appended_is_there(tmp_path: Path, make) -> None:
 
 
 def test_reading_changes_nothing_and_disturbs_no_writer(tmp_path: Path) -> None:
-    """Whoever looks at a session would damage it, or stop the robot."""
+    """A reader neither damages a session nor stops the robot."""
     log = write(tmp_path, close=False)
     assert contents_of(tmp_path) == ENTRIES
     log.append(('tune', b'a'))
@@ -78,14 +78,14 @@ def test_reading_changes_nothing_and_disturbs_no_writer(tmp_path: Path) -> None:
 
 
 def test_one_process_at_a_time(tmp_path: Path) -> None:
-    """Two learners would write one episode."""
+    """Otherwise two learners would write one episode."""
     with SessionLog(tmp_path), pytest.raises(SessionLogError, match='another process is using this session'):
         SessionLog(tmp_path)
     SessionLog(tmp_path).close()
 
 
 def test_no_log(tmp_path: Path) -> None:
-    """A mistyped folder would be taken for an empty session."""
+    """Otherwise a mistyped folder would be taken for an empty session."""
     for folder, reason in (
         (tmp_path, 'there is no session log in it'),
         (tmp_path / 'nowhere', 'nowhere: does not exist$'),
@@ -101,7 +101,7 @@ def test_no_log(tmp_path: Path) -> None:
 
 @pytest.mark.parametrize('point', ['begun', 'written', 'committed', 'noted'])
 def test_an_append_is_there_or_not_wherever_it_ends(tmp_path: Path, point: str) -> None:
-    """A crash would leave half of a turn."""
+    """Otherwise a crash would leave half of a turn."""
     write(tmp_path / 'log', ENTRIES[:5])
     copies = []
 
@@ -137,7 +137,7 @@ def check_damage(folder: Path, original: list[tuple[str, bytes]]) -> LogContents
 @pytest.mark.parametrize('number', [30, pytest.param(150, marks=pytest.mark.slow)])
 @pytest.mark.parametrize('make', [write, killed_after_writing])
 def test_flipped_bytes_are_found(tmp_path: Path, make, number: int) -> None:
-    """A damaged disk would teach the robot what nobody said."""
+    """Otherwise a damaged disk would teach the robot what nobody said."""
     make(tmp_path / 'log')
     names = [name for name in (DATABASE, f'{DATABASE}-wal', HEAD) if (tmp_path / 'log' / name).exists()]
     partial = 0
@@ -156,7 +156,7 @@ def test_flipped_bytes_are_found(tmp_path: Path, make, number: int) -> None:
 @pytest.mark.parametrize('number', [15, pytest.param(60, marks=pytest.mark.slow)])
 @pytest.mark.parametrize('make', [write, killed_after_writing])
 def test_lost_ends_are_found(tmp_path: Path, make, number: int) -> None:
-    """The last answers would be gone and nobody would know."""
+    """Otherwise the last answers would be gone and nobody would know."""
     make(tmp_path / 'log')
     for name in (DATABASE, f'{DATABASE}-wal'):
         file = tmp_path / 'log' / name
@@ -185,7 +185,7 @@ def damage(folder: Path) -> int:
 
 
 def test_a_repair_keeps_what_is_before_the_damage(tmp_path: Path) -> None:
-    """A session of hours would be lost for one byte."""
+    """Otherwise a session of hours would be lost for one byte."""
     write(tmp_path)
     number = damage(tmp_path)
     broken = (tmp_path / DATABASE).read_bytes()
@@ -198,7 +198,7 @@ def test_a_repair_keeps_what_is_before_the_damage(tmp_path: Path) -> None:
 
 
 def test_an_interrupted_repair_is_repeated(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    """A second crash would lose what the first one left."""
+    """Otherwise a second crash would lose what the first one left."""
     killed_after_writing(tmp_path / 'log')
     (tmp_path / 'log' / HEAD).write_bytes(b'damaged')
     for name in ('rename', 'replace'):
@@ -225,7 +225,7 @@ def test_an_interrupted_repair_is_repeated(tmp_path: Path, monkeypatch: pytest.M
 
 
 def test_a_repair_overwrites_no_broken_log(tmp_path: Path) -> None:
-    """What a later tool could still have read would be gone."""
+    """The broken log stays, since a later tool may still read more of it."""
     write(tmp_path)
     damage(tmp_path)
     (tmp_path / f'broken-{DATABASE}').write_bytes(b'')
@@ -234,7 +234,7 @@ def test_a_repair_overwrites_no_broken_log(tmp_path: Path) -> None:
 
 
 def test_nothing_to_repair_from(tmp_path: Path) -> None:
-    """An empty log would look like a repaired one."""
+    """Otherwise an empty log would look like a repaired one."""
     write(tmp_path)
     (tmp_path / DATABASE).write_bytes(b'nonsense' * 100)
     with pytest.raises(SessionLogError, match='nothing can be recovered'):
@@ -242,7 +242,7 @@ def test_nothing_to_repair_from(tmp_path: Path) -> None:
 
 
 def test_a_full_disk_loses_nothing_and_ends_the_log(tmp_path: Path) -> None:
-    """What was not written would be acknowledged, or what was be lost."""
+    """No answer is acknowledged that was not written, and no earlier one is lost."""
     program = (
         'import resource, signal, sys; from pathlib import Path\n'
         'from al_questioner.event_log.log import SessionLog, LogWriteError\n'
@@ -266,7 +266,7 @@ def test_a_full_disk_loses_nothing_and_ends_the_log(tmp_path: Path) -> None:
 
 
 def test_a_log_that_became_read_only_says_so(tmp_path: Path) -> None:
-    """An answer would be acknowledged that nobody has."""
+    """Otherwise an answer would be acknowledged that nobody has."""
     with SessionLog(tmp_path) as log:
         log.append(ENTRIES[0])
         log._storage._database.execute('PRAGMA query_only=1')
@@ -324,7 +324,7 @@ EVENTS = st.one_of(
 @settings(max_examples=60, deadline=None)
 @given(events=st.lists(st.tuples(EVENTS, st.booleans()), max_size=8))
 def test_events_come_back_to_the_last_bit(tmp_path_factory: pytest.TempPathFactory, events) -> None:
-    """A resumed learner would see other numbers than the first one did."""
+    """Otherwise a resumed learner would see other numbers than the first one did."""
     twice = [event for event, again in events for _ in range(1 + again)]
     folder = tmp_path_factory.mktemp('log')
     encoder = Encoder()
@@ -344,7 +344,7 @@ def test_events_come_back_to_the_last_bit(tmp_path_factory: pytest.TempPathFacto
 
 
 def test_a_scene_that_stays_is_stored_once(tmp_path: Path) -> None:
-    """A session with a camera at rest would fill the disk."""
+    """Otherwise a session with a camera at rest would fill the disk."""
     table = np.ones((30, 60), dtype=np.float32)
     scene = Scene(tuple(range(30)), table[:, :3], table, tuple(f'f_{i}' for i in range(60)))
     encoder = Encoder()
@@ -362,7 +362,7 @@ def test_a_scene_that_stays_is_stored_once(tmp_path: Path) -> None:
     ],
 )
 def test_an_event_of_another_version_is_named(tmp_path: Path, kind: str, content: bytes, reason: str) -> None:
-    """A log of a later version would end in a traceback."""
+    """Otherwise a log of a later version would end in a traceback."""
     write(tmp_path, [('refused', b'{"text":"","reason":""}'), (kind, content)])
     found, fault = decoded(read_log(tmp_path))
     assert len(found) == 1
@@ -381,7 +381,7 @@ SessionLog(Path(sys.argv[1]))
 
 @pytest.mark.parametrize('room', [0, 50, 100, 5000, 30_000])
 def test_a_session_that_there_was_no_room_for_begins_once_there_is(tmp_path: Path, room: int) -> None:
-    """The folder would be refused as damaged for ever, with nothing in it that a repair could keep."""
+    """Otherwise the folder would be refused as damaged for ever, with nothing in it that a repair could keep."""
     done = subprocess.run(
         [sys.executable, '-c', BEGIN, str(tmp_path / 'log'), str(room)], capture_output=True, text=True, check=False
     )
@@ -391,7 +391,7 @@ def test_a_session_that_there_was_no_room_for_begins_once_there_is(tmp_path: Pat
 
 
 def test_an_empty_head_is_no_log_alone_and_damage_beside_events(tmp_path: Path) -> None:
-    """A killed process leaves the former; the latter would hide that the last events are lost."""
+    """A killed process leaves an empty head alone; beside events it means that the last ones are lost."""
     (tmp_path / 'new').mkdir()
     (tmp_path / 'new' / HEAD).write_bytes(b'')
     with pytest.raises(SessionLogError, match='there is no session log in it'):

@@ -9,17 +9,19 @@ import pytest
 
 from al_questioner.domain import Answer, Outcome, SettingsError
 from al_questioner.event_log.events import AnswerAccepted, EpisodeStarted, KernelTuned, TurnTimedOut
-from al_questioner.event_log.replay import Replay, ReplayError
+from al_questioner.event_log.replay import ReplayError, replay_of
 from al_questioner.simulation import PerceivedWorld
-from shared.durable_sessions import Start, ask, begun, events, play_turns
+from shared.durable_sessions import Start, ask, episode_started, events, play_turns
 
 
 def test_a_log_that_leads_elsewhere_is_an_error(start: Start, tmp_path: Path, world: PerceivedWorld) -> None:
-    """A robot of another version would go on as if it had asked what it never asks."""
-    session = start()
-    play_turns(session, world, 2)
+    """Otherwise a robot of another version would go on as if it had asked what it never asks."""
+    durable = start()
+    play_turns(durable, world, 2)
     found = events(tmp_path)
-    replay = Replay(begun(settings=dataclasses.replace(begun().settings, strategy='rarest_demo')))
+    replay = replay_of(
+        episode_started(settings=dataclasses.replace(episode_started().settings, strategy='rarest_demo'))
+    )
 
     def play_all() -> None:
         for event in found[1:]:
@@ -36,20 +38,20 @@ def test_a_log_that_leads_elsewhere_is_an_error(start: Start, tmp_path: Path, wo
         (KernelTuned(7, 3), 'recorded were version 3 and turn 7'),
     ):
         with pytest.raises(ReplayError, match=reason):
-            Replay(begun()).play(odd)
+            replay_of(episode_started()).play(odd)
 
 
 def test_an_unknown_strategy_is_named(tmp_path: Path) -> None:
-    """A strategy that is not installed any more would end in a traceback."""
-    unknown = dataclasses.replace(begun().settings, strategy='clever')
+    """Otherwise a strategy that is not installed any more would end in a traceback."""
+    unknown = dataclasses.replace(episode_started().settings, strategy='clever')
     with pytest.raises(SettingsError, match='unknown strategy'):
-        Replay(begun(settings=unknown))
+        replay_of(episode_started(settings=unknown))
 
 
 def test_a_turn_that_passed_without_waiting_is_named(start: Start, world: PerceivedWorld) -> None:
-    """A log that was tampered with would be gone on with."""
-    session = start()
-    query = ask(session, world).query
-    replay = Replay(session.begun)
+    """Otherwise a learner would continue a log that was tampered with."""
+    durable = start()
+    query = ask(durable, world).query
+    replay = replay_of(durable.started)
     with pytest.raises(ReplayError, match='q1 does not wait for an answer'):
         replay.play(TurnTimedOut(1, query.query_id))

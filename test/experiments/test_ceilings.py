@@ -64,7 +64,7 @@ def test_the_oracle_takes_the_label_that_leads_to_the_highest_accuracy() -> None
 
 
 def test_the_oracle_asks_no_view_twice_and_spreads_its_budget() -> None:
-    """It would spend all on the first scenes and be no ceiling where the budget is short."""
+    """Otherwise it would spend all on the first scenes and be no ceiling where the budget is short."""
     oracle = GreedyOracle(ToyWorld())
     everything = context(ToyWorld.labels)
     assert np.isnan(oracle.score(everything)).all()
@@ -75,7 +75,7 @@ def test_the_oracle_asks_no_view_twice_and_spreads_its_budget() -> None:
 
 
 def test_the_oracle_needs_a_second_draw(tmp_path) -> None:
-    """It would be judged by what it was chosen with."""
+    """Otherwise it would be judged by what it was chosen with."""
 
     class NoSecondDraw(ToyWorld):
         @property
@@ -87,13 +87,13 @@ def test_the_oracle_needs_a_second_draw(tmp_path) -> None:
 
 
 def test_all_labels_are_all_that_was_in_sight() -> None:
-    """The ceiling would know too little, or what lies in the future."""
-    choice = WorldSpec(TASK, 3, 3)
+    """Otherwise the ceiling would know too little, or what lies in the future."""
+    world_spec = WorldSpec(TASK, 3, 3)
     settings = episode_settings(TASK, 'random_fsq', 25, 12)
-    result = follow_all_labels(Evaluation(choice, settings), TASK, teacher_of(TASK, 3))
+    result = follow_all_labels(Evaluation(world_spec, settings, None), TASK, teacher_of(TASK, 3))
     assert result.queries == ()
     assert len(set(result.accuracy[:10])) == 1
-    world = PerceivedWorld(choice.open())
+    world = PerceivedWorld(world_spec.open())
     concepts = ConceptLearner(TASK.symbols, settings.amplitude)
     for turn in (1, 11):
         scene = world.scene(turn)

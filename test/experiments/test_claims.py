@@ -1,4 +1,4 @@
-"""What is said of the paper's claims, on results made up so that the answer is known."""
+"""Verdicts on the paper's claims, on results made up so that the answer is known."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ FRESH = [turn for first in range(1, 151, 10) for turn in (first, first + 1)]
 EVERY = range(1, 151)
 PAPER_TURNS = {'u_sampling': EVERY, 'dt_iros': FRESH[:9], 'dt_task': FRESH[:22], 'dt_task_env': range(1, 135)}
 FRUGAL = {**PAPER_TURNS, 'dt_task_env': FRESH[:20]}
-"""When what is asked in C4 and in C2."""
+"""Times at which each kind of question is asked in C4 and in C2."""
 
 
 def made(
@@ -67,7 +67,7 @@ def all_conditions(task: str, finals: Mapping[str, Sequence[float]] = FINALS) ->
 
 
 def test_all_is_reproduced_where_all_is_as_in_the_paper() -> None:
-    """The page would damn the paper for nothing."""
+    """Otherwise the page would say that claims fail that hold."""
     results = both(all_conditions('prepare_lunch'), all_conditions('pack_lunchbox'))
     found = list(verdicts(results, {'prepare_lunch': 10, 'pack_lunchbox': 10}))
     assert [each.claim for each in found if not each.reproduced] == []
@@ -91,7 +91,7 @@ def test_all_is_reproduced_where_all_is_as_in_the_paper() -> None:
     ],
 )
 def test_a_claim_about_c4_fails_when_its_figures_do(words: str, changes: Mapping[str, object]) -> None:
-    """The page would praise the paper for nothing."""
+    """Otherwise the page would say that claims hold that fail."""
     arguments = {'finals': FINALS, 'asks': PAPER_TURNS, **changes}
     assert verdict(made(FINALS, PAPER_TURNS), words).reproduced
     assert not verdict(made(**arguments), words).reproduced
@@ -109,7 +109,7 @@ def test_a_claim_about_c4_fails_when_its_figures_do(words: str, changes: Mapping
     ],
 )
 def test_a_claim_about_behaviour_in_c2_fails_when_its_figures_do(words: str, asks: Mapping[str, range]) -> None:
-    """A questioner that does not keep up with the scene would be said to."""
+    """Otherwise the page would say that a questioner keeps up with the scene though it does not."""
     assert verdict(made(FINALS, FRUGAL, 'C2'), words).reproduced
     assert not verdict(made(FINALS, asks, 'C2'), words).reproduced
 
@@ -132,7 +132,7 @@ def test_the_order_in_c2_is_of_two_before_two() -> None:
 
 
 def test_holm_decides_and_not_the_bare_p() -> None:
-    """Three tests would be taken for one."""
+    """Otherwise three tests would be taken for one."""
     other = [0.5, 0.51, 0.905, 0.915, 0.53]
     p = mannwhitneyu(HIGH, other, alternative='greater').pvalue
     finals = dict.fromkeys(FINALS, other) | {'dt_task_env': HIGH}
@@ -141,14 +141,14 @@ def test_holm_decides_and_not_the_bare_p() -> None:
 
 
 def test_too_few_samples_are_no_refutation() -> None:
-    """A quick try on three samples would say of every claim that it fails."""
+    """Otherwise a quick try on three samples would say of every claim that it fails."""
     few = made({name: values[:3] for name, values in FINALS.items()}, PAPER_TURNS)
     assert verdict(few, 'statistically').reproduced is None
     assert verdict(few, 'accuracy order').reproduced
 
 
 def test_the_lunchbox_must_bear_out_what_is_said_of_it() -> None:
-    """That the paper's results are replicated on a second task would be said on the strength of one condition."""
+    """One condition is not enough to say that the paper's results are replicated on a second task."""
     results = both(all_conditions('prepare_lunch'), all_conditions('pack_lunchbox', {**FINALS, 'dt_iros': [0.95] * 5}))
     assert verdict(results, 'prepare_lunch, all conditions').reproduced
     failed = verdict(results, 'pack_lunchbox, all conditions')
@@ -157,7 +157,7 @@ def test_the_lunchbox_must_bear_out_what_is_said_of_it() -> None:
 
 
 def test_holes_in_the_tables_are_stepped_over() -> None:
-    """One failed episode would end the page, or pair one sample with another."""
+    """Otherwise one failed episode would end the page, or pair one sample with another."""
     results = both(made(FINALS, FRUGAL, 'C2'), made(FINALS, {**PAPER_TURNS, 'dt_iros': FRESH[:9]}))
     lost = {Cell('prepare_lunch', 25, 150, 'dt_iros', 0), Cell('prepare_lunch', 500, 150, 'dt_iros', 3)}
     holed = Results(
@@ -174,7 +174,7 @@ def test_holes_in_the_tables_are_stepped_over() -> None:
 
 
 def test_task_centric_learners_must_ask_the_same_in_c2_and_c4() -> None:
-    """A learner that looks at its budget would be said not to."""
+    """Otherwise the page would say of a learner that looks at its budget that it does not."""
     words = 'exactly the same'
     rich = made(FINALS, PAPER_TURNS)
     assert verdict(both(made(FINALS, FRUGAL, 'C2'), rich), words).reproduced
@@ -187,6 +187,6 @@ def test_task_centric_learners_must_ask_the_same_in_c2_and_c4() -> None:
 
 
 def test_no_claim_without_its_episodes() -> None:
-    """A page about two strategies would claim something about four."""
+    """Otherwise a page about two strategies would claim something about four."""
     half = made({name: FINALS[name] for name in ('dt_task', 'dt_task_env')}, PAPER_TURNS)
     assert list(verdicts(half, {'prepare_lunch': 10})) == []

@@ -19,7 +19,7 @@ def experiment(out: Path, *options: str) -> int:
 
 @pytest.mark.slow
 def test_a_cluster_of_two_workers_gives_the_same_tables(tmp_path: Path) -> None:
-    """A study on a cluster would not be the one that others can repeat."""
+    """Otherwise a study on a cluster would not be the one that others can repeat."""
     distributed = pytest.importorskip('dask.distributed', reason='dask is not installed: pip install .[cluster]')
     assert experiment(tmp_path / 'local', '--jobs', '1') == 0
     with distributed.LocalCluster(
@@ -32,7 +32,7 @@ def test_a_cluster_of_two_workers_gives_the_same_tables(tmp_path: Path) -> None:
 
 @pytest.mark.slow
 def test_a_cluster_that_is_not_there_is_named(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
-    """A mistyped address would wait for ever, or end in a traceback."""
+    """Otherwise a mistyped address would wait for ever, or end in a traceback."""
     pytest.importorskip('dask.distributed', reason='dask is not installed: pip install .[cluster]')
     assert experiment(tmp_path, '--backend', 'dask', '--scheduler', 'tcp://127.0.0.1:1') == 2
     error = capsys.readouterr().err
@@ -44,7 +44,7 @@ def test_a_cluster_that_is_not_there_is_named(tmp_path: Path, capsys: pytest.Cap
 def test_a_cluster_without_workers_is_named(
     tmp_path: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    """People would wait for ever."""
+    """Otherwise people would wait for ever."""
     distributed = pytest.importorskip('dask.distributed', reason='dask is not installed: pip install .[cluster]')
     monkeypatch.setattr(running, 'WAIT_SECONDS', 1)
     with distributed.LocalCluster(n_workers=0, host='127.0.0.1', dashboard_address=None) as cluster:

@@ -29,7 +29,7 @@ def made(*strategies, budgets=(25.0,)):
 
 
 def test_the_picture_shows_all_who_ask(tmp_path):
-    """Who is told without asking has no costs, and would be drawn at none."""
+    """Otherwise a user who is told without asking has no costs, and would be drawn at none."""
     path = draw_cost_curves(made('value_per_cost', 'all_labels'), 'kitchen_table', tmp_path / 'new')
     assert path.name == 'accuracy_by_cost_kitchen_table.png'
     assert path.stat().st_size > 10_000
@@ -37,7 +37,7 @@ def test_the_picture_shows_all_who_ask(tmp_path):
 
 @pytest.mark.parametrize('budgets', [(25.0,), (25.0, 500.0)])
 def test_the_legend_is_whole(tmp_path, budgets):
-    """The names of the strategies at its edges would be cut off: with one panel the picture is narrow."""
+    """Otherwise the names of the strategies at its edges would be cut off: with one panel the picture is narrow."""
     all_of_them = made(*PAPER_STRATEGIES, *PROPOSED, *CONTROLS, budgets=budgets)
     path = draw_cost_curves(all_of_them, 'kitchen_table', tmp_path)
     picture = images.imread(path)[..., :3]

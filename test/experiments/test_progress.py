@@ -1,4 +1,4 @@
-"""What is told of an experiment while it runs."""
+"""Progress of an experiment while it runs."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ from al_questioner.experiments.progress import ExperimentProgress
 
 @pytest.mark.parametrize(('before', 'to_play', 'lines'), [(0, 200, 9), (500, 25, 9), (3, 2, 1), (4, 0, 0)])
 def test_a_plain_line_now_and_then(before: int, to_play: int, lines: int) -> None:
-    """A log would stay empty for hours, or fill with a line for each episode."""
+    """Otherwise a log would stay empty for hours, or fill with a line for each episode."""
     file = io.StringIO()
     cells = [Cell('prepare_lunch', 3, 4, 'random_fsq', sample) for sample in range(to_play)]
     with ExperimentProgress(Console(file=file), before + to_play) as progress:

@@ -37,7 +37,7 @@ def page_of(results: Results, **members: object) -> str:
 
 
 def test_the_first_paragraph_says_where_a_control_is_better() -> None:
-    """The one thing that a reader must not miss would be missing, or be about the wrong strategy."""
+    """It is the one thing that a reader must not miss."""
     controls = {'random_fsq': WORSE, 'farthest_fsq': BETTER, 'u_sampling_fsq': [value + 0.01 for value in PAPER_METHOD]}
     page = page_of(made({'dt_task_env': PAPER_METHOD, 'dt_iros': BETTER, 'dt_task': WORSE, **controls}))
     p = mannwhitneyu(BETTER, PAPER_METHOD, alternative='greater').pvalue
@@ -48,14 +48,14 @@ def test_the_first_paragraph_says_where_a_control_is_better() -> None:
 
 
 def test_the_first_paragraph_says_where_none_is() -> None:
-    """The paper's method would be said to lose where it wins."""
+    """Otherwise the paper's method would be said to lose where it wins."""
     page = page_of(made({'dt_task_env': PAPER_METHOD, 'random_fsq': WORSE}))
     assert 'In the only cell no control is more accurate, in the mean, than dt_task_env.' in page
     assert 'Other strategies' not in page
 
 
 def test_the_first_paragraph_says_what_was_not_compared() -> None:
-    """The page would say that no control was played although controls were, and their accuracies stand below."""
+    """Otherwise the page would say that no control was played although their accuracies stand below."""
     assert 'No control was played beside dt_task_env.' in page_of(made({'dt_task_env': PAPER_METHOD}))
     controls = page_of(made({'random_fsq': WORSE, 'rarest_demo': BETTER}))
     assert 'Controls were played, but dt_task_env, the method of the paper, was not.' in controls
@@ -64,7 +64,7 @@ def test_the_first_paragraph_says_what_was_not_compared() -> None:
 
 
 def test_means_deviations_and_tests_are_those_of_the_tables() -> None:
-    """The numbers that people quote would be wrong."""
+    """Otherwise the numbers that people quote would be wrong."""
     page = page_of(made({'dt_task_env': PAPER_METHOD, 'random_fsq': WORSE}))
     assert f'| `random_fsq` | {np.mean(WORSE):.3f} ± {np.std(WORSE, ddof=1):.3f} (3) |' in page
     p = mannwhitneyu(PAPER_METHOD, WORSE, alternative='greater').pvalue
@@ -72,7 +72,7 @@ def test_means_deviations_and_tests_are_those_of_the_tables() -> None:
 
 
 def test_only_a_page_with_the_papers_method_is_called_a_reproduction() -> None:
-    """A comparison of other strategies would pass for a reproduction of the paper."""
+    """Otherwise a comparison of other strategies would pass for a reproduction of the paper."""
     assert page_of(made({'dt_task_env': PAPER_METHOD, 'random_fsq': WORSE})).startswith('# Reproduction\n')
     others = page_of(made({'value_per_cost': PAPER_METHOD, 'dt_iros': WORSE}))
     assert others.startswith('# Comparison of questioning strategies\n')
@@ -80,7 +80,7 @@ def test_only_a_page_with_the_papers_method_is_called_a_reproduction() -> None:
 
 
 def test_few_samples_give_no_interval() -> None:
-    """Two samples would be printed as certainty."""
+    """Otherwise two samples would be printed as certainty."""
     page = page_of(made({'dt_task_env': PAPER_METHOD[:2], 'random_fsq': WORSE[:2]}))
     assert '| 1.00 |' in page
     assert '[1.00, 1.00]' not in page
@@ -89,7 +89,7 @@ def test_few_samples_give_no_interval() -> None:
 
 
 def test_what_was_not_played_has_no_section() -> None:
-    """Empty tables would look like results."""
+    """Otherwise empty tables would look like results."""
     page = page_of(made({'random_fsq': WORSE}))
     assert 'against each other strategy' not in page
     assert 'no claim is tested' in page
@@ -98,7 +98,7 @@ def test_what_was_not_played_has_no_section() -> None:
 
 
 def test_variations_and_weights_are_told() -> None:
-    """A page about erring teachers would pass for one about the paper."""
+    """Otherwise a page about erring teachers would pass for one about the paper."""
     weights = {'dt_iros': Weights({'discriminability': 0.9}, 'Set by somebody.')}
     results = made({'dt_task_env': PAPER_METHOD})
     page = report(Page('c', results, {'kitchen_table': 5}, (), weights, varied='share of wrong answers 0.1'), Path())
@@ -109,7 +109,7 @@ def test_variations_and_weights_are_told() -> None:
 
 @pytest.mark.parametrize('own', [True, False])
 def test_a_study_shows_the_comparison_only_if_it_has_it(own: bool) -> None:
-    """An empty row would stand for what was never played."""
+    """Otherwise an empty row would stand for what was never played."""
     plan = Plan(
         ('kitchen_table',), (Cell('kitchen_table', 25.0, 40, 'x', 0).condition,), ('u_sampling',), (0, 1), Variation()
     )
@@ -122,3 +122,13 @@ def test_a_study_shows_the_comparison_only_if_it_has_it(own: bool) -> None:
     assert '| beside it: `dt_task_env` | 0.705 ± 0.007 (3) |' in page
     better = 'More accurate than dt_task_env, in the mean:\n\n- kitchen_table, C1: budget 25, 40 turns: as it is'
     assert (better in page) == own
+
+
+def test_the_page_begins_with_what_holds_and_what_does_not() -> None:
+    """A reader would have to gather it from the tables."""
+    order = ('u_sampling', 'dt_iros', 'dt_task')
+    page = page_of(made({'dt_task_env': BETTER, **dict.fromkeys(order, WORSE)}, 'prepare_lunch'))
+    conclusion = page.partition('## What the paper claims')[0]
+    hold, _, fail = conclusion.partition('These claims of the paper do not hold:')
+    assert 'hold:\n\n- prepare_lunch, C1: accuracy order: dt_task_env first\n' in hold
+    assert '- prepare_lunch: the decision-theoretic strategies ask the FSQ early' in fail

@@ -49,12 +49,12 @@ def reference(tmp_path_factory: pytest.TempPathFactory) -> tuple[Path, tuple[str
 
 
 def test_the_numbers_do_not_depend_on_the_processes(reference, tmp_path: Path) -> None:
-    """Nobody could check a result on another machine."""
+    """Otherwise nobody could check a result on another machine."""
     assert played(tmp_path, jobs=2) == reference[1]
 
 
 def test_a_cell_is_the_episode_that_anybody_plays(reference) -> None:
-    """The experiment would be about other episodes than those that users see."""
+    """Otherwise the experiment would be about other episodes than those that users see."""
     for row in read_results(reference[0]).episodes:
         cell, sample = row.cell, row.cell.sample
         settings = episode_settings(TASK, cell.strategy, cell.budget, cell.turns)
@@ -67,9 +67,9 @@ def test_strategies_share_sample_scenes_and_teacher(monkeypatch: pytest.MonkeyPa
     """The design is paired: what differs between strategies must not be chance."""
     seen = []
 
-    def watched(choice, settings, teacher, **others):
-        seen.append((choice, teacher))
-        return run_episode(choice, settings, teacher, **others)
+    def watched(world_spec, settings, teacher, **others):
+        seen.append((world_spec, teacher))
+        return run_episode(world_spec, settings, teacher, **others)
 
     monkeypatch.setattr(playing, 'run_episode', watched)
     for strategy in ('random_fsq', 'dt_task_env'):
@@ -81,7 +81,7 @@ def test_strategies_share_sample_scenes_and_teacher(monkeypatch: pytest.MonkeyPa
 
 
 def test_the_tables_have_a_row_per_episode_and_per_turn(reference) -> None:
-    """Scripts that read the tables would not find what the contract names."""
+    """Otherwise scripts that read the tables would not find what the contract names."""
     folder, _ = reference
     episodes = list(csv.DictReader((folder / 'episodes.csv').open()))
     assert list(episodes[0]) == [
@@ -103,7 +103,7 @@ def test_the_tables_have_a_row_per_episode_and_per_turn(reference) -> None:
 
 
 def test_what_is_finished_is_never_played_again(reference, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    """An interruption after hours would cost hours."""
+    """Otherwise an interruption after hours would cost hours."""
     half = dataclasses.replace(PLAN, samples=(0,))
     played(tmp_path, half)
     count = []
@@ -122,7 +122,7 @@ def test_what_is_finished_is_never_played_again(reference, tmp_path: Path, monke
 
 
 def test_a_failed_cell_is_told_and_the_rest_goes_on(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    """One bad episode of thousands would end the night's run."""
+    """Otherwise one bad episode of thousands would end the night's run."""
     original = playing.play_episode
 
     def failing(cell, variation, dataset):
@@ -139,7 +139,7 @@ def test_a_failed_cell_is_told_and_the_rest_goes_on(tmp_path: Path, monkeypatch:
 
 
 def test_another_experiment_is_not_mixed_in(reference) -> None:
-    """Half of the table would be with erring teachers."""
+    """Otherwise half of the table would be with erring teachers."""
     other = dataclasses.replace(PLAN, variation=Variation(wrong_rate=0.1))
     with pytest.raises(SettingsError, match=r'with wrong_rate 0.0, not 0.1: choose another folder$'):
         Store(reference[0], other)
@@ -149,7 +149,7 @@ def test_another_experiment_is_not_mixed_in(reference) -> None:
 
 
 def test_a_folder_in_which_nothing_was_played_is_free(tmp_path: Path) -> None:
-    """A command that was mistyped would bar the folder from the right one."""
+    """Otherwise a command that was mistyped would bar the folder from the right one."""
     Store(tmp_path, PLAN, '/some/crops')
     store = Store(tmp_path, PLAN)
     a_cell_is_finished(store)
@@ -158,7 +158,7 @@ def test_a_folder_in_which_nothing_was_played_is_free(tmp_path: Path) -> None:
 
 
 def test_another_method_or_world_is_not_mixed_in(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    """Half of the table would be from before a change that decides what an episode is."""
+    """Otherwise half of the table would be from before a change that decides what an episode is."""
     a_cell_is_finished(Store(tmp_path, PLAN))
     Store(tmp_path, dataclasses.replace(PLAN, tasks=('pack_lunchbox',)))
     monkeypatch.setattr(storing, 'SEMANTICS', 2)
@@ -171,7 +171,7 @@ def test_another_method_or_world_is_not_mixed_in(tmp_path: Path, monkeypatch: py
 
 
 def test_every_run_is_told(reference, tmp_path: Path) -> None:
-    """Nobody could say on which machine the first half was played."""
+    """Otherwise nobody could say on which machine the first half was played."""
     a_cell_is_finished(Store(tmp_path, PLAN))
     Store(tmp_path, PLAN)
     manifest = json.loads((tmp_path / 'manifest.json').read_text())
@@ -180,7 +180,7 @@ def test_every_run_is_told(reference, tmp_path: Path) -> None:
 
 
 def test_a_task_file_is_stored_inside_the_folder(tmp_path: Path) -> None:
-    """Cells of a task of one's own would be written all over the disk."""
+    """Otherwise cells of a task of one's own would be written all over the disk."""
     mine, out = write_task(tmp_path, task_content('prepare_lunch')), tmp_path / 'out'
     plan = dataclasses.replace(PLAN, tasks=(mine,), samples=(0,), conditions=(Condition(2, 2),))
     played(out, plan)
@@ -190,7 +190,7 @@ def test_a_task_file_is_stored_inside_the_folder(tmp_path: Path) -> None:
 
 
 def test_a_dead_worker_is_told_in_a_line(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    """A machine short of memory would answer with a traceback of the pool."""
+    """Otherwise a machine short of memory would answer with a traceback of the pool."""
 
     class Broken(contextlib.nullcontext):
         def __init__(self, **_: object) -> None:
@@ -206,7 +206,7 @@ def test_a_dead_worker_is_told_in_a_line(tmp_path: Path, monkeypatch: pytest.Mon
 
 
 def test_the_forecast_is_that_of_episodes_like_those_that_are_left(monkeypatch: pytest.MonkeyPatch) -> None:
-    """An hour would be announced as a minute because the cheap episodes came first."""
+    """Otherwise an hour would be announced as a minute because the cheap episodes came first."""
     now = [0.0]
     monkeypatch.setattr(forecast.time, 'monotonic', lambda: now[0])
     cheap = [Cell('prepare_lunch', 3, 4, 'random_fsq', sample) for sample in range(10)]
@@ -225,7 +225,7 @@ def test_the_forecast_is_that_of_episodes_like_those_that_are_left(monkeypatch: 
 
 
 def test_variations_change_what_is_played(tmp_path: Path) -> None:
-    """A sensitivity that is none would be reported."""
+    """Otherwise the page would report a sensitivity that does not exist."""
     cell = Cell('prepare_lunch', 6, 12, 'random_fsq', 0)
     plain = play_episode(cell, Variation())
     for variation in (
@@ -244,7 +244,7 @@ def test_variations_change_what_is_played(tmp_path: Path) -> None:
 
 
 def test_plans_that_make_no_sense_are_refused() -> None:
-    """A typing error would be found out after the run."""
+    """Otherwise a typing error would be found out after the run."""
     for changes, reason in (
         ({'strategies': ('clever',)}, 'unknown strategy'),
         ({'strategies': ('human',)}, 'by hand'),
@@ -257,7 +257,7 @@ def test_plans_that_make_no_sense_are_refused() -> None:
 
 
 def test_interrupts_are_left_to_the_process_that_was_started(monkeypatch: pytest.MonkeyPatch) -> None:
-    """Each process that plays would print where Ctrl-C met it, also while it starts."""
+    """Otherwise each process that plays would print where Ctrl-C met it, also while it starts."""
 
     def play(*_: object) -> tuple[int, list[object]]:
         return 0, [signal.SIGINT in signal.pthread_sigmask(signal.SIG_BLOCK, [])]

@@ -37,13 +37,13 @@ def digest_of_queries() -> str:
 
 
 def test_a_change_of_what_is_asked_raises_the_version() -> None:
-    """Half of a table would be played by another method."""
+    """Otherwise half of a table would be played by another method."""
     assert digest_of_queries() == EPISODES[SEMANTICS], 'episodes are others now: raise SEMANTICS, and add their digest'
 
 
 @pytest.mark.parametrize(('told', 'is_taken'), [(SOURCES_OF_1[0], True), ('0123456789abcdef', False)])
 def test_folders_of_before_there_were_versions(tmp_path: Path, told: str, is_taken: bool) -> None:
-    """Hours of playing would be lost because a file has another name."""
+    """Otherwise hours of playing would be lost because a file has another name."""
     Store(tmp_path, PLAN)
     (tmp_path / 'cells' / 'some').mkdir()
     (tmp_path / 'cells' / 'some' / 'cell.json').write_text('{}')

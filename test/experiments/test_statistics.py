@@ -36,7 +36,7 @@ def test_holm_by_hand() -> None:
 
 @given(st.lists(st.floats(0, 1), min_size=1, max_size=8))
 def test_holm_is_monotone_and_never_below_the_raw_p(p_values: list[float]) -> None:
-    """A correction that makes a result more significant would be a lie."""
+    """The correction never makes a result more significant."""
     corrected = holm(p_values)
     assert all(raw <= c + 1e-12 <= 1 + 1e-9 for raw, c in zip(p_values, corrected, strict=True))
     order = np.argsort(p_values, kind='stable')
@@ -62,7 +62,7 @@ def test_the_papers_test_by_counting_all_orders() -> None:
 
 
 def test_equal_accuracies_are_no_difference() -> None:
-    """A strategy would beat itself."""
+    """Otherwise a strategy would beat itself."""
     (found,) = compare(FIRST, {'same': FIRST.copy()})
     assert found.p_paired == 1.0
     assert found.superiority == 0.5
@@ -75,7 +75,7 @@ ROUNDED = [19 / 37, np.nextafter(19 / 37, 0), np.nextafter(19 / 37, 1)]
 
 
 def test_accuracies_that_differ_by_rounding_are_equal() -> None:
-    """A strategy would beat another one by the last digit of what is the same (cf. scipy 17667)."""
+    """Otherwise a strategy would beat another one by the last digit of what is the same (cf. scipy 17667)."""
     low, high = np.full(6, ROUNDED[1]), np.full(6, ROUNDED[2])
     for first, other in ((high, low), (low, high)):
         (found,) = compare(first, {'other': other})
@@ -90,7 +90,7 @@ def test_accuracies_that_differ_by_rounding_are_equal() -> None:
 @settings(deadline=None)
 @given(st.lists(st.tuples(*[st.integers(0, 4)] * 2, *[st.integers(-1, 1)] * 2), min_size=5, max_size=9))
 def test_rounding_changes_no_test(pairs: list[tuple[int, int, int, int]]) -> None:
-    """Ties among others, and equal differences, would be told apart as well."""
+    """Otherwise ties among others, and equal differences, would be told apart as well."""
     first, other, more, less = np.array(pairs, dtype=float).T
     resolution = np.finfo(float).eps
     exact = first / 8, other / 8
@@ -100,14 +100,14 @@ def test_rounding_changes_no_test(pairs: list[tuple[int, int, int, int]]) -> Non
 
 
 def test_holm_counts_all_comparisons() -> None:
-    """Three chances to win would count as one."""
+    """Otherwise three chances to win would count as one."""
     found = compare(FIRST, {'a': OTHER, 'b': OTHER, 'c': FIRST})
     assert found[0].p_holm == pytest.approx(3 * found[0].p)
 
 
 @pytest.mark.parametrize('count', [1, 2, 4])
 def test_few_samples_give_no_interval(count: int) -> None:
-    """A quick try would end in an error, or claim to be certain."""
+    """Otherwise a quick try would end in an error, or claim to be certain."""
     (found,) = compare(FIRST[:count], {'other': OTHER[:count]})
     assert found.interval is None
     (found,) = compare(FIRST, {'other': OTHER})
@@ -121,13 +121,13 @@ def test_the_interval_of_a_share_is_that_of_the_binomial_distribution() -> None:
 
 
 def test_mean_and_deviation_by_hand() -> None:
-    """The tables would show another spread than they say."""
+    """Otherwise the tables would show another spread than they say."""
     assert mean_and_deviation(np.array([0.4, 0.6])) == '0.500 ± 0.141'
     assert mean_and_deviation(np.array([0.4])) == '0.400'
 
 
 def test_standard_error_by_hand() -> None:
-    """The bands of the learning curves would be of another width."""
+    """Otherwise the bands of the learning curves would be of another width."""
     mean, error = mean_and_error(np.array([[1.0, 0.0], [3.0, 0.0]]))
     np.testing.assert_allclose(mean, [2, 0])
     np.testing.assert_allclose(error, [1, 0])

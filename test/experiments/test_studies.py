@@ -26,7 +26,7 @@ VARIED = {
 
 @pytest.mark.parametrize('name', STUDIES)
 def test_a_study_varies_one_thing(name: str) -> None:
-    """A difference on the page would be due to something else."""
+    """Otherwise a difference on the page would be due to something else."""
     (study,) = make_studies([name], BASE, range(20))
     assert study.name == name
     assert study.plans
@@ -45,7 +45,7 @@ def test_a_study_varies_one_thing(name: str) -> None:
 
 
 def test_the_ablation_takes_each_feature_away_once() -> None:
-    """A feature without which nothing changes would be reported for another."""
+    """Otherwise a feature without which nothing changes would be reported for another."""
     (study,) = make_studies(['ablation'], BASE, range(2))
     weights = BASE.weights['dt_task_env']
     used = [feature for feature in DECISION_FEATURES if weights[feature]]
@@ -57,7 +57,7 @@ def test_the_ablation_takes_each_feature_away_once() -> None:
 
 @pytest.mark.parametrize('name', ['weights_iros', 'weights_task'])
 def test_hand_set_weights_are_shares(name: str) -> None:
-    """Weights that do not add up to one would be compared with others that do."""
+    """Otherwise weights that do not add up to one would be compared with others that do."""
     (study,) = make_studies([name], BASE, range(1))
     strategy = name.replace('weights', 'dt')
     for plan in study.plans.values():
@@ -66,7 +66,7 @@ def test_hand_set_weights_are_shares(name: str) -> None:
 
 
 def test_selectors_and_repeats_reach_u_sampling_alone() -> None:
-    """The study would report the same episodes under other names."""
+    """Otherwise the study would report the same episodes under other names."""
     cell = Cell('prepare_lunch', 15, 15, 'u_sampling', 0)
     plain = play_episode(cell, BASE).accuracy
     for selector in SELECTORS:
@@ -81,7 +81,7 @@ def test_selectors_and_repeats_reach_u_sampling_alone() -> None:
 
 
 def test_unknown_studies_are_named() -> None:
-    """A typing error would be found out after the run."""
+    """Otherwise a typing error would be found out after the run."""
     with pytest.raises(SettingsError, match='unknown study'):
         make_studies(['weather'], BASE, range(2))
     with pytest.raises(SettingsError, match='named twice'):

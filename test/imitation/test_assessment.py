@@ -37,7 +37,7 @@ def test_equal_weights_are_uniform():
 
 
 def test_the_learner_is_tried_in_the_experts_place(experts):
-    """Same world, budget and time; else the gap would be that of other circumstances."""
+    """World, budget and time are the same, so that the gap is not that of other circumstances."""
     shown = experts[0]
     tried = imitate(np.array([1, 1, 1, 1, -1, 0, -9.0]), shown, PerceivedWorld(shown.world.open()))
     assert sum(record.cost for record in tried.queries) <= shown.settings.budget
@@ -45,7 +45,7 @@ def test_the_learner_is_tried_in_the_experts_place(experts):
 
 
 def test_predicted_queries_are_the_best_candidates_of_each_state(experts):
-    """The picture of a robot's training would show another learner."""
+    """Otherwise the picture of a robot's training would show another learner."""
     always = predict_queries(np.array([0, 0, 0, 0, -1.0, 0, -1000]), experts[0])
     assert {query.turn for query in always} == {s.turn for s in experts[0].steps if len(s.actions) > 1}
     assert predict_queries(np.array([0, 0, 0, 0, -1.0, 0, 0]), experts[0]) == ()

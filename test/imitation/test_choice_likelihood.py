@@ -19,7 +19,7 @@ TRUE = np.array([3.0, 1.0, -2.0, 0.5, -4.0, 0.0, -3.0])
 
 @pytest.mark.parametrize('seed', range(10))
 def test_known_weights_are_recovered(made, seed):
-    """Imitation would learn something else than what the expert wants."""
+    """Otherwise imitation would learn something else than what the expert wants."""
     rng = np.random.default_rng(100 + seed)
     weights = rng.normal(size=7) * 3
     weights[5] = 0.0
@@ -29,7 +29,7 @@ def test_known_weights_are_recovered(made, seed):
 
 
 def test_the_gradient_is_that_of_finite_differences(made):
-    """The optimum would be wrong by as much as the gradient."""
+    """Otherwise the optimum would be wrong by as much as the gradient."""
     steps = made.synthetic(TRUE, 0, 40).steps
     contrasts = [step.contrasts for step in steps]
     importance = balance_kinds(steps)
@@ -46,7 +46,7 @@ def test_the_gradient_is_that_of_finite_differences(made):
 
 
 def test_it_is_convex(made):
-    """Another start could find other weights."""
+    """Otherwise another start could find other weights."""
     contrasts = [step.contrasts for step in made.synthetic(TRUE, 0, 20).steps]
     rng = np.random.default_rng(2)
     ones = np.ones(20)
@@ -73,7 +73,7 @@ def test_two_candidates_are_a_logistic_regression():
 
 
 def test_every_kind_of_query_matters_the_same_in_total(made):
-    """One feature subset query an episode would be drowned by the turns without a question."""
+    """Otherwise one feature subset query an episode would be drowned by the turns without a question."""
     steps = made.synthetic(TRUE, 0, 300).steps
     importance = balance_kinds(steps)
     kinds = sorted({step.kind for step in steps}, key=str)
@@ -82,7 +82,7 @@ def test_every_kind_of_query_matters_the_same_in_total(made):
 
 
 def test_separable_choices_give_finite_weights(made):
-    """An expert who always asks the same would make the weights grow without bound."""
+    """Otherwise an expert who always asks the same would make the weights grow without bound."""
     step = made.synthetic(TRUE, 0, 1).steps[0]
     always = tuple(Step(turn, step.actions, step.features, 9) for turn in range(1, 20))
     found = fit_choices([Demonstration('always', None, None, len(always), always)])
@@ -91,14 +91,14 @@ def test_separable_choices_give_finite_weights(made):
 
 
 def test_without_a_choice_nothing_can_be_learnt():
-    """Weights of nothing would be taken for an expert's."""
+    """Otherwise weights of nothing would be taken for an expert's."""
     step = Step(1, (Action(QueryKind.NO_QUERY),), np.zeros((1, 7)), 0)
     with pytest.raises(InputError, match='more than one candidate'):
         fit_choices([Demonstration('idle', None, None, 1, (step,))])
 
 
 def test_the_temperature_gives_back_a_lost_scale(made):
-    """Likelihoods of weights that were normalised could not be compared with others."""
+    """Otherwise likelihoods of weights that were normalised could not be compared with others."""
     demonstration = made.synthetic(TRUE, 5, 500)
     steps = list(all_steps([demonstration]))
     assert fit_temperature(TRUE / 7, steps) == pytest.approx(7, rel=0.2)

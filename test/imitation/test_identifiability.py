@@ -1,4 +1,4 @@
-"""Which weights no choice depends on is found, and said."""
+"""The weights that no choice depends on are found, and named."""
 
 import numpy as np
 
@@ -6,14 +6,14 @@ from al_questioner.imitation.identifiability import identify
 
 
 def test_remaining_time_cancels(made):
-    """Its weight would be an accident of the optimiser and be taken for a finding."""
+    """Otherwise its weight would be an accident of the optimiser and be taken for a finding."""
     free = identify([made.synthetic(np.ones(7), 0, 30)])
     assert free.unidentified == free.cancelling == ('remaining_time',)
     assert 'remaining_time: the same for all candidates of every turn' in free.describe()
 
 
 def test_features_that_vary_only_together_are_named(made):
-    """Their weights could be exchanged for one another at will."""
+    """Otherwise their weights could be exchanged for one another at will."""
 
     def linked(rng):
         table = rng.random((10, 7))
@@ -32,7 +32,7 @@ def test_features_that_vary_only_together_are_named(made):
 
 
 def test_the_scripted_expert_leaves_remaining_time_open_only(experts):
-    """The shipped weights would hold numbers that nobody can know."""
+    """Otherwise the shipped weights would hold numbers that nobody can know."""
     assert identify(experts).unidentified == ('remaining_time',)
 
 

@@ -50,7 +50,7 @@ def test_the_jacobian_knows_that_the_future_does_not_change_the_past():
 
 
 def test_the_jacobian_is_in_units_of_the_scale():
-    """Features of small spread would hardly move."""
+    """Otherwise features of small spread would hardly move."""
     rng = np.random.default_rng(0)
     rollouts = [Rollout(*rng.normal(size=(2, 5, 7))) for _ in range(20)]
     scale = np.array([1, 2, 0.5, 1, 1, 0, 4.0])
@@ -70,13 +70,13 @@ def test_steps_lead_to_a_gap_of_zero_where_counts_are_linear():
 
 
 def test_a_step_is_never_long():
-    """One unlucky estimate would throw the weights away."""
+    """Otherwise one unlucky estimate would throw the weights away."""
     step = gauss_newton_step(1e-3 * np.eye(7), np.full(7, 1e6), np.ones(7, dtype=bool))
     assert np.linalg.norm(step) <= 0.5 + 1e-12
 
 
 def test_rollouts_do_not_depend_on_the_process(experts):
-    """The same seed would give other weights on another machine."""
+    """Otherwise the same seed would give other weights on another machine."""
     weights = np.array([1, 1, 1, 1, -3, 0, -3.0])
     found = []
     for jobs in (1, 2):
@@ -98,7 +98,7 @@ def test_the_score_sums_to_zero_on_average(experts):
 
 
 def test_the_same_seed_finds_the_same_in_any_number_of_processes(experts):
-    """Training would be a lottery."""
+    """Otherwise training would be a lottery."""
     short = dataclasses.replace(FEW, iterations=2, rollouts=2)
     free = identify(experts)
     one, other = (match_features(experts, [], dataclasses.replace(short, jobs=jobs), free) for jobs in (1, 2))
@@ -106,7 +106,7 @@ def test_the_same_seed_finds_the_same_in_any_number_of_processes(experts):
 
 
 def test_the_gap_falls(experts):
-    """Training would not train."""
+    """Otherwise training would not train."""
     seen = []
     one = match_features(experts, [], FEW, identify(experts), lambda number, iteration: seen.append(number))
     late = np.mean([iteration.gap for iteration in one.iterations[-8:]], axis=0)
@@ -117,14 +117,14 @@ def test_the_gap_falls(experts):
 
 
 def test_without_a_world_there_is_nothing_to_roll_out_in(made):
-    """The user of a real robot must be told what to use instead."""
+    """The error tells the user of a real robot what to use instead."""
     shown = made.synthetic(np.ones(7), 0, 5)
     with pytest.raises(InputError, match='use --method choice'):
         match_features([shown], [], FEW, identify([shown]))
 
 
 def test_the_window_with_the_smallest_validation_gap_is_kept():
-    """The last iterations, or those that fit the training demonstrations best, would be taken for the best ones."""
+    """Otherwise the last iterations, or those that fit the training best, would be taken for the best ones."""
 
     def iterations(gaps, validation_gaps):
         ones = np.eye(7)[0]
@@ -138,7 +138,7 @@ def test_the_window_with_the_smallest_validation_gap_is_kept():
 
 
 def test_a_validation_gap_that_did_not_stay_small_is_told():
-    """Weights would be taken for good because the gap closed where they were learnt."""
+    """Otherwise weights would be taken for good because the gap closed where they were learnt."""
     ones = np.eye(7)[0]
     way = tuple(Iteration(np.zeros(7), g * ones, v * ones) for g, v in ((9, 8.0), (2, 1.5), (1, 1.0), (0.5, 1.0)))
 
@@ -154,7 +154,7 @@ def test_a_validation_gap_that_did_not_stay_small_is_told():
 
 
 def test_the_validation_gap_is_that_of_the_demonstrations_held_out(experts):
-    """The gap over those that were learnt from would be told for it."""
+    """Otherwise the gap over those that were learnt from would be told for it."""
     short = dataclasses.replace(FEW, iterations=2, rollouts=2)
     found = match_features(experts[:1], experts[1:], short, identify(experts))
     assert not np.array_equal(found.gap, found.validation_gap)
@@ -163,7 +163,7 @@ def test_the_validation_gap_is_that_of_the_demonstrations_held_out(experts):
 
 
 def test_a_demonstration_that_was_cut_off_is_compared_with_as_many_turns(experts):
-    """Ten recorded turns would be held against the thirty of a whole rollout."""
+    """Otherwise ten recorded turns would be held against the thirty of a whole rollout."""
     cut = dataclasses.replace(experts[0], turns=4, steps=experts[0].steps[:4])
     with Simulator([cut]) as simulator:
         ((rollout,),) = simulator.roll_out(np.zeros(7), 1, 'z')
@@ -180,13 +180,13 @@ def records_of(strategy, weights, budget, turn_count):
 
 
 def test_settled_questions_are_not_drawn():
-    """The policy would ask the feature subset query again and again, as no learner does."""
+    """Otherwise the policy would ask the feature subset query again and again, as no learner does."""
     records, _ = records_of('dt_task_env', [0, 0, 0, 0, 200.0, 0, 0], 20, 8)
     assert [record.kind for record in records].count(QueryKind.FEATURE_SUBSET) <= 1
 
 
 def test_what_is_worthless_to_the_strategy_is_not_drawn():
-    """Feature counts would be matched by questions that no learner with these weights asks."""
+    """Otherwise feature counts would be matched by questions that no learner with these weights asks."""
     # Indifferent, but for silence: without scene changes, things that are labelled would soon be asked about again.
     records, world = records_of('value_per_cost', [0, 0, 0, 0, -50.0], 500, 30)
     asked = []

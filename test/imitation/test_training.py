@@ -30,7 +30,7 @@ def written(folder, training, bags):
 
 @pytest.mark.parametrize('method', ['maxent', 'choice'])
 def test_what_is_written_can_be_read_and_tells_where_it_comes_from(experts, tmp_path, method):
-    """The learner could not take the weights, or nobody could tell what they are."""
+    """Otherwise the learner could not take the weights, or nobody could tell what they are."""
     training = train(experts, TrainingSettings(method, matching=QUICK))
     path = written(tmp_path, training, BAGS)
     read = read_weights(path)
@@ -50,7 +50,7 @@ def test_what_is_written_can_be_read_and_tells_where_it_comes_from(experts, tmp_
 
 
 def test_it_is_said_whether_the_weights_hold_for_others(experts):
-    """A small gap where they were learnt would pass for success."""
+    """Otherwise a small gap where they were learnt would pass for success."""
     training = train(experts, TrainingSettings('maxent', matching=QUICK))
     gap = training.matching.iterations[0].validation_gap
     for share, fails in ((0.1, False), (1.5, True)):
@@ -71,7 +71,7 @@ def test_unweighted_choices_leave_no_gap_at_the_experts_steps(made):
 
 
 def test_demonstrations_of_different_things_are_refused(experts, made):
-    """Weights of a mixture would be those of nobody."""
+    """Weights that are learnt from a mixture of strategies are those of no strategy."""
     first = experts[0]
     other_names = dataclasses.replace(first, name='b', feature_names=('size_x',))
     other_task = made.synthetic(np.ones(7), 0, 3)
@@ -88,7 +88,7 @@ def test_demonstrations_of_different_things_are_refused(experts, made):
 
 
 def test_demonstrations_of_an_unknown_task_are_alike_by_its_name_and_symbols(made):
-    """On a robot whose task is a file of its own nothing could be learnt, or from different tasks at once."""
+    """Otherwise on a robot whose task is a file of its own nothing could be learnt, or from different tasks at once."""
     first = dataclasses.replace(made.synthetic(np.ones(7), 0, 30), world=UnknownWorld('table', "unknown task 'table'"))
     check_alike([first, dataclasses.replace(first, name='b', world=UnknownWorld('table', 'elsewhere'))])
     assert train([first, first], TrainingSettings('choice')).weights.any()
@@ -105,7 +105,7 @@ def test_demonstrations_of_an_unknown_task_are_alike_by_its_name_and_symbols(mad
 
 
 def test_objects_that_the_table_does_not_have_are_not_rolled_out_on_it(experts):
-    """A robot's own objects under the name of a simulated task would be compared with a table nobody showed."""
+    """A robot's own objects under the name of a simulated task are not compared with a table nobody showed."""
     other = dataclasses.replace(experts[0], feature_names=('size_x',))
     with pytest.raises(InputError, match=r'other features than those of prepare_lunch.*use --method choice'):
         train([other], TrainingSettings('maxent', matching=QUICK))
@@ -113,7 +113,7 @@ def test_objects_that_the_table_does_not_have_are_not_rolled_out_on_it(experts):
 
 @pytest.mark.parametrize('method', ['maxent', 'choice'])
 def test_our_own_questioner_learns_from_the_same_expert(tmp_path, method):
-    """By its own features, from what the expert knew when it chose."""
+    """It learns by its own features, from what the expert knew when it chose."""
     settings = episode_settings(TASK, 'expert', 6.0, 10, change_interval=5)
     feature_set = FEATURE_SETS['value_per_cost']
     shown = [demonstrate(WorldSpec(TASK, 0, 0), settings, teacher_of(TASK, 0), feature_set=feature_set)]

@@ -54,7 +54,7 @@ def foreign_cloud(points: np.ndarray, width: int, height: int = 1, **members: ob
 
 @given(hnp.arrays(np.float32, (4, 3), elements=finite), hnp.arrays(np.float32, (4, 2), elements=finite))
 def test_scene_survives_to_the_bit(positions: np.ndarray, features: np.ndarray) -> None:
-    """A learner behind ROS would see other numbers than one offline."""
+    """Otherwise a learner behind ROS would see other numbers than one offline."""
     scene = Scene((7, 0, 3, 2**31), positions, features, ('a_1', 'b_2'))
     back = scene_of_cloud(make_cloud(scene))
     assert back.object_ids == scene.object_ids
@@ -64,7 +64,7 @@ def test_scene_survives_to_the_bit(positions: np.ndarray, features: np.ndarray) 
 
 
 def test_layout_is_the_one_the_contract_names() -> None:
-    """RViz, Foxglove and foreign nodes would not find their fields."""
+    """Otherwise RViz, Foxglove and foreign nodes would not find their fields."""
     cloud = make_cloud()
     assert [field.name for field in cloud.fields] == ['x', 'y', 'z', 'object_id', *NAMES]
     assert [field.datatype for field in cloud.fields] == [7, 7, 7, 6, 7, 7, 7]
@@ -75,7 +75,7 @@ def test_layout_is_the_one_the_contract_names() -> None:
 
 @pytest.mark.parametrize('order', ['<', '>'])
 def test_foreign_layout_is_read(order: str) -> None:
-    """A robot's own perception could not publish padded, reordered, two-row, big-endian or float64 clouds."""
+    """Otherwise a robot's own perception could not publish padded, reordered, two-row, big-endian or float64 clouds."""
     layout = np.dtype(
         {
             'names': ['object_id', 'size_a', 'x', 'y', 'z'],
@@ -142,7 +142,7 @@ def _float_id(cloud: SimpleNamespace) -> dict[str, object]:
     ],
 )
 def test_damaged_cloud_is_refused(damage: Damage, reason: str) -> None:
-    """The learner would learn from nonsense, or die of it."""
+    """Otherwise the learner would learn from nonsense, or die of it."""
     cloud = make_cloud()
     vars(cloud).update(damage(cloud))
     with pytest.raises(SceneError, match=reason):
@@ -156,7 +156,7 @@ OF_POSITIONS = {**EMPTY, 'fields': make_cloud().fields[:3]}
 
 @pytest.mark.parametrize('members', [EMPTY, WITHOUT_FIELDS, OF_POSITIONS, {'width': 0}, {'height': 0}])
 def test_a_cloud_without_points_shows_that_nothing_is_there(members: dict[str, object]) -> None:
-    """A table that was cleared would be a fault of the camera, and the last scene stand for it."""
+    """Otherwise a table that was cleared would be a fault of the camera, and the last scene stand for it."""
     cloud = make_cloud()
     vars(cloud).update(members)
     scene = scene_of_cloud(cloud, NAMES)
@@ -168,7 +168,7 @@ def test_a_cloud_without_points_shows_that_nothing_is_there(members: dict[str, o
 
 @pytest.mark.parametrize(('members', 'reason'), [(WITHOUT_FIELDS, 'neither points'), (OF_POSITIONS, 'no field')])
 def test_an_episode_cannot_begin_with_a_cloud_that_tells_no_features(members: dict[str, object], reason: str) -> None:
-    """Nobody could say what the features of the scenes after it must be."""
+    """Otherwise the features of the scenes after it would be unknown."""
     cloud = make_cloud()
     vars(cloud).update(members)
     with pytest.raises(SceneError, match=reason):
@@ -204,7 +204,7 @@ CLOUDS = st.fixed_dictionaries(
 @settings(max_examples=400)
 @given(CLOUDS, st.booleans())
 def test_no_cloud_does_more_than_be_refused(damage: dict[str, object], is_scene: bool) -> None:
-    """Garbage on the topic, or in a bag, would end the process, by an exception or by reading beyond the data."""
+    """Garbage on the topic, or in a bag, does not end the process, and nothing beyond the data is read."""
     cloud = make_cloud() if is_scene else cloud_of_decision(make_decision(), SYMBOLS, None, TYPES)
     vars(cloud).update(damage)
     try:
@@ -234,7 +234,7 @@ def make_decision() -> Decision:
 
 
 def test_decision_survives_to_the_bit() -> None:
-    """A bag would hold other utilities than those the learner decided by."""
+    """Otherwise a bag would hold other utilities than those the learner decided by."""
     decision = make_decision()
     back = decision_of_cloud(cloud_of_decision(decision, SYMBOLS, None, TYPES), SYMBOLS, 4)
     assert back.candidates == decision.candidates
@@ -261,7 +261,7 @@ def test_the_candidates_of_a_decision_lie_where_their_objects_do() -> None:
 
 
 def test_decisions_of_earlier_recordings_are_read() -> None:
-    """Every bag of before, the shipped ones among them: packed, and without positions."""
+    """Every older bag, the shipped ones among them, is packed and without positions."""
     decision, features = make_decision(), [(name, '<f8') for name in DECISION_FEATURES]
     layout = np.dtype(
         [('kind', 'u1'), ('object_id', '<u4'), ('symbol', '<i4'), *features, ('utility', '<f8'), ('chosen', 'u1')]
@@ -279,7 +279,7 @@ def test_decisions_of_earlier_recordings_are_read() -> None:
 
 
 def test_decision_without_one_choice_is_refused() -> None:
-    """A demonstration with no choice, or two, would be imitated."""
+    """Otherwise a demonstration with no choice, or two, would be imitated."""
     cloud = cloud_of_decision(make_decision(), SYMBOLS, None, TYPES)
     field = next(field for field in cloud.fields if field.name == 'chosen')
     chosen = 3 * cloud.point_step + field.offset
@@ -289,13 +289,13 @@ def test_decision_without_one_choice_is_refused() -> None:
 
 
 def test_scene_cloud_is_no_decision() -> None:
-    """Remapped topics would be read as decisions."""
+    """Otherwise remapped topics would be read as decisions."""
     with pytest.raises(SceneError, match='no field kind'):
         decision_of_cloud(make_cloud(), SYMBOLS, 1)
 
 
 def test_decision_of_other_symbols_is_refused() -> None:
-    """A decision would be read with the symbols of another episode."""
+    """Otherwise a decision would be read with the symbols of another episode."""
     cloud = cloud_of_decision(make_decision(), SYMBOLS, None, TYPES)
     with pytest.raises(SceneError, match='does not exist'):
         decision_of_cloud(cloud, ('fruit',), 4)

@@ -1,8 +1,9 @@
-"""What a document says must arrive unchanged, and whatever is no document must be refused with its reason."""
+"""Documents arrive unchanged, and any other text is refused with its reason."""
 
 from __future__ import annotations
 
 import dataclasses
+import hashlib
 import json
 from typing import Any
 
@@ -13,6 +14,7 @@ from hypothesis import strategies as st
 from al_questioner.domain import Action, Answer, EpisodeSettings, InputError, Outcome, Query, QueryKind, QueryRecord
 from al_questioner.messages import documents
 from al_questioner.messages.documents import DocumentError
+from al_questioner.messages.schemas import SCHEMAS
 
 QUERY = Query('q3', 5, Action(QueryKind.LABEL, object_id=7), ('fruit', 'snack'), 1.0, 12.5, 35, 9, 'What is object 7?')
 ANSWERS = [
@@ -22,6 +24,16 @@ ANSWERS = [
     Answer('q3', 'a1', 'anna', Outcome.UNKNOWN),
 ]
 
+DIGESTS = {
+    'episode': 'afc2e4ee8422ca18',
+    'turn': '8eb0cae17fdfbbfa',
+    'query': '715018136c2b1652',
+    'answer': '111698b2786b6413',
+    'answer_ack': '227c4e7bc1f95c28',
+    'learner_state': '97c811283554ffc7',
+}
+"""Of the schemas. If one changes on purpose, tell it in docs/reference/documents.md and copy here what pytest shows."""
+
 
 def answer_text(**changes: object) -> str:
     members = {'schema': 'al_questioner/answer/1', 'episode_id': 'e', **documents.answer_members(ANSWERS[0]), **changes}
@@ -29,18 +41,24 @@ def answer_text(**changes: object) -> str:
 
 
 def sent(kind: str, members: dict[str, object]) -> Any:
-    """What arrives of a document."""
+    """Return a document as it arrives."""
     return documents.read(kind, documents.write(kind, 'e', members))
 
 
+def test_the_schemas_are_the_agreed_ones() -> None:
+    """Programs of others, and old logs, would no longer be understood."""
+    texts = {kind: json.dumps(schema, sort_keys=True) for kind, schema in SCHEMAS.items()}
+    assert {kind: hashlib.sha256(text.encode()).hexdigest()[:16] for kind, text in texts.items()} == DIGESTS
+
+
 def test_query_survives() -> None:
-    """The teacher would be asked something else than the learner decided."""
+    """Otherwise the teacher would be asked something else than the learner decided."""
     assert documents.query_of(sent('query', documents.query_members(QUERY))) == QUERY
 
 
 @pytest.mark.parametrize('known', [(), (7, 3)])
 def test_what_is_known_survives(known: tuple[int, ...]) -> None:
-    """The teacher would show what the learner knows; earlier versions tell nothing of it."""
+    """Otherwise the teacher would show what the learner knows; earlier versions tell nothing of it."""
     query = dataclasses.replace(QUERY, action=Action(QueryKind.DEMONSTRATION, symbol='snack'), known=known)
     text = documents.write('query', 'e', documents.query_members(query))
     assert documents.query_of(documents.read('query', text)) == query
@@ -50,26 +68,26 @@ def test_what_is_known_survives(known: tuple[int, ...]) -> None:
 
 
 def test_query_begins_with_its_question() -> None:
-    """`ros2 topic echo`, which cuts a message after 128 characters, would show ids instead of what is asked."""
+    """`ros2 topic echo`, which cuts a message after 128 characters, shows what is asked and not ids."""
     text = documents.write('query', 'kitchen_table-0-0123abcd', documents.query_members(QUERY))
     assert text.startswith('{"text":"What is object 7?","schema":"al_questioner/query/1",')
 
 
 @pytest.mark.parametrize('answer', ANSWERS)
 def test_answer_survives(answer: Answer) -> None:
-    """The learner would be told something else than the teacher said."""
+    """Otherwise the learner would be told something else than the teacher said."""
     assert documents.answer_of(sent('answer', documents.answer_members(answer))) == answer
 
 
 def test_only_a_correction_names_what_it_replaces() -> None:
-    """A learner that knows no corrections would refuse every answer, or one that does could not find what to amend."""
+    """A learner that knows no corrections takes every other answer; one that does finds what to correct."""
     correction = Answer('q3', 'a2', 'anna', Outcome.ANSWERED, 'fruit', replaces='a1')
     assert sent('answer', documents.answer_members(correction))['replaces'] == 'a1'
     assert 'replaces' not in documents.answer_members(ANSWERS[0])
 
 
 def test_record_survives() -> None:
-    """The evaluation would replay another episode than was played."""
+    """Otherwise the evaluation would replay another episode than was played."""
     record = QueryRecord(3, QueryKind.FEATURE_SUBSET, None, None, 2.0, Outcome.ANSWERED, ('colour',))
     assert documents.record_of(json.loads(json.dumps(documents.record_members(record)))) == record
 
@@ -105,24 +123,24 @@ def test_what_is_no_answer_is_refused(text: str, reason: str) -> None:
 
 @given(st.text(max_size=300))
 def test_random_text_never_crashes(text: str) -> None:
-    """Garbage on a topic would raise something else than a refusal."""
+    """Otherwise garbage on a topic would raise something else than a refusal."""
     with pytest.raises(InputError):
         documents.read('turn', text)
 
 
 def test_nan_is_never_written() -> None:
-    """A document that no JSON reader takes would go out."""
+    """Otherwise a document that no JSON reader takes would go out."""
     with pytest.raises(ValueError, match='JSON compliant'):
         documents.write('turn', 'e', {'turn': float('nan')})
 
 
 def test_unknown_members_are_let_through() -> None:
-    """A later version could not add a member without breaking this one."""
+    """Otherwise a later version could not add a member without breaking this one."""
     assert documents.read('answer', answer_text(mood='good'))['mood'] == 'good'
 
 
 def test_documents_that_tell_no_amplitude_are_of_learners_that_had_four() -> None:
-    """A recording of before would be replayed with other models than it was made with."""
+    """Otherwise an older recording would be replayed with other models than it was made with."""
     settings = EpisodeSettings(('cup', 'plate'), 5.0, 10, 'random_fsq', amplitude=9.0, length_scale=2.0)
     told = documents.settings_members(settings)
     assert documents.settings_of(told) == settings

@@ -20,12 +20,12 @@ def message(**changes: Any) -> Any:
 
 
 def test_a_picture_survives() -> None:
-    """A person would be shown another table than the robot sees."""
+    """Otherwise a person would be shown another table than the robot sees."""
     np.testing.assert_array_equal(picture_of_image(message()), PICTURE)
 
 
 def test_padded_rows_are_understood() -> None:
-    """A camera driver that aligns its rows would give a skewed picture."""
+    """Otherwise a camera driver that aligns its rows would give a skewed picture."""
     padded = np.pad(PICTURE.reshape(4, 15), ((0, 0), (0, 1)))
     np.testing.assert_array_equal(picture_of_image(message(step=16, data=padded.tobytes())), PICTURE)
 
@@ -36,6 +36,6 @@ def test_padded_rows_are_understood() -> None:
     ids=str,
 )
 def test_what_is_no_picture_is_refused(changes: dict[str, Any]) -> None:
-    """A broken camera driver would end the node, or have it read what is not there."""
+    """Otherwise a broken camera driver would end the node, or have it read what is not there."""
     with pytest.raises(InputError, match='picture'):
         picture_of_image(message(**changes))

@@ -21,7 +21,7 @@ ROUTES = ('pip', pytest.param('pip [ros]', marks=pytest.mark.slow), 'colcon', 'c
 
 @dataclass(frozen=True)
 class Installation:
-    """Where a tool put the package, which is its prefix for ament, and the environment of a shell that is set up."""
+    """Folder that a tool put the package into, its prefix for ament, and the environment of a shell that is set up."""
 
     tool: str
     prefix: Path
@@ -35,7 +35,7 @@ class Installation:
         return done.stdout
 
     def tell(self, expression: str, cwd: Path) -> str:
-        """What an expression of Python is there; it may begin with an import."""
+        """Return the value of a Python expression there; it may begin with an import."""
         imports, _, value = expression.rpartition('; ')
         return self.run('python3', '-c', f'{imports}; print({value})', cwd=cwd).strip()
 

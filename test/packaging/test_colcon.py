@@ -22,7 +22,7 @@ def test_slow():
 
 @pytest.mark.slow
 def test_colcon_runs_all_tests_but_the_slow_ones(source: Path, workspace, tmp_path: Path) -> None:
-    """It would say that there is no test, and fail."""
+    """Otherwise it would say that there is no test, and fail."""
     package = tmp_path / 'al_questioner'
     shutil.copytree(source, package, symlinks=True)
     (package / 'test').mkdir()

@@ -51,7 +51,7 @@ def imported_distributions() -> list[str]:
 
 
 def rosdep_keys(kind: str = 'exec_depend') -> set[str]:
-    """What package.xml asks for, at run time or for the tests."""
+    """Return the packages that package.xml asks for, at run time or for the tests."""
     return {str(element.text) for element in ElementTree.parse(ROOT / 'package.xml').iter(kind)}
 
 
@@ -74,7 +74,7 @@ def versions_of_noble() -> dict[str, str]:
 
 
 def test_what_is_imported_only_when_wished_for_is_an_extra() -> None:
-    """A user who wants a cluster would have to guess what to install."""
+    """Otherwise a user who wants a cluster would have to guess what to install."""
     assert 'dask' in required_names('options.extras_require', 'cluster')
 
 
@@ -86,18 +86,18 @@ def test_an_imported_module_is_required(module: str) -> None:
 
 
 def test_pip_requires_nothing_that_only_ros_can_bring() -> None:
-    """A ROS installation knows its packages under no PyPI name: pip would fetch them a second time."""
+    """Otherwise pip would fetch again what a ROS installation has, under names that PyPI does not know."""
     assert not [name for name in required_names('options', 'install_requires') if name.startswith('ros-')]
 
 
 def test_rosdep_fetches_nothing_with_pip() -> None:
-    """Ubuntu 24.04 refuses it, and the installation would end there."""
+    """Otherwise Ubuntu 24.04 refuses it, and the installation would end there."""
     pip_keys = [key for key in rosdep_keys() | rosdep_keys('test_depend') if key.endswith('-pip') or 'mcap' in key]
     assert pip_keys == []
 
 
 def test_what_ubuntu_has_is_new_enough_and_tested() -> None:
-    """It is what rosdep installs: the package would fail where ROS 2 Jazzy runs, and no test would tell."""
+    """Otherwise the package would fail with what rosdep installs for ROS 2 Jazzy, and no test would tell."""
     noble = versions_of_noble()
     of_ubuntu = [r for r in requirements('options', 'install_requires') if r.name not in FOR_BAGS]
     assert [r.name for r in of_ubuntu if r.name not in noble] == []
@@ -108,7 +108,7 @@ def test_what_ubuntu_has_is_new_enough_and_tested() -> None:
 
 @pytest.mark.parametrize('module', FOR_BAGS)
 def test_what_bags_need_is_told_as_it_is_required(module: str) -> None:
-    """People would install a version that cannot write bags."""
+    """Otherwise people would install a version that cannot write bags."""
     assert Requirement(FOR_BAGS[module]) in requirements('options', 'install_requires')
     assert f"'{FOR_BAGS[module]}'" in (ROOT / 'docs' / 'how_to' / 'install.md').read_text(encoding='utf-8')
 
@@ -133,7 +133,7 @@ def test_all_but_bags_works_without_what_bags_need() -> None:
     [('replay', 'expert_0'), ('train_weights', 'expert_0', '--out', 'w.yaml'), ('record', '--repair', 'expert_0')],
 )
 def test_bags_say_what_they_need(arguments: tuple[str, ...]) -> None:
-    """There would be a traceback, or advice that does not help."""
+    """Otherwise there would be a traceback, or advice that does not help."""
     done = without_bags('from al_questioner.cli import main; sys.exit(main(sys.argv[1:]))', *arguments)
     assert done.returncode == 2
     assert done.stderr.startswith(f'{arguments[0]}: ')

@@ -1,4 +1,4 @@
-"""What ROS tools need of an installed package holds for pip and for colcon."""
+"""The needs of ROS tools, for packages installed by pip and by colcon."""
 
 from __future__ import annotations
 
@@ -25,7 +25,7 @@ def test_the_installed_package_is_what_runs(installation, source, tmp_path):
 
 
 def test_the_installed_package_has_its_types(installation, tmp_path):
-    """Mypy would take everything that is imported from it for Any."""
+    """Otherwise Mypy would take everything that is imported from it for Any."""
     code = 'from importlib.resources import files; (files("al_questioner") / "py.typed").is_file()'
     assert installation.tell(code, tmp_path) == 'True'
 
@@ -38,7 +38,7 @@ def test_manifest_configuration_and_launch_files_are_shared(installation):
 
 
 def test_bags_and_examples_are_shared(installation, source):
-    """The commands of the README would work in a checkout alone."""
+    """Otherwise the commands of the README would work in a checkout alone."""
     share = installation.prefix / 'share' / 'al_questioner'
     for folder in (source / 'bags', source / 'docs' / 'examples'):
         files = {path: share / folder.name / path.relative_to(folder) for path in folder.rglob('*') if path.is_file()}
@@ -71,7 +71,7 @@ def test_executable_runs(installation, name, tmp_path):
 
 
 def test_no_executable_lands_in_the_bin_folder(installation):
-    """Names such as `demo` would shadow other people's commands."""
+    """Otherwise names such as `demo` would shadow other people's commands."""
     folder = installation.prefix / 'bin'
     present = {path.name for path in folder.iterdir()} if folder.is_dir() else set()
     assert present.isdisjoint(EXECUTABLES)

@@ -103,12 +103,12 @@ def test_nodes_bear_name_and_namespace(description):
     ],
 )
 def test_a_robot_brings_eyes_teacher_and_recorder_of_its_own(description, arguments, executables):
-    """Two nodes would show objects, or answer, on the same topics."""
+    """Otherwise two nodes would show objects, or answer, on the same topics."""
     assert started(description, **arguments).keys() == executables
 
 
 def test_all_wait_for_the_recorder(description):
-    """The bag would lack the first turns, and be of no use as a demonstration."""
+    """Otherwise the bag would lack the first turns, and be of no use as a demonstration."""
     nodes = started(description, bag='/tmp/bag', seed='3')
     recorder = nodes.pop('record')
     assert (recorder.name, recorder.parameters[-1]) == ('recorder', {'bag': '/tmp/bag'})
@@ -143,7 +143,7 @@ def test_simulated_time_is_for_all(description, text, value):
 def test_the_learners_end_is_that_of_all_only_where_this_file_is_what_was_launched(
     load, monkeypatch, arguments, ends, status, failures, has_ended
 ):
-    """A robot would be switched off with the learner, or a script not see that it failed."""
+    """Otherwise a robot would be switched off with the learner, or a script not see that it failed."""
     monkeypatch.setattr(sys, 'argv', ['ros2', 'launch', 'al_questioner', *arguments])
     nodes = started(load(), **({} if ends == 'default' else {'end_with_learner': ends}))
     assert [name for name, node in nodes.items() if hasattr(node, 'on_exit')] == ['learner']
@@ -169,7 +169,7 @@ def test_the_learners_end_is_that_of_all_only_where_this_file_is_what_was_launch
     ],
 )
 def test_unusable_arguments_are_named(description, arguments, reason):
-    """Launch would warn of a file that is missing, and start all without it."""
+    """Otherwise launch would warn of a file that is missing, and start all without it."""
     with pytest.raises(ValueError, match=reason):
         started(description, **arguments)
 

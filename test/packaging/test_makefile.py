@@ -1,4 +1,4 @@
-"""What `make` runs has the environment that it needs."""
+"""The environment of the programs that `make` runs."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ OF_ROS = {
 
 @pytest.mark.skipif(shutil.which('make') is None, reason='make is not installed')
 def test_a_ros_that_is_set_up_does_not_mix_with_that_of_the_environment() -> None:
-    """`make demo` would load half of its libraries from either."""
+    """Otherwise `make demo` would load half of its libraries from either."""
     command = ['make', '--silent', '--eval', 'show:; @env', 'show']
     printed = subprocess.check_output(command, cwd=ROOT, env=os.environ | OF_ROS, text=True)
     seen = dict(line.split('=', 1) for line in printed.splitlines() if '=' in line)

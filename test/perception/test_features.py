@@ -280,7 +280,7 @@ def test_any_view_gives_a_finite_vector_within_its_bounds(view: View) -> None:
 
 
 def test_where_in_memory_a_view_is_measured_does_not_matter() -> None:
-    """An episode could not be repeated: a view would be another one, now and then, the next time it is seen."""
+    """Otherwise an episode could not be repeated: the same view would now and then be measured differently."""
     # Of 4000 such grains, the one with a pixel at the threshold of an edge on which cv2.magnitude is of two minds.
     rng = np.random.default_rng(1237)
     grain = np.full((79, 63, 1), 120, dtype=np.uint8)

@@ -39,7 +39,7 @@ def test_readings_are_matched_by_name_not_by_order() -> None:
 
 
 def test_views_are_measured_as_the_caller_wishes() -> None:
-    """A view that comes back could not be remembered."""
+    """Otherwise a view that comes back could not be remembered."""
     remembered = view_features(observation(9).view)
     scene = perceive([observation(1), observation(2)], lambda view: remembered)
     np.testing.assert_array_equal(scene.features[:, : len(remembered)], [remembered, remembered])

@@ -1,4 +1,4 @@
-"""What things are, as far as labels tell: cases solved by hand, and the formula written out."""
+"""Beliefs that follow from labels: cases solved by hand, and the formula written out."""
 
 import numpy as np
 import pytest
@@ -60,7 +60,7 @@ def test_a_label_tells_of_what_is_near_and_not_of_what_is_far(toy):
 
 
 def test_what_was_asked_for_in_vain_is_not_here_until_the_scene_changes(toy):
-    """A demonstration that cannot be had would be asked for again, and what could be one would be asked about."""
+    """Otherwise a demonstration that is impossible now would be asked for again."""
     in_vain = shown('fruit', None, turn=2)
     here = context_of(toy, ['snack'], history=[in_vain])
     assert here.absent_symbols == {'fruit'}
@@ -88,5 +88,5 @@ def test_what_was_labelled_is_certain(toy):
 
 
 def test_a_scenes_first_turn_belongs_to_it(toy):
-    """The commonest failure, at once after a change, would be forgotten."""
+    """Otherwise the commonest failure, at once after a change, would be forgotten."""
     assert context_of(toy, history=[shown('fruit', None, turn=2)], scene_turn=2).absent_symbols == {'fruit'}

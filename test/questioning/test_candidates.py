@@ -30,7 +30,7 @@ def test_canonical_order(scene):
 
 
 def test_what_has_a_single_answer_is_no_candidate(toy):
-    """It would be asked and paid for, and tell nothing."""
+    """Otherwise it would be asked and paid for, and tell nothing."""
     one_group = toy.scene(np.zeros((2, 3)), names=('colour_red', 'colour_green', 'colour_blue'))
     assert Action(QueryKind.FEATURE_SUBSET) not in candidates(one_group, SYMBOLS, Costs(), 10.0)
     assert len(candidates(one_group, SYMBOLS, Costs(), 10.0)) == 3 + 2 + 1
@@ -73,7 +73,7 @@ STRATEGIES = ('dt_iros', 'dt_task', 'dt_task_env', 'rarest_demo', 'value_per_cos
 
 @pytest.mark.parametrize('strategy', STRATEGIES)
 def test_a_question_whose_one_answer_is_known_is_not_put(toy, strategy):
-    """The only thing in view would be named again and again, and shown for what it was named."""
+    """Otherwise the only thing in view would be named again and again, and shown for what it was named."""
     episode = Episode(toy.settings(strategy, budget=50.0), random_stream(0, 'learner'))
     scene = toy.scene(np.zeros((1, 5)), object_ids=(4,))
     named_in = 0

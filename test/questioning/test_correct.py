@@ -42,7 +42,7 @@ def test_a_corrected_episode_is_that_of_the_right_answer(toy, data, strategy):
         expected[query.turn] = episode.tell(answer)
         last_ids[query.query_id].append(answer_id)
         assert before == (episode.turn, episode.spent, episode.pending, [(r.turn, r.cost) for r in episode.records])
-        assert episode.take(answer) is Receipt.DUPLICATE
+        assert episode.take(answer).receipt is Receipt.DUPLICATE
         check()
 
     def check():
@@ -96,7 +96,7 @@ def correction(query, content, answer_id='c1', replaces='a1', outcome=Outcome.AN
 
 
 def test_an_undone_answer_teaches_nothing(answered, toy):
-    """Undo would leave the label."""
+    """Otherwise undo would leave the label."""
     episode, queries = answered
     episode.tell(correction(queries[0], None, outcome=Outcome.UNKNOWN))
     assert [record.outcome for record in episode.records] == [Outcome.UNKNOWN, Outcome.ANSWERED]
@@ -106,7 +106,7 @@ def test_an_undone_answer_teaches_nothing(answered, toy):
 
 
 def test_a_correction_is_judged_by_the_scene_of_its_question(toy):
-    """An object that came later could be shown, and one that was there then could not."""
+    """Otherwise an object that came later could be shown, and one that was there then could not."""
     world = toy.world(2, change_interval=1)
     episode = Episode(toy.settings('rarest_demo'), random_stream(0, 'strategy'))
     while not (query := episode.ask(world.scene(episode.turn + 1)).query) or query.action.symbol is None:
@@ -133,7 +133,7 @@ def test_a_correction_is_judged_by_the_scene_of_its_question(toy):
     ],
 )
 def test_a_refused_correction_changes_nothing(answered, number, changes, reason):
-    """A mistaken correction would damage what was right."""
+    """Otherwise a mistaken correction would damage what was right."""
     episode, queries = answered
     members = {'answer_id': 'c1', 'replaces': 'a1', 'content': 'snack', 'outcome': Outcome.ANSWERED, **changes}
     before, version = episode.records, episode.concepts.model_version
@@ -143,7 +143,7 @@ def test_a_refused_correction_changes_nothing(answered, number, changes, reason)
 
 
 def test_a_correction_is_corrected_but_no_answer_twice(answered):
-    """Of two corrections of one answer that cross, the later would win unseen."""
+    """Otherwise of two corrections of one answer that cross, the later would win unseen."""
     episode, queries = answered
     episode.tell(correction(queries[0], 'snack'))
     with pytest.raises(AnswerError, match="'a1' to query 'q1' was replaced, in the end by 'c1'"):
@@ -153,16 +153,16 @@ def test_a_correction_is_corrected_but_no_answer_twice(answered):
 
 
 def test_what_was_taken_is_known_again(answered, toy):
-    """A teacher that resends would be refused, or counted twice; another's late answer would be learnt."""
+    """Otherwise a teacher that resends would be refused, or counted twice; another's late answer would be learnt."""
     episode, queries = answered
     records, version = episode.records, episode.concepts.model_version
-    assert episode.take(toy.reply(queries[0], records[0].symbol)) is Receipt.DUPLICATE
+    assert episode.take(toy.reply(queries[0], records[0].symbol)).receipt is Receipt.DUPLICATE
     other = 'fruit' if records[0].symbol != 'fruit' else 'snack'
     with pytest.raises(AnswerError, match="another answer 'a1' to query 'q1' was taken already"):
         episode.take(toy.reply(queries[0], other))
     late = Answer('q1', 'b1', 'bert', Outcome.ANSWERED, 'snack')
     for _ in range(2):
-        assert episode.take(late) is Receipt.LATE
+        assert episode.take(late).receipt is Receipt.LATE
     assert (episode.records, episode.concepts.model_version, episode.pending) == (records, version, queries[2])
     assert list(episode.answers.late) == [late]
     with pytest.raises(AnswerError, match="unknown label 'pizza'"):
@@ -170,7 +170,7 @@ def test_what_was_taken_is_known_again(answered, toy):
 
 
 def test_what_does_not_count_cannot_be_told(answered, toy):
-    """A notebook would believe that an answer was learnt."""
+    """Otherwise a notebook would believe that an answer was learnt."""
     episode, queries = answered
     with pytest.raises(AnswerError, match="'a1' to query 'q1' does not count: already taken"):
         episode.tell(toy.reply(queries[0], episode.records[0].symbol))
@@ -180,7 +180,7 @@ def test_what_does_not_count_cannot_be_told(answered, toy):
 
 
 def test_what_is_prepared_is_not_yet_taken(answered, toy):
-    """An answer would be learnt before it is on the disk."""
+    """Otherwise an answer would be learnt before it is on the disk."""
     episode, queries = answered
     prepared = episode.prepare(toy.reply(queries[2], 'snack'))
     assert (prepared.receipt, episode.pending, len(episode.records)) == (Receipt.ACCEPTED, queries[2], 2)
@@ -189,7 +189,7 @@ def test_what_is_prepared_is_not_yet_taken(answered, toy):
 
 
 def test_the_strategy_sees_the_corrected_past(toy):
-    """What is asked next would still follow from the wrong answer."""
+    """The next question does not follow from the wrong answer."""
     seen = []
 
     class Watching:

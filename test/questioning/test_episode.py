@@ -2,7 +2,6 @@
 
 import subprocess
 import sys
-from pathlib import Path
 
 import numpy as np
 import pytest
@@ -104,14 +103,14 @@ def test_controls_never_repeat_themselves(toy, strategy, seed):
 def test_same_seed_same_queries_in_another_process(toy):
     """Hash randomisation and iteration order must not reach a decision."""
     program = (
-        'import sys; sys.path[:0] = sys.argv[1:]; import conftest as toy\n'
+        'import sys; sys.path[:0] = sys.argv[1:]; from shared import toys as toy\n'
         'from al_questioner.domain import random_stream; from al_questioner.questioning import STRATEGIES, Episode\n'
         'for name in STRATEGIES:\n'
         '    if name == "human": continue\n'
         '    episode = Episode(toy.make_settings(name), random_stream(3, "strategy"))\n'
         '    toy.play(episode, toy.ToyWorld(3)); print(name, episode.records)\n'
     )
-    command = [sys.executable, '-c', program, str(Path(__file__).parent), str(ROOT / 'test')]
+    command = [sys.executable, '-c', program, str(ROOT / 'test')]
     child = subprocess.run(command, cwd=ROOT, capture_output=True, text=True, check=True)
     expected = [f'{name} {play(toy, name, seed=3)[0].records}' for name in AUTOMATIC]
     assert child.stdout.splitlines() == expected
@@ -133,7 +132,7 @@ def test_single_object_scene(toy):
 @pytest.mark.parametrize('strategy', AUTOMATIC)
 @pytest.mark.parametrize('first', ['empty', 'full'])
 def test_a_scene_without_things_is_a_scene(toy, strategy, first):
-    """An empty table, at the start or later, would end the episode, or be asked about at a price."""
+    """Otherwise an empty table, at the start or later, would end the episode, or be asked about at a price."""
     nothing, full = toy.scene(np.empty((0, 5))), toy.world(0, change_interval=1)
     episode = Episode(toy.settings(strategy, budget=40.0), random_stream(0, 'strategy'))
     kinds = set()
@@ -169,7 +168,7 @@ def test_a_single_group_of_features_is_not_asked_about(toy, strategy):
 
 @pytest.mark.parametrize('action', [LABEL, DEMONSTRATION])
 def test_what_waits_is_withdrawn_when_nothing_is_in_view_any_more(scripted, toy, action):
-    """Nobody could answer a question about what has gone."""
+    """Otherwise nobody could answer a question about what has gone."""
     episode, _, ask = scripted
     query = ask(action)
     episode.time_out()
@@ -215,7 +214,7 @@ def test_demonstration_is_learnt(scripted, toy):
 
 
 def test_a_demonstration_query_tells_what_is_known(scripted, toy):
-    """As it looks now: a teacher would show again what was named, or never again what has changed."""
+    """It is known as it looks now: the teacher shows nothing that was named, but again what has changed."""
     episode, scene, ask = scripted
     episode.tell(toy.reply(ask(LABEL), NO_SYMBOL))
     assert ask(SUBSET).known is None
@@ -339,7 +338,7 @@ def test_asking_out_of_turn(scripted, toy):
 
 
 def test_tuning_is_done_once_at_the_end_of_a_turn_that_is_due(toy):
-    """It would be done while the teacher is waited for, at other turns, or twice."""
+    """Otherwise it would be done while the teacher is waited for, at other turns, or twice."""
     world = toy.world(2)
     episode = Episode(toy.settings('u_sampling', tune_every=3), random_stream(0, 'strategy'))
     assert not episode.tune(), 'before the first turn'

@@ -35,7 +35,7 @@ def query(kind: QueryKind, choices: tuple[str, ...] = ()) -> Query:
     ],
 )
 def test_words_of_the_contract_are_understood(kind: QueryKind, text: str, content: Content) -> None:
-    """A plain `ros2 topic pub` would not answer."""
+    """Otherwise a plain `ros2 topic pub` would not answer."""
     answer = read_plain_answer(text, query(kind))
     assert (answer.query_id, answer.outcome, answer.content) == ('q1', Outcome.ANSWERED, content)
 
@@ -49,7 +49,7 @@ def test_words_of_the_contract_are_understood(kind: QueryKind, text: str, conten
     ],
 )
 def test_every_question_can_be_left_open(kind: QueryKind, text: str, outcome: Outcome) -> None:
-    """A person who does not know could not go on."""
+    """Otherwise a person who does not know could not go on."""
     answer = read_plain_answer(text, query(kind))
     assert (answer.outcome, answer.content) == (outcome, None)
 
@@ -63,7 +63,7 @@ def test_every_question_can_be_left_open(kind: QueryKind, text: str, outcome: Ou
     ],
 )
 def test_what_is_no_answer_is_refused_with_the_choices(kind: QueryKind, text: str) -> None:
-    """A slip of the finger would become a label, or the person would not learn what is expected."""
+    """Otherwise a slip of the finger would become a label, or the person would not learn what is expected."""
     with pytest.raises(AnswerError, match=query(kind).choices[0]):
         read_plain_answer(text, query(kind))
 
@@ -92,7 +92,7 @@ def test_what_is_no_answer_is_refused_with_the_choices(kind: QueryKind, text: st
 def test_what_is_exactly_a_choice_is_that_choice(
     kind: QueryKind, choices: tuple[str, ...], text: str, content: Content
 ) -> None:
-    """The wrong thing would be learnt, or the right one could not be said, where no task file has ruled it out."""
+    """A word that no task file has ruled out is learnt as what it says, and can be said."""
     assert read_plain_answer(text, query(kind, choices)).content == content
 
 
@@ -111,14 +111,14 @@ def test_what_is_exactly_a_choice_is_that_choice(
 def test_what_may_mean_two_things_or_misses_one_is_refused_with_them(
     kind: QueryKind, choices: tuple[str, ...], text: str, reason: str
 ) -> None:
-    """The robot would guess, or leave the person to find out what is wrong with the word."""
+    """Otherwise the robot would guess, or leave the person to find out what is wrong with the word."""
     with pytest.raises(AnswerError, match=reason):
         read_plain_answer(text, query(kind, choices), others=('undo', 'quit'))
 
 
 @pytest.mark.parametrize('word', ['fruit', 'hello'])
 def test_a_word_that_only_looks_a_little_like_a_command_has_no_suggestion(word: str) -> None:
-    """Whoever says fruit would be sent to quit."""
+    """The word fruit is not answered with the advice to quit."""
     with pytest.raises(AnswerError) as caught:
         read_plain_answer(word, query(QueryKind.LABEL, ('cup', 'plate', 'cutlery')), others=('undo', 'help', 'quit'))
     assert 'did you mean' not in str(caught.value)
@@ -136,14 +136,14 @@ def test_a_word_that_only_looks_a_little_like_a_command_has_no_suggestion(word: 
     ],
 )
 def test_names_of_a_document_are_known_in_any_form_of_unicode(content: Content, expected: Content) -> None:
-    """A teacher's program on a Mac would be told that the very word that it sent is unknown."""
+    """Otherwise a teacher's program on a Mac would be told that the very word that it sent is unknown."""
     answer = Answer('q1', 'a1', 'mac', Outcome.ANSWERED, content)
     assert respelt(answer, ('Früchte', 'cup', 'größe', 'size')).content == expected
 
 
 @pytest.mark.parametrize('kind', CHOICES)
 def test_a_text_without_end_is_refused_in_a_short_line(kind: QueryKind) -> None:
-    """The log would be flooded, or a number of 5000 digits end the node."""
+    """Otherwise the log would be flooded, or a number of 5000 digits end the node."""
     for text in ('9' * 5000, 'a' * 100_000, '"' * 9999, ',' * 5000, 'a,' * 5000):
         with pytest.raises(AnswerError) as caught:
             read_plain_answer(text, query(kind))
@@ -152,7 +152,7 @@ def test_a_text_without_end_is_refused_in_a_short_line(kind: QueryKind) -> None:
 
 @given(st.text(max_size=40))
 def test_random_text_is_refused_or_a_choice(text: str) -> None:
-    """Any other text would slip through as a label."""
+    """Otherwise any other text would slip through as a label."""
     asked = query(QueryKind.LABEL)
     try:
         answer = read_plain_answer(text, asked)

@@ -1,4 +1,4 @@
-"""How far each teacher can be relied on."""
+"""Reliability of each teacher."""
 
 import numpy as np
 import pytest
@@ -11,7 +11,7 @@ UNIFORM = np.full(4, 0.25)
 
 
 def test_what_is_believed_of_a_thing_is_that_one_label_holds():
-    """Beliefs would not be those of exactly one of the independent classifiers being right."""
+    """Otherwise beliefs would not be those of exactly one of the independent classifiers being right."""
     q = np.array([0.9, 0.2, 0.5])
     one_holds = [np.prod(np.where(np.arange(3) == y, q, 1 - q)) for y in range(3)]
     none_holds = np.prod(1 - q)
@@ -21,7 +21,7 @@ def test_what_is_believed_of_a_thing_is_that_one_label_holds():
 
 
 def test_nothing_is_learnt_of_a_teacher_where_nothing_is_known():
-    """A teacher who speaks alone would gain or lose trust by speaking."""
+    """Otherwise a teacher who speaks alone would gain or lose trust by speaking."""
     statements = [Statement(turn, 'anna', turn % 4) for turn in range(12)]
     found = reliabilities(statements, dict.fromkeys(range(12), UNIFORM))
     assert found == {'anna': pytest.approx(0.9, abs=1e-4)}
@@ -36,7 +36,7 @@ def test_two_certain_contradictions_by_hand():
 
 
 def test_it_is_the_fixed_point_of_the_formulas():
-    """The estimate would be another one than the documentation states: recomputed in loops."""
+    """Otherwise the estimate would be another one than the documentation states: recomputed in loops."""
     rng = random_stream(5, 'reliability')
     beliefs = {turn: rng.dirichlet(np.ones(3)) for turn in range(20)}
     statements = [
@@ -59,7 +59,7 @@ def test_it_is_the_fixed_point_of_the_formulas():
 
 
 def test_a_careless_teacher_among_careful_ones_is_found():
-    """Whoever contradicts all others would be trusted like them."""
+    """A teacher who contradicts all others is trusted less than they are."""
     rng = random_stream(6, 'reliability')
     statements = []
     for turn in range(60):
@@ -72,7 +72,7 @@ def test_a_careless_teacher_among_careful_ones_is_found():
 
 
 def test_the_record_of_each_teacher(toy):
-    """What a teacher did not know, skipped, took back or said too late would not be told apart."""
+    """Answers that were unknown, skipped, taken back or too late are counted apart."""
     own = toy.settings('random_fsq', budget=20.0, turns=8)
     episode = Episode(own, random_stream(2, 'learner'))
     world = toy.world(3)
@@ -91,7 +91,7 @@ def test_the_record_of_each_teacher(toy):
 
 
 def test_what_stands_counts_and_only_what_is_about_the_same_thing(toy):
-    """A corrected answer, or a late demonstration of another thing, would tell against its teacher."""
+    """Otherwise a corrected answer, or a late demonstration of another thing, would tell against its teacher."""
     own = toy.settings('rarest_demo', budget=40.0, turns=20, change_interval=1)
     episode, world = Episode(own, random_stream(2, 'learner')), toy.world(3, change_interval=1)
     asked = []

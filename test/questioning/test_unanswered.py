@@ -44,7 +44,7 @@ def chosen(decision):
 
 
 def test_a_turn_passes_and_the_question_stays(start, scene):
-    """An absent teacher would stall the episode, or find another question when coming back."""
+    """Otherwise an absent teacher would stall the episode, or find another question when coming back."""
     episode = start(LABEL)
     query = episode.ask(scene).query
     assert (episode.awaits_answer, episode.turns_over) == (True, 0)
@@ -61,7 +61,7 @@ def test_a_turn_passes_and_the_question_stays(start, scene):
 
 
 def test_the_answer_counts_whenever_it_comes(start, start_alone, toy, scene):
-    """What a person says on coming back would be lost, or taken for something about another object."""
+    """An answer after a break is neither lost nor taken for one about another object."""
     episode, query = start_alone(LABEL)
     episode.ask(scene)
     record = episode.tell(toy.reply(query, 'snack'))
@@ -79,7 +79,7 @@ def test_the_answer_counts_whenever_it_comes(start, start_alone, toy, scene):
 
 
 def test_a_question_whose_object_is_gone_is_withdrawn(start_alone, toy, scene):
-    """The robot would ask on and on about a thing that nobody sees."""
+    """Otherwise the robot would ask on and on about a thing that nobody sees."""
     other = toy.scene(np.random.default_rng(4).normal(size=(4, 5)), [5, 6, 7, 8])
     episode, first = start_alone(LABEL, Action(QueryKind.LABEL, object_id=7))
     second = episode.ask(other).query
@@ -94,7 +94,7 @@ def test_a_question_whose_object_is_gone_is_withdrawn(start_alone, toy, scene):
 
 @pytest.mark.parametrize(('action', 'stays'), [(LABEL, True), (DEMONSTRATION, False), (SUBSET, True)])
 def test_what_is_still_in_view_is_still_asked(start_alone, toy, scene, action, stays):
-    """A question would be withdrawn that can still be answered, or kept that means something else now."""
+    """Otherwise a question would be withdrawn that can still be answered, or kept that means something else now."""
     moved = toy.scene(np.vstack([scene.features[:2], scene.features[2:] + 1.0]))
     episode, query = start_alone(action)
     decision = episode.ask(moved)
@@ -103,7 +103,7 @@ def test_what_is_still_in_view_is_still_asked(start_alone, toy, scene, action, s
 
 
 def test_after_the_last_turn_the_question_is_withdrawn(start_alone, toy, scene):
-    """The episode of a teacher who does not come back would never end; what they say later would be lost."""
+    """Otherwise the episode of a teacher who does not come back would never end; what they say later would be lost."""
     episode, query = start_alone(LABEL, turns=2)
     episode.ask(scene)
     assert not episode.done
@@ -119,7 +119,7 @@ def test_after_the_last_turn_the_question_is_withdrawn(start_alone, toy, scene):
 
 
 def test_nobody_says_that_nobody_answered(start, toy, scene):
-    """A teacher could have a question charged as if it had not been heard."""
+    """Otherwise a teacher could have a question charged as if it had not been heard."""
     episode = start(LABEL)
     with pytest.raises(AnswerError, match='nobody can say'):
         episode.tell(toy.reply(episode.ask(scene).query, None, Outcome.UNANSWERED))
@@ -127,7 +127,7 @@ def test_nobody_says_that_nobody_answered(start, toy, scene):
 
 @pytest.mark.parametrize(('outcome', 'spent'), [(Outcome.UNKNOWN, 0.5), (Outcome.SKIP, 0.0), (Outcome.ANSWERED, 2.0)])
 def test_each_outcome_is_charged_its_share(start, toy, scene, outcome, spent):
-    """The costs of the configuration would be ignored."""
+    """Otherwise the costs of the configuration would be ignored."""
     episode = start(DEMONSTRATION, costs=Costs(unknown=0.25, skip=0.0))
     query = episode.ask(scene).query
     content = 1 if outcome is Outcome.ANSWERED else None
@@ -136,7 +136,7 @@ def test_each_outcome_is_charged_its_share(start, toy, scene, outcome, spent):
 
 
 def test_what_nobody_answered_is_charged_its_share(start, toy, scene):
-    """A question that was withdrawn would be free, or cost all, whatever the configuration says."""
+    """Otherwise a question that was withdrawn would be free, or cost all, whatever the configuration says."""
     episode = start(DEMONSTRATION, turns=1, costs=Costs(unanswered=0.25))
     query = episode.ask(scene).query
     assert episode.spent == 2.0
@@ -146,7 +146,7 @@ def test_what_nobody_answered_is_charged_its_share(start, toy, scene):
 
 
 def test_a_late_answer_can_be_corrected(start_alone, toy, scene):
-    """A correction would forget when the answer came, or a first answer pass for a correction."""
+    """Otherwise a correction would forget when the answer came, or a first answer pass for a correction."""
     episode, query = start_alone(LABEL)
     episode.ask(scene)
     episode.tell(toy.reply(query, 'snack'))
@@ -156,7 +156,7 @@ def test_a_late_answer_can_be_corrected(start_alone, toy, scene):
 
 
 def test_a_late_answer_never_exceeds_the_budget(start_alone, toy, scene):
-    """Answers to questions that were withdrawn, and corrections, would overspend."""
+    """Otherwise answers to questions that were withdrawn, and corrections, would overspend."""
     other = toy.scene(np.random.default_rng(4).normal(size=(4, 5)), [5, 6, 7, 8])
     episode, first = start_alone(DEMONSTRATION, LABEL, budget=2.0)
     second = episode.ask(other).query
@@ -169,14 +169,14 @@ def test_a_late_answer_never_exceeds_the_budget(start_alone, toy, scene):
 @pytest.mark.parametrize('share', [-0.1, 1.1, float('nan')])
 @pytest.mark.parametrize('outcome', ['unknown', 'skip', 'unanswered'])
 def test_a_share_is_between_none_and_all(toy, outcome, share):
-    """A question could earn budget, or cost more than it was said to."""
+    """Otherwise a question could earn budget, or cost more than it was said to."""
     with pytest.raises(SettingsError, match=rf'costs\.{outcome} must '):
         toy.settings('random_fsq', costs=Costs(**{outcome: share}))
 
 
 @pytest.mark.parametrize(('outcome', 'again'), [(Outcome.UNKNOWN, False), (Outcome.SKIP, True)])
 def test_what_nobody_can_name_is_not_asked_again_while_it_looks_the_same(toy, scene, outcome, again):
-    """With every change elsewhere on the table the robot would ask once more what it was told is not known."""
+    """Otherwise the robot would ask again after every change elsewhere on the table."""
     episode = Episode(toy.settings('random_fsq', budget=20.0, turns=12), random_stream(0, 'learner'))
     asked = {}
     for turn in range(12):

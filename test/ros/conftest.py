@@ -72,7 +72,7 @@ class Graph:
         self.start(LearnerNode, **{**self.episode, **learner})
 
     def play(self, **learner: Any) -> dict[str, Any]:
-        """What such a learner's state is in the end, beside the scripted teacher."""
+        """Return the final state of such a learner beside the scripted teacher."""
         states = self.listen('learner_state')
         self.start_robot(**learner)
         self.start(TeacherNode, **self.world)
@@ -138,7 +138,7 @@ class Graph:
 
 
 class Diagnostics:
-    """What all nodes tell of themselves."""
+    """The diagnostics of all nodes."""
 
     def __init__(self, graph: Graph) -> None:
         self._graph = graph
@@ -155,7 +155,7 @@ class Diagnostics:
         return {value.key: value.value for status in self.statuses for value in status.values}
 
     def tell(self, text: str, *levels: bytes) -> bool:
-        """Whether some status has this text, and one of these levels, if any are given."""
+        """Return whether some status has this text, and one of these levels, if any are given."""
         return any(text in s.message and (not levels or s.level in levels) for s in self.statuses)
 
     def wait_for(self, text: str, *levels: bytes) -> None:
@@ -242,7 +242,7 @@ class Processes:
         return self._folder / f'{name}.log'
 
     def log(self, name: str) -> str:
-        """What a process has printed so far."""
+        """Return all that a process has printed so far."""
         return self.log_path(name).read_text()
 
     def wait_for_log(self, name: str, text: str, may_be_killed: bool = False) -> bool:

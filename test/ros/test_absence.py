@@ -14,7 +14,7 @@ AWAY = {'strategy': 'u_sampling', 'budget': 4.0, 'turns': 1000, 'change_interval
 
 
 def test_an_episode_without_a_teacher_comes_to_its_end(graph: Any, person: Any) -> None:
-    """A teacher who never comes would stall the episode; a label would be guessed, or budget taken for nothing."""
+    """A teacher who never comes does not stall the episode; no label is guessed, no budget taken for nothing."""
     graph.start_robot(**{**AWAY, 'turns': 5, 'change_interval': 10})
     state = graph.wait_for_end(person.states)
     assert (state['turn'], state['spent'], sum(state['labels'].values())) == (5, 0.0, 0)
@@ -23,7 +23,7 @@ def test_an_episode_without_a_teacher_comes_to_its_end(graph: Any, person: Any) 
 
 
 def test_the_question_is_asked_again_word_for_word_and_answered_late(graph: Any, person: Any) -> None:
-    """Somebody who comes back would find no question, or another one; what they say would be refused."""
+    """Otherwise somebody who comes back would find no question, or another one; what they say would be refused."""
     graph.start_robot(**AWAY)
     graph.wait_for(lambda: len(person.queries) > 2, 'the question once more')
     first = person.queries[0]
@@ -37,13 +37,13 @@ def test_the_question_is_asked_again_word_for_word_and_answered_late(graph: Any,
 
 
 def test_the_absence_is_a_warning(graph: Any, diagnostics: Any) -> None:
-    """Nobody would see that the robot waits for somebody."""
+    """Otherwise nobody would see that the robot waits for somebody."""
     graph.start_robot(**AWAY)
     diagnostics.wait_for('nobody has answered', DiagnosticStatus.WARN)
 
 
 def test_without_a_timeout_the_learner_waits(graph: Any, person: Any) -> None:
-    """A person who needs time to think would be passed over although the configuration says otherwise."""
+    """Otherwise a person who needs time to think would be passed over although the configuration says otherwise."""
     graph.start_robot(**{**AWAY, 'answer_timeout': 0.0})
     query = person.query(1)
     # Many times the timeout of the other tests, counted in acknowledgements.
@@ -54,7 +54,7 @@ def test_without_a_timeout_the_learner_waits(graph: Any, person: Any) -> None:
 
 
 def test_a_session_remembers_that_nobody_answered(graph: Any, person: Any, tmp_path: Any) -> None:
-    """A learner that is started again would begin the turns anew that had passed."""
+    """A learner that is started again does not repeat the turns that had passed."""
     session = {**AWAY, 'session': str(tmp_path / 'log')}
     graph.start_robot(**session)
     graph.wait_for(lambda: person.states and person.states[-1]['turn'] > 1, 'two turns that passed')
@@ -72,7 +72,7 @@ def test_a_session_remembers_that_nobody_answered(graph: Any, person: Any, tmp_p
 
 
 def test_an_answer_between_the_turns_begins_no_turn_of_its_own(graph: Any, person: Any) -> None:
-    """Two turns would begin at once, and the robot look at one scene for two."""
+    """Otherwise two turns would begin at once, and the robot look at one scene for two."""
     graph.start_robot(**{**AWAY, 'turns': 3, 'turn_period': 3000.0})
     graph.wait_for(lambda: person.states and person.turns, 'the first turn and its end')
     assert person.says('snack')['accepted']

@@ -33,7 +33,7 @@ def play_offline(folder: Path, *arguments: str) -> dict[str, object]:
 
 
 def test_three_processes_play_the_offline_episode(processes: Any, tmp_path: Path) -> None:
-    """What is found offline would say nothing about the robot."""
+    """A result that is found offline holds for the robot."""
     graph = play(processes, tmp_path / 'graph', *SMALL, '--strategy', 'dt_task_env')
     assert graph['queries']
     assert graph == play_offline(tmp_path, *SMALL, '--strategy', 'dt_task_env')
@@ -43,7 +43,7 @@ def test_three_processes_play_the_offline_episode(processes: Any, tmp_path: Path
 
 @pytest.mark.slow
 def test_one_process_plays_the_offline_episode(processes: Any, tmp_path: Path) -> None:
-    """Nodes composed into one process would behave otherwise."""
+    """Otherwise nodes composed into one process would behave otherwise."""
     shown = [*SMALL, '--strategy', 'random_fsq']
     one = play(processes, tmp_path / 'one', *shown, '--one-process', '--namespace', '/a/robot_1/')
     assert one == play_offline(tmp_path, *shown)
@@ -51,7 +51,7 @@ def test_one_process_plays_the_offline_episode(processes: Any, tmp_path: Path) -
 
 @pytest.mark.slow
 def test_processes_tune_as_the_offline_episode_does(processes: Any, tmp_path: Path) -> None:
-    """The option would not reach the learner, or it would tune at other turns than the evaluation assumes."""
+    """Otherwise the option would not reach the learner, or it would tune at other turns than the evaluation assumes."""
     tuned = [*SMALL, '--strategy', 'u_sampling_fsq', '--tune-every', '2']
     assert play(processes, tmp_path / 'graph', *tuned) == play_offline(tmp_path, *tuned)
 
@@ -59,7 +59,7 @@ def test_processes_tune_as_the_offline_episode_does(processes: Any, tmp_path: Pa
 @pytest.mark.slow
 @pytest.mark.skipif(not CROPS.is_dir(), reason='the real RGB-D crops are not beside this checkout')
 def test_real_crops_are_learnt_through_the_graph(processes: Any, tmp_path: Path) -> None:
-    """The robot would learn from drawings alone."""
+    """Otherwise the robot would learn from drawings alone."""
     crops = ['--task', 'tabletop', '--dataset', str(CROPS), '--budget', '15', '--turns', '20', '--seed', '3']
     graph = play(processes, tmp_path / 'graph', *crops)
     assert graph == play_offline(tmp_path, *crops)
@@ -70,19 +70,19 @@ def test_real_crops_are_learnt_through_the_graph(processes: Any, tmp_path: Path)
 @pytest.mark.slow
 @pytest.mark.parametrize('strategy', [name for name in STRATEGIES if name != 'human'])
 def test_every_strategy_asks_the_same_with_and_without_ros(processes: Any, tmp_path: Path, strategy: str) -> None:
-    """Some strategy would behave otherwise on the robot, over a whole episode of the paper's length."""
+    """Otherwise some strategy would behave otherwise on the robot, over a whole episode of the paper's length."""
     graph = play(processes, tmp_path / 'graph', *PAPER, '--strategy', strategy)
     assert graph == play_offline(tmp_path, *PAPER, '--strategy', strategy)
 
 
 def test_an_unusable_namespace_is_named(tmp_path: Path, refusal: Any) -> None:
-    """A mistyped namespace would end in warnings of the middleware."""
+    """Otherwise a mistyped namespace would end in warnings of the middleware."""
     assert 'namespace' in refusal('demo', *SMALL, '--out', tmp_path, '--namespace', 'not a namespace')
 
 
 @pytest.mark.slow
 def test_a_recorded_demo_is_a_demonstration(processes: Any, tmp_path: Path) -> None:
-    """The bags that people share would not be what the real graph did."""
+    """Otherwise the bags that people share would not be what the real graph did."""
     bag = tmp_path / 'bag'
     shown = ['--task', 'prepare_lunch', '--strategy', 'expert', '--budget', '6', '--turns', '8', '--seed', '4']
     episode = play(processes, tmp_path / 'graph', *shown, '--record', str(bag))

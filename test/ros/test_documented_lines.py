@@ -1,7 +1,7 @@
 """Every `ros2` line of README and docs: who must be able to run it, and that they are.
 
-The genuine tools are not on PyPI. Their options are those of ros2cli 0.32 and launch 3.4, which Jazzy has; whoever has
-a ROS installation runs the lines that are marked as theirs. A line that is documented anew is to be added here.
+The genuine tools are not on PyPI. Their options are those of ros2cli 0.32 and launch 3.4, which Jazzy has; a user with
+a ROS installation runs the lines that are marked as theirs. A new line in the documentation is to be added here.
 """
 
 from __future__ import annotations
@@ -82,7 +82,7 @@ OPTIONS = {
 }
 """Of the genuine tools, those that a line may use. `topic echo` asks for best effort with any `--qos-` option."""
 
-OWN = [line for line, who in LINES.items() if who in (NODE, ENDS)]
+OWN_LINES = [line for line, who in LINES.items() if who in (NODE, ENDS)]
 
 
 def documented() -> Iterator[tuple[str, str]]:
@@ -100,7 +100,7 @@ def documented() -> Iterator[tuple[str, str]]:
 
 
 def test_every_documented_line_is_listed_and_every_listed_one_documented() -> None:
-    """A line that nobody has ever run would be what people copy first."""
+    """Otherwise a line that nobody has ever run would be what people copy first."""
     found = dict(documented())
     assert {line: place for line, place in found.items() if line not in LINES} == {}
     assert [line for line in LINES if line not in found] == []
@@ -108,7 +108,7 @@ def test_every_documented_line_is_listed_and_every_listed_one_documented() -> No
 
 @pytest.mark.parametrize('line', [line for line, who in LINES.items() if who == GENUINE])
 def test_the_genuine_tools_have_the_options_that_a_line_uses(line: str) -> None:
-    """It would end in the tool's usage, or show nothing."""
+    """Otherwise it would end in the tool's usage, or show nothing."""
     words = shlex.split(line)[1:]
     verb = next(verb for verb in OPTIONS if words[: len(verb.split())] == verb.split())
     assert {word for word in words if word.startswith('-')} <= OPTIONS[verb]
@@ -164,7 +164,7 @@ def make_node(executable: str, own: list[str], **arguments: Any) -> QuestionerNo
 
 
 @pytest.mark.usefixtures('workplace')
-@pytest.mark.parametrize('line', OWN)
+@pytest.mark.parametrize('line', OWN_LINES)
 def test_our_lines_are_taken_as_they_stand(line: str) -> None:
     """A parameter that was renamed would live on in the documentation."""
     executable, own, ros = arguments_of(line)
@@ -180,9 +180,9 @@ def test_our_lines_are_taken_as_they_stand(line: str) -> None:
 
 @pytest.mark.slow
 @pytest.mark.usefixtures('workplace')
-@pytest.mark.parametrize('line', OWN)
+@pytest.mark.parametrize('line', OWN_LINES)
 def test_our_lines_run_as_they_stand(line: str, processes: Any) -> None:
-    """What is taken could still end at once."""
+    """A line that is accepted must not end at once either."""
     command = as_here(line).replace('ros2 run al_questioner', f'exec {shlex.quote(sys.executable)} -m al_questioner')
     process = processes.start('line', ['sh', '-c', command])
     if LINES[line] == ENDS:

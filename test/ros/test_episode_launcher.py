@@ -19,7 +19,7 @@ WORLD = {'task': 'prepare_lunch', 'seed': 4}
 
 @pytest.mark.slow
 def test_a_recorder_may_end_before_the_last_turn_was_watched(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    """On a busy machine a demo would end in failure, with its recording complete."""
+    """Otherwise on a busy machine a demo would end in failure, with its recording complete."""
     started: list[subprocess.Popen[bytes]] = []
     popen = subprocess.Popen
 

@@ -19,7 +19,7 @@ DEADLINE = 90.0
 
 
 def test_a_robots_own_perception_teaches_the_learner(graph: Any, processes: Any, diagnostics: Any) -> None:
-    """The example that users copy would not work, or be asked about the same still things because of its noise."""
+    """The example that users copy works, and is not asked about the same still things because of its noise."""
     states = graph.listen('learner_state')
     processes.namespace = graph.namespace
     for script in (EXAMPLES / 'own_perception.py', Path(__file__).with_name('person.py')):
@@ -34,7 +34,7 @@ def test_a_robots_own_perception_teaches_the_learner(graph: Any, processes: Any,
 
 
 def test_who_answers_by_hand_is_told_everything_once(graph: Any, processes: Any, tmp_path: Path) -> None:
-    """What the learner repeats for others would fill the screen, and an empty line be refused as an answer."""
+    """The repetitions of the learner do not fill the screen, and an empty line is no refused answer."""
     answers = graph.listen('answer', profile=qos.EVENTS)
     asks, tells = (graph.ears.create_publisher(String, name, qos.LATCHED) for name in ('query', 'learner_state'))
     typed = tmp_path / 'typed'

@@ -1,4 +1,4 @@
-"""Whoever publishes, with whatever quality of service, is heard, or it is said who is not."""
+"""Every publisher is heard, whatever its quality of service, or the user is told which one is not."""
 
 from __future__ import annotations
 
@@ -47,7 +47,7 @@ def cloud() -> PointCloud2:
 
 
 def keep_saying(publisher: Any, message: Any, is_heard: Any) -> Any:
-    """What publishes, as drivers do again and again, and tells whether it was heard."""
+    """Return a function that publishes the message, as drivers do again and again, and tells whether it was heard."""
 
     def say() -> Any:
         publisher.publish(message)
@@ -58,7 +58,7 @@ def keep_saying(publisher: Any, message: Any, is_heard: Any) -> Any:
 
 @pytest.mark.parametrize('offer', OFFERS)
 def test_a_driver_of_any_kind_is_heard_and_told_nothing_else(graph: Any, offer: str) -> None:
-    """A camera's driver would be passed over for ever, or warn that nobody hears it though the learner does."""
+    """A camera's driver is heard, and does not warn that nobody hears it."""
     decisions, warnings = graph.listen('decision', PointCloud2, qos.EVENTS), []
     callbacks = PublisherEventCallbacks(incompatible_qos=warnings.append)
     eyes = graph.ears.create_publisher(PointCloud2, 'objects', OFFERS[offer], event_callbacks=callbacks)
@@ -69,7 +69,7 @@ def test_a_driver_of_any_kind_is_heard_and_told_nothing_else(graph: Any, offer: 
 
 @pytest.mark.parametrize('offer', OFFERS)
 def test_a_picture_of_any_kind_reaches_who_teaches(graph: Any, offer: str) -> None:
-    """The person at the terminal would see no picture of a robot's own camera."""
+    """Otherwise the person at the terminal would see no picture of a robot's own camera."""
     sessions: list[Any] = []
     eyes = graph.ears.create_publisher(Image, 'scene_image', OFFERS[offer])
     graph.start(
@@ -85,7 +85,7 @@ def test_a_picture_of_any_kind_reaches_who_teaches(graph: Any, offer: str) -> No
 
 @pytest.mark.parametrize('offer', OFFERS)
 def test_an_answer_of_any_kind_is_taken(graph: Any, offer: str) -> None:
-    """A page or a microcontroller that sends best effort would not be believed to have answered."""
+    """Otherwise a page or a microcontroller that sends best effort would not be believed to have answered."""
     queries, states = graph.listen('query'), graph.listen('learner_state')
     mouth = graph.ears.create_publisher(String, 'answer', OFFERS[offer])
     graph.start_robot(strategy='u_sampling', turns=1)
@@ -95,7 +95,7 @@ def test_an_answer_of_any_kind_is_taken(graph: Any, offer: str) -> None:
 
 
 def test_what_was_latched_before_is_seen_but_no_answer_of_before_is_heard(graph: Any) -> None:
-    """A still camera would have to publish anew for each learner, or yesterday's answer teach today's question."""
+    """A still camera publishes once for all learners, and yesterday's answer does not teach today's question."""
     queries, states = graph.listen('query'), graph.listen('learner_state')
     mouth = graph.ears.create_publisher(String, 'answer', qos.LATCHED)
     eyes = graph.ears.create_publisher(PointCloud2, 'objects', qos.LATCHED)
@@ -119,7 +119,7 @@ class Listener(QuestionerNode):
 
 @pytest.mark.parametrize('topic', ['objects', 'turn'])
 def test_each_message_is_heard_once_whoever_else_publishes(graph: Any, topic: str) -> None:
-    """What comes by two subscriptions would be counted, refused or answered twice."""
+    """A message that comes by two subscriptions is not counted, refused or answered twice."""
     mouths = {offer: graph.ears.create_publisher(String, topic, profile) for offer, profile in OFFERS.items()}
     listener = graph.start(lambda **arguments: Listener(topic, **arguments))
     for offer, mouth in mouths.items():
@@ -134,7 +134,7 @@ def test_each_message_is_heard_once_whoever_else_publishes(graph: Any, topic: st
 
 
 def test_a_driver_of_sensor_data_is_recorded(graph: Any, tmp_path: Path) -> None:
-    """The recording of a robot with eyes of its own would hold no scene."""
+    """Otherwise the recording of a robot with eyes of its own would hold no scene."""
     eyes = graph.ears.create_publisher(PointCloud2, 'objects', OFFERS['sensor data'])
     recorder = graph.start(RecorderNode, bag=str(tmp_path / 'bag'))
     topic = f'/{graph.namespace}/objects'
@@ -157,7 +157,7 @@ def stranger(graph: Any) -> Iterator[Node]:
 
 
 def test_a_publisher_of_another_type_is_named(graph: Any, stranger: Node, diagnostics: Any) -> None:
-    """The learner would wait for objects, and nobody see why."""
+    """Otherwise the learner would wait for objects, and nobody see why."""
     stranger.create_publisher(String, 'objects', qos.LATCHED)
     graph.start(LearnerNode, **graph.episode)
     name, topic = f'/{graph.namespace}/stranger', f'/{graph.namespace}/objects'
@@ -166,7 +166,7 @@ def test_a_publisher_of_another_type_is_named(graph: Any, stranger: Node, diagno
 
 
 def test_who_asks_for_more_than_is_offered_is_named(graph: Any, diagnostics: Any) -> None:
-    """Who waits for what is not latched would wait for ever."""
+    """Otherwise a user who waits for what is not latched would wait for ever."""
     graph.ears.create_subscription(PointCloud2, 'decision', lambda _: None, qos.LATCHED)
     graph.start(LearnerNode, **graph.episode)
     diagnostics.wait_for(
@@ -180,7 +180,7 @@ def override(graph: Any, topic: str, end: str, **policies: Any) -> dict[str, Any
 
 
 def test_the_user_chooses_the_quality_of_service(graph: Any, diagnostics: Any) -> None:
-    """`qos_overrides` would be accepted and do nothing."""
+    """Otherwise `qos_overrides` would be accepted and do nothing."""
     given = override(graph, 'objects', 'subscription', reliability='reliable', durability='transient_local', depth=7)
     given |= override(graph, 'decision', 'publisher', durability='transient_local')
     # A file for all nodes may speak of what others have.
@@ -216,7 +216,7 @@ def test_the_user_chooses_the_quality_of_service(graph: Any, diagnostics: Any) -
 def test_unusable_quality_of_service_is_refused(
     graph: Any, topic: str, end: str, policies: dict[str, Any], reason: str
 ) -> None:
-    """A misspelt override would be ignored in silence, or end in an error of the middleware's that names nothing."""
+    """A misspelt override is neither ignored in silence nor an error of the middleware's that names nothing."""
     with pytest.raises(InputError, match=reason) as caught:
         graph.start(PerceptionNode, **graph.world, **override(graph, topic, end, **policies))
     assert '\n' not in str(caught.value)

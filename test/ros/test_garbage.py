@@ -26,7 +26,7 @@ JUNK = (None, True, -1, 2**70, 1e308, '', 'x' * 5000, [], {}, [[]], {'a': {}}, '
 
 
 def callback_of(node: Any, topic: str) -> Callable[[Any], None]:
-    """What the middleware calls for a message."""
+    """Return the function that the middleware calls for a message."""
     (found,) = [each for each in node.subscriptions if each.topic_name == node.resolve_topic_name(topic)]
     number = itertools.count(1)
     return lambda message: found.callback(message, {'source_timestamp': next(number), 'publication_sequence_number': 1})
@@ -81,7 +81,7 @@ def texts(document: dict[str, Any], rng: np.random.Generator, n: int) -> Iterato
 
 @pytest.mark.slow
 def test_a_flood_of_garbage_answers_is_refused(graph: Any) -> None:
-    """A broken page, or a mischievous child, would end the robot's day or teach it nonsense."""
+    """Otherwise a broken page, or a mischievous child, would end the robot's day or teach it nonsense."""
     queries, acks = graph.listen('query'), graph.listen('answer_ack', profile=qos.EVENTS)
     states = graph.listen('learner_state')
     graph.start(PerceptionNode, **graph.world)
@@ -116,7 +116,7 @@ def parsed(text: str) -> Any:
 
 
 def means_something(text: str, query: Any, answer: dict[str, Any]) -> bool:
-    """Whether chance has made an answer that must be taken."""
+    """Return whether chance has made an answer that must be taken."""
     document = parsed(text)
     if text.lstrip().startswith('{'):
         if not isinstance(document, dict):
@@ -138,7 +138,7 @@ def means_something(text: str, query: Any, answer: dict[str, Any]) -> bool:
 
 @pytest.mark.slow
 def test_a_flood_of_garbage_clouds_is_refused(graph: Any) -> None:
-    """A driver with another layout would end the episode, or have it learn from noise."""
+    """Otherwise a driver with another layout would end the episode, or have it learn from noise."""
     seen = graph.listen('objects', PointCloud2)
     graph.start_robot()
     graph.wait_for(lambda: seen, 'a scene')
@@ -184,7 +184,7 @@ def damaged(good: PointCloud2, rng: np.random.Generator) -> PointCloud2:
 
 @pytest.mark.slow
 def test_a_flood_of_garbage_turns_is_refused(graph: Any) -> None:
-    """Perception would show another turn, or nothing any more."""
+    """Otherwise perception would show another turn, or nothing any more."""
     perception = graph.start(PerceptionNode, **graph.world)
     seen = graph.listen('objects', PointCloud2)
     world = {'task': 'prepare_lunch', 'seed': 4, 'sample': 4, 'dataset': None}

@@ -36,13 +36,13 @@ DEADLINE = 30.0
     ],
 )
 def test_what_a_terminal_sends_is_split_into_keys(text: str, keys: list[str], rest: str) -> None:
-    """An arrow that is held down would do nothing, and a letter inside a special key would quit or step."""
+    """Otherwise an arrow that is held down would do nothing, and a letter inside a special key would quit or step."""
     assert split_keys(text) == (keys, rest)
 
 
 @given(st.lists(st.sampled_from(['n', 's', ' ', 'q', '\x1b[A', '\x1b[B', '\x1bOC']), max_size=10), st.data())
 def test_where_the_characters_are_cut_makes_no_difference(sent: list[str], data: st.DataObject) -> None:
-    """A key would get lost whenever a terminal sends slowly."""
+    """Otherwise a key would get lost whenever a terminal sends slowly."""
     text, rest, found = ''.join(sent), '', []
     cuts = sorted(data.draw(st.lists(st.integers(0, len(text)), max_size=5)))
     for first, last in zip([0, *cuts], [*cuts, len(text)], strict=True):
@@ -62,7 +62,7 @@ def terminal(monkeypatch: pytest.MonkeyPatch) -> Iterator[int]:
 
 
 def test_keys_are_handed_over_and_the_terminal_is_as_it_was(terminal: int) -> None:
-    """A shell would stay without echo after a replay."""
+    """Otherwise a shell would stay without echo after a replay."""
     before, pressed, complete = termios.tcgetattr(sys.stdin), [], threading.Event()
 
     def take(key: str) -> None:
@@ -81,7 +81,7 @@ def test_keys_are_handed_over_and_the_terminal_is_as_it_was(terminal: int) -> No
 
 @pytest.mark.parametrize('error', [ValueError, KeyboardInterrupt, SystemExit])
 def test_an_error_leaves_the_terminal_as_it_was(terminal: int, error: type[BaseException]) -> None:
-    """A shell would stay without echo after a crash or Ctrl-C."""
+    """Otherwise a shell would stay without echo after a crash or Ctrl-C."""
     before = termios.tcgetattr(sys.stdin)
     with pytest.raises(error), Keys(lambda _: None):
         raise error
@@ -89,7 +89,7 @@ def test_an_error_leaves_the_terminal_as_it_was(terminal: int, error: type[BaseE
 
 
 def test_a_job_in_the_background_leaves_the_terminal_alone(terminal: int, monkeypatch: pytest.MonkeyPatch) -> None:
-    """`replay BAG &` would be stopped by the system before it plays anything."""
+    """Otherwise `replay BAG &` would be stopped by the system before it plays anything."""
     monkeypatch.setattr(os, 'tcgetpgrp', lambda _: os.getpgrp() + 1)
     before = termios.tcgetattr(sys.stdin)
     with Keys(lambda _: None) as keys:
@@ -105,7 +105,7 @@ def _closed() -> io.StringIO:
 
 @pytest.mark.parametrize('make', [lambda: None, io.StringIO, _closed])
 def test_without_a_terminal_nothing_is_read(make: Callable[[], object], monkeypatch: pytest.MonkeyPatch) -> None:
-    """A replay under `ros2 launch` or cron, which have no stdin, would fail or eat the input of others."""
+    """Otherwise a replay under `ros2 launch` or cron, which have no stdin, would fail or eat the input of others."""
     monkeypatch.setattr(sys, 'stdin', make())
     with Keys(lambda _: None) as keys:
         assert not keys.active

@@ -54,7 +54,7 @@ class Others:
 
 
 def turns_in(bag: Path) -> list[int]:
-    """Which turns a bag tells of."""
+    """Return the turns that a bag tells of."""
     found = [m for m in read_bag(bag).messages if m.topic.endswith('/turn')]
     return sorted({documents.read('turn', deserialize(message).data)['turn'] for message in found})
 
@@ -74,7 +74,7 @@ def check(state: dict[str, Any], session: Path, budget: float, turns: int) -> No
 
 
 def test_whoever_is_killed_comes_back_and_the_same_is_asked(graph: Any, processes: Any, tmp_path: Path) -> None:
-    """The robot's driver, or the teacher's laptop, would end the episode, or change what is learnt."""
+    """Otherwise the robot's driver, or the teacher's laptop, would end the episode, or change what is learnt."""
     states = graph.listen('learner_state')
     learner = start_learner(graph, tmp_path / 'log', 9.0, 14)
     others = Others(graph, processes, tmp_path)
@@ -96,7 +96,7 @@ def test_whoever_is_killed_comes_back_and_the_same_is_asked(graph: Any, processe
 @pytest.mark.slow
 @pytest.mark.timeout(3600)
 def test_nodes_killed_at_random_moments_come_back(graph: Any, processes: Any, tmp_path: Path) -> None:
-    """There would be a moment at which the death of a node costs an answer, or ends the episode."""
+    """Otherwise there would be a moment at which the death of a node costs an answer, or ends the episode."""
     draw, kills, episodes = random.Random(1), 0, 0
     states = graph.listen('learner_state', profile=qos.RECORDED_LATCHED)
     others = Others(graph, processes, tmp_path)

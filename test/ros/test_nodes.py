@@ -34,14 +34,14 @@ DEADLINE = 60.0
 
 @pytest.mark.parametrize('strategy', [name for name in STRATEGIES if name != 'human'])
 def test_graph_asks_what_an_offline_run_asks(graph: Any, strategy: str) -> None:
-    """What is found offline would say nothing about the robot."""
+    """A result that is found offline holds for the robot."""
     state = graph.play(strategy=strategy, budget=8.0, turns=14)
     assert state['queries'] == offline_queries(strategy, 8.0, 14)
     assert state['spent'] <= 8.0
 
 
 def test_the_teacher_shows_what_is_known_if_told_to(graph: Any) -> None:
-    """A parameter would do nothing, or be the only way."""
+    """Otherwise a parameter would do nothing, or be the only way."""
     states = graph.listen('learner_state')
     graph.start_robot(strategy='rarest_demo', budget=40.0, turns=14)
     graph.start(TeacherNode, **graph.world, repeat_shown=True)
@@ -51,7 +51,7 @@ def test_the_teacher_shows_what_is_known_if_told_to(graph: Any) -> None:
 
 
 def test_tuning_learner_asks_what_an_offline_run_asks_and_tells_its_kernel(graph: Any) -> None:
-    """The graph would tune at other turns, or nobody could see what it tuned to."""
+    """Otherwise the graph would tune at other turns, or nobody could see what it tuned to."""
     states, episodes = graph.listen('learner_state', profile=qos.RECORDED_LATCHED), graph.listen('episode')
     kernel = {'amplitude': 4.0}
     graph.start_robot(strategy='u_sampling', budget=8.0, turns=12, tune_every=2, **kernel)
@@ -67,7 +67,7 @@ def test_tuning_learner_asks_what_an_offline_run_asks_and_tells_its_kernel(graph
 
 
 def test_every_topic_tells_the_same_story(graph: Any) -> None:
-    """A page, a bag or RViz would show something else than the learner does."""
+    """Otherwise a page, a bag or RViz would show something else than the learner does."""
     heard = {kind: graph.listen(kind) for kind in ('episode', 'turn', 'query', 'learner_state')}
     acks = graph.listen('answer_ack', profile=qos.EVENTS)
     clouds = graph.listen('objects', PointCloud2)
@@ -105,7 +105,7 @@ def test_every_topic_tells_the_same_story(graph: Any) -> None:
 
 
 def test_the_turn_does_not_wait_for_the_picture(graph: Any, monkeypatch: pytest.MonkeyPatch) -> None:
-    """Each new scene would hold the learner up, and pictures of scenes long gone would pile up."""
+    """Otherwise each new scene would hold the learner up, and pictures of scenes long gone would pile up."""
     may_draw = threading.Semaphore(0)
     drawn: list[Any] = []
 
@@ -139,7 +139,7 @@ def test_the_turn_does_not_wait_for_the_picture(graph: Any, monkeypatch: pytest.
 
 
 def test_last_markers_show_what_was_believed_in_the_end(graph: Any) -> None:
-    """People would see a question that nobody asks any more, or beliefs from before the last answer."""
+    """Otherwise people would see a question that nobody asks any more, or beliefs from before the last answer."""
     arrays = graph.listen('scene_markers', MarkerArray)
     beliefs = graph.play()['beliefs']
     expected = {f'{i}: {max(q, key=q.get)} {max(q.values()):.0%}' for i, q in beliefs.items()}
@@ -155,7 +155,7 @@ def test_last_markers_show_what_was_believed_in_the_end(graph: Any) -> None:
 
 
 def test_late_nodes_catch_up(graph: Any) -> None:
-    """The order in which nodes are started would matter."""
+    """Otherwise the order in which nodes are started would matter."""
     states, queries, turns = map(graph.listen, ('learner_state', 'query', 'turn'))
     graph.start(LearnerNode, **graph.episode)
     graph.wait_for(lambda: turns, 'the first turn')
@@ -166,7 +166,7 @@ def test_late_nodes_catch_up(graph: Any) -> None:
 
 
 def test_nodes_of_another_world_do_not_answer(graph: Any, diagnostics: Any) -> None:
-    """One who looks at another table would teach wrong labels, or show what the teacher does not know."""
+    """Otherwise one who looks at another table would teach wrong labels, or show what the teacher does not know."""
     answers, clouds = graph.listen('answer', profile=qos.EVENTS), graph.listen('objects', PointCloud2)
     reason = 'the learner has seed 4, this node 5'
     graph.start(PerceptionNode, task=TASK, seed=5)
@@ -182,7 +182,7 @@ def test_nodes_of_another_world_do_not_answer(graph: Any, diagnostics: Any) -> N
 
 
 def test_a_second_learner_takes_no_scene_of_the_first(graph: Any) -> None:
-    """The latched scene of the last episode's last turn would be taken for the first of the next."""
+    """Otherwise the latched scene of the last episode's last turn would be taken for the first of the next."""
     states = graph.listen('learner_state')
     episode = {**graph.episode, 'strategy': 'farthest_fsq', 'turns': 12}
 
@@ -204,7 +204,7 @@ def test_a_second_learner_takes_no_scene_of_the_first(graph: Any) -> None:
 def test_another_learner_on_the_same_topics_is_noticed(
     graph: Any, diagnostics: Any, monkeypatch: pytest.MonkeyPatch, is_over: bool
 ) -> None:
-    """Nobody would know why two robots mistake each other, or why a teacher says that all is over."""
+    """Otherwise nobody would know why two robots mistake each other, or why a teacher says that all is over."""
     ended = []
     monkeypatch.setattr(graph.context, 'try_shutdown', lambda: ended.append(True))
     states, queries = graph.listen('learner_state'), graph.listen('query')
@@ -223,7 +223,7 @@ def test_another_learner_on_the_same_topics_is_noticed(
 
 
 def test_turns_are_paced(graph: Any) -> None:
-    """`turn_period` would be ignored, and a person could not follow."""
+    """Otherwise `turn_period` would be ignored, and a person could not follow."""
     turns = graph.listen('turn')
     states = graph.listen('learner_state')
     graph.start_robot(budget=0.0, turns=4, turn_period=0.2)
@@ -234,7 +234,7 @@ def test_turns_are_paced(graph: Any) -> None:
 
 
 def test_an_acknowledged_answer_is_not_repeated(graph: Any) -> None:
-    """Every answer would be said for ever, and each time refused."""
+    """Otherwise every answer would be said for ever, and each time refused."""
     acks = graph.listen('answer_ack', profile=qos.EVENTS)
     graph.play(turns=6)
     graph.wait_for(lambda: graph.nodes[-1].unacknowledged is None, 'the last acknowledgement')
@@ -242,7 +242,7 @@ def test_an_acknowledged_answer_is_not_repeated(graph: Any) -> None:
 
 
 def test_largest_object_id_passes_through(graph: Any) -> None:
-    """An id that a tracker gives, and PointCloud2 can hold, would stall the learner."""
+    """Otherwise an id that a tracker gives, and PointCloud2 can hold, would stall the learner."""
     decisions = graph.listen('decision', PointCloud2, qos.EVENTS)
     clouds = graph.listen('objects', PointCloud2)
     arrays = graph.listen('scene_markers', MarkerArray)
@@ -271,7 +271,7 @@ def test_largest_object_id_passes_through(graph: Any) -> None:
 
 
 def test_scenes_older_than_the_turn_are_reported(graph: Any, diagnostics: Any) -> None:
-    """A camera whose clock is behind would be ignored in silence."""
+    """Otherwise a camera whose clock is behind would be ignored in silence."""
     turns = graph.listen('turn')
     eyes = graph.ears.create_publisher(PointCloud2, 'objects', qos.LATCHED)
     graph.start(LearnerNode, **graph.episode)
@@ -286,7 +286,7 @@ def test_scenes_older_than_the_turn_are_reported(graph: Any, diagnostics: Any) -
 
 
 def test_two_robots_in_two_namespaces_do_not_hear_each_other(graph: Any) -> None:
-    """The answers to one robot would teach the other."""
+    """Otherwise the answers to one robot would teach the other."""
     robots = {'left': (TASK, 4), 'right': ('pack_lunchbox', 5)}
     kinds = ('episode', 'turn', 'query', 'learner_state', 'answer', 'answer_ack')
     heard: dict[str, dict[str, list[Any]]] = {robot: {} for robot in robots}
@@ -310,7 +310,7 @@ def test_two_robots_in_two_namespaces_do_not_hear_each_other(graph: Any) -> None
 
 
 def test_erring_teacher_with_delay_ends_the_episode(graph: Any) -> None:
-    """A teacher who does not know, errs, or thinks for a while would stall the learner."""
+    """Otherwise a teacher who does not know, errs, or thinks for a while would stall the learner."""
     states = graph.listen('learner_state')
     graph.start_robot(strategy='rarest_demo')
     graph.start(TeacherNode, **graph.world, wrong_rate=0.3, unknown_rate=0.6, delay=0.02)
@@ -318,7 +318,7 @@ def test_erring_teacher_with_delay_ends_the_episode(graph: Any) -> None:
 
 
 def test_lost_answers_are_repeated(graph: Any) -> None:
-    """One lost message would stall the episode for ever."""
+    """Otherwise one lost message would stall the episode for ever."""
     answers = graph.listen('answer', profile=qos.EVENTS)
     mouth = graph.ears.create_publisher(String, 'query', qos.LATCHED)
     graph.start(TeacherNode, **graph.world)
@@ -329,7 +329,7 @@ def test_lost_answers_are_repeated(graph: Any) -> None:
 
 
 def test_scene_of_the_graph_is_the_scene_offline(graph: Any) -> None:
-    """Features would lose bits on the way, and a later query would differ."""
+    """Otherwise features would lose bits on the way, and a later query would differ."""
     clouds = graph.listen('objects', PointCloud2)
     graph.start_robot()
     graph.wait_for(lambda: clouds, 'a scene')
@@ -342,7 +342,7 @@ def test_scene_of_the_graph_is_the_scene_offline(graph: Any) -> None:
 
 
 def test_nothing_is_amiss_in_an_episode_among_ourselves(graph: Any, diagnostics: Any) -> None:
-    """A warning that means nothing would teach people to overlook those that do."""
+    """Otherwise a warning that means nothing would teach people to overlook those that do."""
     graph.play(turns=12, turn_period=0.2)
 
     def names() -> set[str]:
@@ -355,7 +355,7 @@ def test_nothing_is_amiss_in_an_episode_among_ourselves(graph: Any, diagnostics:
 def test_a_node_that_waits_in_vain_names_the_topic_and_who_publishes_there(
     graph: Any, diagnostics: Any, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    """Nobody would know what is missing, or under which name."""
+    """Otherwise nobody would know what is missing, or under which name."""
     monkeypatch.setattr('al_questioner.ros.node.SECONDS_FOR_PUBLISHER', 0.0)
     monkeypatch.setattr('al_questioner.ros.nodes.learner.SECONDS_FOR_OBJECTS', 0.0)
 

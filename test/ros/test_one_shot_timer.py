@@ -27,7 +27,7 @@ def timer(time: VirtualTime, rung: list[float]) -> OneShotTimer:
 def test_the_time_that_was_set_last_counts_and_it_goes_off_once(
     time: VirtualTime, rung: list[float], timer: OneShotTimer, first: float, second: float
 ) -> None:
-    """A turn would time out twice, or when the time of the question before was over."""
+    """Otherwise a turn would time out twice, or when the time of the question before was over."""
     timer.set(first)
     timer.set(second)
     time.pass_until(200.0)
@@ -35,7 +35,7 @@ def test_the_time_that_was_set_last_counts_and_it_goes_off_once(
 
 
 def test_what_is_cleared_does_not_go_off(time: VirtualTime, rung: list[float], timer: OneShotTimer) -> None:
-    """A turn would be over although its answer has come."""
+    """Otherwise a turn would be over although its answer has come."""
     timer.set(1.0)
     timer.clear()
     time.pass_until(2.0)

@@ -1,4 +1,4 @@
-"""What is said of parameters that reach nobody."""
+"""Warnings about parameters that reach no node."""
 
 from __future__ import annotations
 
@@ -27,12 +27,12 @@ from al_questioner.ros.parameter_files import addresses, tell_what_has_no_effect
     ],
 )
 def test_names_in_files_stand_for_the_nodes_that_ros_takes_them_for(pattern: str, taken: list[str]) -> None:
-    """Parameters would be said to have no effect that have one: these are the names that rclpy took, tried out."""
+    """Parameters that have an effect are not said to have none: these are the names that rclpy took, tried out."""
     assert [name for name in ('/learner', '/robot/learner', '/a/b/learner') if addresses(pattern, name)] == taken
 
 
 def said_to(name: str, arguments: list[str], **overrides: Any) -> list[tuple[str, str]]:
-    """What is logged by a node of this name, which declares no parameter."""
+    """Return the log lines of a node of this name, which declares no parameter."""
     said: list[tuple[str, str]] = []
     logger = SimpleNamespace(**{level: partial(lambda *one: said.append(one), level) for level in ('info', 'warning')})
     node = SimpleNamespace(
@@ -62,7 +62,7 @@ def said_to(name: str, arguments: list[str], **overrides: Any) -> list[tuple[str
     ],
 )
 def test_a_file_for_others_is_named(tmp_path: Path, content: dict[str, Any], level: str | None, names: str) -> None:
-    """A misspelt node, or one in another namespace, would run at its defaults, and nobody know why."""
+    """Otherwise a misspelt node, or one in another namespace, would run at its defaults, and nobody know why."""
 
     def with_values(below: dict[str, Any]) -> dict[str, Any]:
         return {
@@ -78,7 +78,7 @@ def test_a_file_for_others_is_named(tmp_path: Path, content: dict[str, Any], lev
 
 
 def test_parameters_and_overrides_for_others_are_named() -> None:
-    """`-p lerner:budget:=3` would be ignored in silence, and so an override of what this node does not have."""
+    """Otherwise `-p lerner:budget:=3` would be ignored in silence, and so an override that the node lacks."""
     arguments = ['--ros-args', '-p', 'lerner:budget:=3', '-p', 'budget:=3', '-p', 'learner:text:=a:b']
     override = 'qos_overrides./objects.publisher.depth'
     assert said_to('/learner', [*arguments, '--', '-p', 'x:y:=1'], **{override: 3}) == [
@@ -94,7 +94,7 @@ def test_a_node_without_parameters_is_told_nothing(arguments: list[str]) -> None
 
 
 def test_a_process_tells_it(processes: Any, tmp_path: Path) -> None:
-    """Nobody would see it."""
+    """Otherwise nobody would see it."""
     file = tmp_path / 'params.yaml'
     file.write_text('percepton:\n  ros__parameters:\n    seed: 3\n')
     command = [sys.executable, '-m', 'al_questioner', 'perception', '--ros-args', '--params-file', str(file)]
@@ -104,7 +104,7 @@ def test_a_process_tells_it(processes: Any, tmp_path: Path) -> None:
 
 @pytest.mark.parametrize('content', ['budget: 5.0\n    budget: 9.0', 'seed: 010'])
 def test_a_file_that_can_be_read_in_two_ways_is_told_of(tmp_path: Path, content: str) -> None:
-    """The last of two equal keys would win in silence."""
+    """Otherwise the last of two equal keys would win in silence."""
     path = tmp_path / 'params.yaml'
     path.write_text(f'/learner:\n  ros__parameters:\n    {content}\n')
     (said,) = said_to('/learner', ['--ros-args', '--params-file', str(path)])
@@ -113,7 +113,7 @@ def test_a_file_that_can_be_read_in_two_ways_is_told_of(tmp_path: Path, content:
 
 
 def test_a_doubtful_file_is_read_for_its_names_all_the_same(tmp_path: Path) -> None:
-    """A misspelt node would be told of only once every other line is mended."""
+    """Otherwise a misspelt node would be named only once every other line is correct."""
     path = tmp_path / 'params.yaml'
     path.write_text('lerner:\n  ros__parameters:\n    seed: 010\n    session: y\n')
     said = said_to('/learner', ['--ros-args', '--params-file', str(path)])
@@ -121,7 +121,7 @@ def test_a_doubtful_file_is_read_for_its_names_all_the_same(tmp_path: Path) -> N
 
 
 def test_a_refused_value_comes_with_the_line_that_ros_took_otherwise(tmp_path: Path) -> None:
-    """`strategy: no` would be refused as False, which nobody wrote."""
+    """Otherwise `strategy: no` would be refused as False, which nobody wrote."""
     path, other = tmp_path / 'params.yaml', tmp_path / 'other.yaml'
     path.write_text('learner:\n  ros__parameters:\n    turns: 3\n    turns: 4\n    strategy: no\n')
     other.write_text('learner:\n  ros__parameters:\n    turns: 3\n')
@@ -143,7 +143,7 @@ def test_a_refused_value_comes_with_the_line_that_ros_took_otherwise(tmp_path: P
     ],
 )
 def test_a_node_names_the_line_of_what_it_refuses(tmp_path: Path, refusal: Any, line: str, refused: str) -> None:
-    """Whoever has ten lines of parameters would have to guess which one it is."""
+    """The user need not guess which of ten lines of parameters is meant."""
     path = tmp_path / 'params.yaml'
     path.write_text(f'learner:\n  ros__parameters:\n    turns: 3\n    {line}\n    turns: 3\n')
     error = refusal('learner', '--ros-args', '--params-file', path)
@@ -154,7 +154,7 @@ def test_a_node_names_the_line_of_what_it_refuses(tmp_path: Path, refusal: Any, 
 
 @pytest.mark.parametrize(('content', 'found'), [('', 'nothing'), ('# later', 'nothing'), ('seed', 'str')])
 def test_a_file_without_parameters_is_refused(tmp_path: Path, refusal: Any, content: str, found: str) -> None:
-    """The node would run at its defaults: ROS takes such a file for one that sets nothing."""
+    """Otherwise the node would run at its defaults: ROS takes such a file for one that sets nothing."""
     path = tmp_path / 'params.yaml'
     path.write_text(content)
     error = refusal('perception', '--ros-args', '--params-file', path)

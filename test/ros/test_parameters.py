@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import threading
 from pathlib import Path
 from typing import Any
 
@@ -32,7 +33,7 @@ FILES = sorted((config_dir() / 'params').glob('*.yaml'))
 
 @pytest.mark.parametrize('path', FILES, ids=lambda path: path.stem)
 def test_file_lists_every_parameter_at_its_default(path: Path) -> None:
-    """A user would change a parameter that does not exist, or miss one that does."""
+    """Otherwise a user would change a parameter that does not exist, or miss one that does."""
     content = read_yaml(path)
     task = load_task(path.stem)
     learner = learner_settings(task)
@@ -44,7 +45,7 @@ def test_file_lists_every_parameter_at_its_default(path: Path) -> None:
 
 
 def test_costs_of_a_task_are_the_learners_defaults(tmp_path: Path) -> None:
-    """A learner would ask at other prices than the demo of the same task."""
+    """Otherwise a learner would ask at other prices than the demo of the same task."""
     path = tmp_path / 'mine.yaml'
     path.write_text('symbols: [cup, plate]\ncosts: {demonstration: 3, unknown: 0.5, unanswered: 1}\n')
     defaults = {setting.name: setting.default for setting in learner_settings(load_task(str(path)))}
@@ -69,7 +70,7 @@ TOLERANCE = Setting('view_tolerance', 'auto', 'a change', lower=0.0, word='auto'
 def test_integers_are_taken_for_floats_and_words_where_there_may_be_one(
     setting: Setting, value: object, taken: object
 ) -> None:
-    """`-p budget:=25` or `view_tolerance:=auto` would be refused."""
+    """Otherwise `-p budget:=25` or `view_tolerance:=auto` would be refused."""
     assert checked(setting, value) == taken
     assert type(checked(setting, value)) is type(taken)
 
@@ -84,13 +85,13 @@ def test_integers_are_taken_for_floats_and_words_where_there_may_be_one(
     ],
 )
 def test_other_values_are_refused(setting: Setting, value: object, reason: str) -> None:
-    """Nonsense or a misspelt word would be taken, a truth value for a number, or a number for a name."""
+    """Otherwise nonsense or a misspelt word would be taken, a truth value for a number, or a number for a name."""
     with pytest.raises(InputError, match=reason):
         checked(setting, value)
 
 
 def test_help_names_every_parameter() -> None:
-    """Without the `ros2` command a user would not learn what can be set."""
+    """A user without the `ros2` command learns what can be set."""
     text = help_text('What it does.', learner_settings(load_task('prepare_lunch')))
     for setting in learner_settings(load_task('prepare_lunch')):
         assert f'  {setting.name} ' in text
@@ -98,13 +99,22 @@ def test_help_names_every_parameter() -> None:
 
 
 def test_a_frame_without_a_name_is_refused(graph: Any) -> None:
-    """Nobody could say where the objects are."""
+    """Otherwise nobody could say where the objects are."""
     with pytest.raises(InputError, match='frame_id must not be empty'):
         graph.start(PerceptionNode, task=TASK, frame_id=' ')
 
 
+def test_a_node_that_refuses_its_parameters_leaves_the_graph(graph: Any) -> None:
+    """Otherwise its thread and its timers would stay in the process, and others would see a node that does nothing."""
+    threads = threading.active_count()
+    with pytest.raises(InputError, match='frame_id must not be empty'):
+        graph.start(PerceptionNode, task=TASK, frame_id=' ')
+    graph.wait_for(lambda: 'perception' not in graph.ears.get_node_names(), 'the node to leave')
+    assert threading.active_count() == threads
+
+
 def test_misspelt_parameters_are_refused(graph: Any) -> None:
-    """`-p bugdet:=20` would be ignored in silence."""
+    """Otherwise `-p bugdet:=20` would be ignored in silence."""
     for node in (LearnerNode, PerceptionNode, TeacherNode, RecorderNode):
         with pytest.raises(InputError, match=r'unknown parameter bugdet; known: '):
             graph.start(node, task=TASK, bugdet=20)
@@ -132,14 +142,14 @@ def test_misspelt_parameters_are_refused(graph: Any) -> None:
     ],
 )
 def test_parameters_that_cannot_be_used_are_named(graph: Any, parameters: dict[str, Any], reason: str) -> None:
-    """An episode with other settings than those asked for would be played."""
+    """Otherwise an episode with other settings than those asked for would be played."""
     with pytest.raises(InputError, match=reason) as caught:
         graph.start(LearnerNode, **{**graph.episode, **parameters})
     assert '\n' not in str(caught.value)
 
 
 def test_parameters_are_described_and_fixed(graph: Any) -> None:
-    """`ros2 param describe` would tell nothing, or a change in flight would be taken and ignored."""
+    """Otherwise `ros2 param describe` would tell nothing, or a change in flight would be taken and ignored."""
     learner = graph.start(LearnerNode, **{**graph.episode, 'budget': 6})
     for name in ('budget', 'turns', 'strategy', 'turn_period', 'task', 'seed'):
         descriptor = learner.describe_parameter(name)
@@ -168,7 +178,7 @@ ANOTHER: dict[type, list[Any]] = {
 
 @pytest.mark.parametrize('name', NODES)
 def test_whatever_is_set_while_a_node_runs_is_refused_with_a_reason(graph: Any, tmp_path: Path, name: str) -> None:
-    """`ros2 param set` would be taken and ignored, or half of it taken, or NaN end the node."""
+    """Otherwise `ros2 param set` would be taken and ignored, or half of it taken, or NaN end the node."""
     make, own = NODES[name]
     settings = own if name == 'recorder' else (*WORLD_SETTINGS, *own)
     bag = {'bag': str(tmp_path / 'bag')} if name == 'recorder' else {'task': TASK}

@@ -14,7 +14,7 @@ DEADLINE = 90.0
 @pytest.mark.parametrize('interrupts', [pytest.param(1, marks=pytest.mark.slow), 2])
 @pytest.mark.parametrize('name', ['perception', 'learner', 'teacher'])
 def test_nodes_end_cleanly_when_interrupted(processes: Any, name: str, interrupts: int) -> None:
-    """Ctrl-C, which `ros2 launch` sends twice, would leave a traceback or a process behind."""
+    """Otherwise Ctrl-C, which `ros2 launch` sends twice, would leave a traceback or a process behind."""
     process = processes.node(name, task='prepare_lunch')
     processes.wait_for_log(name, 'is up')
     for _ in range(interrupts):
@@ -37,12 +37,12 @@ def test_nodes_end_cleanly_when_interrupted(processes: Any, name: str, interrupt
 def test_unusable_parameters_end_with_status_2_and_one_line(
     name: str, parameter: str, reason: str, refusal: Any
 ) -> None:
-    """A mistyped parameter would end in a traceback, or be ignored."""
+    """Otherwise a mistyped parameter would end in a traceback, or be ignored."""
     assert reason in refusal(name, '--ros-args', '-p', parameter)
 
 
 def test_the_status_of_a_process_is_that_of_its_executable(processes: Any) -> None:
-    """`ros2 launch` would take a node that never was for one that has done its work."""
+    """Otherwise `ros2 launch` would take a node that never was for one that has done its work."""
     done = processes.run('learner', '--ros-args', '-p', 'strategy:=clever')
     assert (done.returncode, done.stderr.count('\n')) == (2, 1), done.stderr
     assert 'unknown strategy' in done.stderr

@@ -33,7 +33,7 @@ def record(processes: Any, bag: Path, **parameters: object) -> subprocess.Popen[
 
 @pytest.mark.slow
 def test_a_person_shows_how_to_ask(processes: Any, tmp_path: Path) -> None:
-    """A person's way of asking could not be recorded, or not be learnt from."""
+    """Otherwise a person's way of asking could not be recorded, or not be learnt from."""
     bag, typed, out = tmp_path / 'bag', tmp_path / 'typed', tmp_path / 'w.yaml'
     typed.write_text('f\n3\nbeverage\n\nno such question\n5\n')
     recorder = record(processes, bag, until_done=True)
@@ -58,7 +58,7 @@ def test_a_person_shows_how_to_ask(processes: Any, tmp_path: Path) -> None:
 def test_a_demonstration_with_a_task_file_of_ones_own_can_be_learnt_from(
     graph: Any, processes: Any, tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
-    """The bag names the task alone, which nobody else knows: on a robot of one's own no weights could be learnt."""
+    """The bag only names the task, whose file nobody else has; weights can be learnt from it all the same."""
     processes.namespace, examples = graph.namespace, ROOT / 'docs' / 'examples'
     for script in (examples / 'own_perception.py', Path(__file__).with_name('person.py')):
         processes.node(script.stem, program=[sys.executable, str(script)])
@@ -78,7 +78,7 @@ def test_a_demonstration_with_a_task_file_of_ones_own_can_be_learnt_from(
 
 @pytest.mark.slow
 def test_a_killed_recorder_loses_no_more_than_its_last_second(processes: Any, tmp_path: Path) -> None:
-    """Half an hour of a person's time would be gone."""
+    """Otherwise half an hour of a person's time would be gone."""
     bag = tmp_path / 'bag'
     record(processes, bag)
     for name in ('perception', 'teacher'):
@@ -109,7 +109,7 @@ def test_a_killed_recorder_loses_no_more_than_its_last_second(processes: Any, tm
 def test_a_recording_that_is_ended_is_whole(
     graph: Any, processes: Any, tmp_path: Path, signals: list[signal.Signals]
 ) -> None:
-    """Whoever ends a recording as they end any other node would have to repair it."""
+    """A recording that is ended as any other node is needs no repair."""
     bag = tmp_path / 'bag'
     recorder = processes.node('record', bag=str(bag))
     graph.start(LearnerNode, namespace=processes.namespace, task='prepare_lunch')
@@ -126,7 +126,7 @@ def test_a_recording_that_is_ended_is_whole(
 
 
 def test_a_recording_that_is_ended_before_its_episode_says_so(processes: Any, tmp_path: Path) -> None:
-    """A script that waits for a whole episode would go on with a part of it."""
+    """Otherwise a script that waits for a whole episode would go on with a part of it."""
     recorder = record(processes, tmp_path / 'bag', until_done=True)
     os.killpg(recorder.pid, signal.SIGINT)
     assert recorder.wait(DEADLINE) == 1
@@ -137,7 +137,7 @@ def test_a_recording_that_is_ended_before_its_episode_says_so(processes: Any, tm
 def test_a_recording_that_is_killed_is_repaired_without_ros(
     graph: Any, processes: Any, tmp_path: Path, storage: str, capsys: pytest.CaptureFixture[str]
 ) -> None:
-    """A demonstration with a person would be lost with the battery of the robot."""
+    """Otherwise a demonstration with a person would be lost with the battery of the robot."""
     bag = tmp_path / 'bag'
     processes.node('record', bag=str(bag), storage=storage)
     graph.start(LearnerNode, namespace=processes.namespace, task='prepare_lunch')
@@ -170,5 +170,5 @@ def test_a_recording_that_is_killed_is_repaired_without_ros(
 def test_unusable_input_of_record_ends_with_status_2_and_one_line(
     arguments: list[str], reason: str, refusal: Any
 ) -> None:
-    """A mistyped path would end in a traceback."""
+    """Otherwise a mistyped path would end in a traceback."""
     assert reason in refusal('record', *arguments)

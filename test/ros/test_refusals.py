@@ -1,4 +1,4 @@
-"""What a person, or a camera, may send the learner, usable and unusable."""
+"""Usable and unusable messages of a person, or a camera, to the learner."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ PLAIN = {'label': 'snack', 'demonstration': 'none', 'feature_subset': 'colour,si
 
 
 def test_plain_words_teach(graph: Any, person: Any) -> None:
-    """A person with nothing but `ros2 topic pub` could not answer."""
+    """Otherwise a person with nothing but `ros2 topic pub` could not answer."""
     graph.start_robot(budget=5.0, turns=4, strategy='random_fsq')
     for number in (1, 2, 3):
         query = person.query(number)
@@ -25,7 +25,7 @@ def test_plain_words_teach(graph: Any, person: Any) -> None:
 
 
 def test_unusable_answers_are_refused_and_the_question_stays(graph: Any, person: Any, diagnostics: Any) -> None:
-    """Nonsense would be learnt, the question lost, or the node ended."""
+    """Otherwise nonsense would be learnt, the question lost, or the node ended."""
     graph.start_robot(strategy='u_sampling', turns=3)
     query, document = person.query(1), person.document
     refused = {
@@ -54,7 +54,7 @@ def test_unusable_answers_are_refused_and_the_question_stays(graph: Any, person:
 
 
 def test_demonstration_of_an_object_that_has_gone_is_refused(graph: Any, person: Any) -> None:
-    """A label would be attached to features that nobody named."""
+    """Otherwise a label would be attached to features that nobody named."""
     graph.start_robot(strategy='rarest_demo', turns=4)
     query = person.query(1)
     number = 1
@@ -69,7 +69,7 @@ def test_demonstration_of_an_object_that_has_gone_is_refused(graph: Any, person:
 
 
 def test_unusable_scenes_are_refused_and_the_turn_goes_on(graph: Any, person: Any, diagnostics: Any) -> None:
-    """One bad frame of a camera would end the episode, or be learnt from."""
+    """Otherwise one bad frame of a camera would end the episode, or be learnt from."""
     clouds = graph.listen('objects', PointCloud2)
     perception = graph.start(PerceptionNode, **graph.world)
     learner = graph.start(LearnerNode, **graph.episode)

@@ -93,7 +93,7 @@ class Relay(QuestionerNode):
 
 @pytest.mark.parametrize('seed', [1, *(pytest.param(seed, marks=pytest.mark.slow) for seed in range(2, 12))])
 def test_a_bad_line_changes_no_label(graph: Any, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, seed: int) -> None:
-    """A lost question would stall the robot for ever, and a late answer be taken for one to another question."""
+    """A lost question does not stall the robot, and a late answer is not taken for one to another question."""
     monkeypatch.setattr('al_questioner.ros.nodes.learner.PATIENT', QUICK)
     monkeypatch.setattr('al_questioner.ros.answer_sender.PERSISTENT', QUICK)
     rates = {'wrong_rate': 0.1, 'unknown_rate': 0.2}

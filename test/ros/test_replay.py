@@ -18,7 +18,7 @@ DEADLINE = 60.0
 
 
 def test_a_replay_that_must_not_go_on_ends_with_status_2(graph: Any, capsys: pytest.CaptureFixture[str]) -> None:
-    """A script would take an empty replay for a good one."""
+    """Otherwise a script would take an empty replay for a good one."""
     graph.start(LearnerNode, **graph.episode)
     assert main(['replay', str(BAG), '--ros-args', '-r', f'__ns:=/{graph.namespace}']) == 2
     (line,) = capsys.readouterr().err.splitlines()
@@ -28,7 +28,7 @@ def test_a_replay_that_must_not_go_on_ends_with_status_2(graph: Any, capsys: pyt
 
 
 def test_the_end_of_a_bag_arrives_and_a_closed_stdin_is_not_read(graph: Any) -> None:
-    """The last state would be lost with the process that published it, and `replay` could not be launched."""
+    """Otherwise the last state would be lost with the process that published it, and `replay` could not be launched."""
     states = graph.listen('learner_state', profile=qos.RECORDED_LATCHED)
     command = [sys.executable, '-m', 'al_questioner', 'replay', str(BAG), '--rate', '1e300']
     command += ['--wait-for-subscribers', str(DEADLINE), '--ros-args', '-r', f'__ns:=/{graph.namespace}']

@@ -26,7 +26,7 @@ def retransmitter(time: VirtualTime, said: list[tuple[float, str]]) -> Retransmi
 def test_it_is_said_ever_more_rarely_until_it_is_heard(
     time: VirtualTime, said: list, retransmitter: Retransmitter[str]
 ) -> None:
-    """A question would be asked once, or fill the topic, or be asked after it was answered."""
+    """Otherwise a question would be asked once, or fill the topic, or be asked after it was answered."""
     retransmitter.send('why?')
     time.pass_until(12.0)
     assert said == [(at, 'why?') for at in (0.0, 1.0, 3.0, 7.0, 11.0)]
@@ -37,7 +37,7 @@ def test_it_is_said_ever_more_rarely_until_it_is_heard(
 
 
 def test_the_next_thing_begins_anew(time: VirtualTime, said: list, retransmitter: Retransmitter[str]) -> None:
-    """After one long wait every further question would be repeated rarely, or the old one go on."""
+    """Otherwise after one long wait every further question would be repeated rarely, or the old one go on."""
     retransmitter.send('why?')
     time.pass_until(8.0)
     retransmitter.send('how?')
@@ -48,14 +48,14 @@ def test_the_next_thing_begins_anew(time: VirtualTime, said: list, retransmitter
 
 
 def test_a_delay_is_kept(time: VirtualTime, said: list, retransmitter: Retransmitter[str]) -> None:
-    """A teacher who takes time to think would answer at once."""
+    """Otherwise a teacher who takes time to think would answer at once."""
     retransmitter.send('because', delay=2.5)
     time.pass_until(4.0)
     assert said == [(2.5, 'because'), (3.5, 'because')]
 
 
 def test_quick_talk_leaves_no_timers_behind(time: VirtualTime, said: list, retransmitter: Retransmitter[str]) -> None:
-    """A long episode would fill the memory with times at which nothing is to be done."""
+    """Otherwise a long episode would fill the memory with times at which nothing is to be done."""
     for turn in range(1000):
         retransmitter.send(str(turn))
         retransmitter.stop()

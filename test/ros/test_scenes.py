@@ -1,4 +1,4 @@
-"""What a camera shows beside ordinary scenes: nothing at all, and nonsense in a stream."""
+"""Unusual scenes of a camera: nothing at all, and nonsense in a stream."""
 
 from __future__ import annotations
 
@@ -29,7 +29,7 @@ def scene(count: int) -> Scene:
 
 
 def cloud_of(count: int, turn: dict[str, Any]) -> PointCloud2:
-    """So many things under the stamp of a turn; of fewer than none not even the fields."""
+    """Return a cloud of this number of things with the stamp of a turn; below 0 it lacks even the fields."""
     head = header(stamp_of(turn['stamp']), 'camera')
     return PointCloud2(header=head) if count < 0 else cloud_of_scene(scene(count), head, CLOUD_TYPES)
 
@@ -38,7 +38,7 @@ def cloud_of(count: int, turn: dict[str, Any]) -> PointCloud2:
 def test_an_empty_table_is_a_turn_in_which_nothing_is_asked_about_things(
     graph: Any, tmp_path: Path, strategy: str
 ) -> None:
-    """A table that is cleared would stop the episode, until it is laid again."""
+    """Otherwise a table that is cleared would stop the episode, until it is laid again."""
     states, queries = graph.listen('learner_state', profile=qos.RECORDED_LATCHED), graph.listen('query')
     turns = graph.listen('turn')
     mouth = graph.ears.create_publisher(String, 'answer', qos.EVENTS)
@@ -66,7 +66,7 @@ def test_an_empty_table_is_a_turn_in_which_nothing_is_asked_about_things(
 
 
 def test_a_wrong_reading_of_a_thing_that_stands_still_is_named(graph: Any, capfd: pytest.CaptureFixture[str]) -> None:
-    """Nobody would look for the loose cable: the learner keeps what the thing read before, and says nothing."""
+    """Otherwise nobody would look for the loose cable: the learner keeps the earlier reading in silence."""
     turns, states = graph.listen('turn'), graph.listen('learner_state', profile=qos.RECORDED_LATCHED)
     eyes = graph.ears.create_publisher(PointCloud2, 'objects', qos.EVENTS)
     learner = graph.start(LearnerNode, **{**graph.episode, 'strategy': 'random_fsq', 'budget': 0.0, 'turns': 3})
@@ -87,7 +87,7 @@ def test_a_wrong_reading_of_a_thing_that_stands_still_is_named(graph: Any, capfd
 
 
 def test_a_stream_of_nonsense_is_logged_once_a_second(graph: Any, capfd: pytest.CaptureFixture[str]) -> None:
-    """Ten warnings a second would hide all others."""
+    """Otherwise ten warnings a second would hide all others."""
     learner = graph.start(LearnerNode, **graph.episode)
     for number in range(300):
         learner.reject('objects', f'feature colour_{number} of object {number} is not finite (nan)')
@@ -104,7 +104,7 @@ def test_a_stream_of_nonsense_is_logged_once_a_second(graph: Any, capfd: pytest.
 def test_refusals_that_were_not_logged_are_counted_in_english(
     graph: Any, capfd: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch, count: int, said: str
 ) -> None:
-    """It would say that 1 other refusals were counted."""
+    """Otherwise it would say that 1 other refusals were counted."""
     learner = graph.start(LearnerNode, **graph.episode)
     monkeypatch.setattr(learner, '_said', SimpleNamespace(passes=lambda _: True, held_back=lambda: count))
     learner.reject('objects', 'the cloud has no field object_id')

@@ -67,7 +67,7 @@ def learners(graph: Any, processes: Any) -> Learners:
 
 
 def decisions(session: Path) -> list[tuple[Any, ...]]:
-    """What was chosen and asked, in order, and what was answered."""
+    """Return the decisions and questions in order, and the answers."""
     found, fault = decoded(read_log(session))
     assert fault is None
     asked = [(event.turn, event.action, event.query) for event in found if isinstance(event, ActionChosen)]
@@ -76,7 +76,7 @@ def decisions(session: Path) -> list[tuple[Any, ...]]:
 
 
 def events_in(session: Path) -> int:
-    """How many events are in a log; 0 before there is one."""
+    """Return the number of events in a log; 0 before there is one."""
     try:
         return len(read_log(session).events)
     except SessionLogError:
@@ -109,7 +109,7 @@ def kill_and_go_on(learners: Learners, session: Path, point: int) -> bool:
 
 @pytest.mark.parametrize('point', [10, *(pytest.param(point, marks=pytest.mark.slow) for point in (6, 12))])
 def test_a_killed_learner_is_gone_on_with(learners: Learners, tmp_path: Path, point: int) -> None:
-    """A crash within a turn would lose the answer, or lead to other questions: at a decision, and around an answer."""
+    """A crash at a decision or around an answer neither loses the answer nor leads to other questions."""
     learners.finish(tmp_path / 'whole')
     assert kill_and_go_on(learners, tmp_path / 'killed', point)
     assert decisions(tmp_path / 'killed') == decisions(tmp_path / 'whole')
@@ -118,7 +118,7 @@ def test_a_killed_learner_is_gone_on_with(learners: Learners, tmp_path: Path, po
 @pytest.mark.slow
 @pytest.mark.timeout(1800)
 def test_a_learner_killed_at_every_write_point_is_gone_on_with(learners: Learners, tmp_path: Path) -> None:
-    """There would be a moment at which a crash costs an answer."""
+    """Otherwise there would be a moment at which a crash costs an answer."""
     learners.finish(tmp_path / 'whole')
     points = 0
     while kill_and_go_on(learners, tmp_path / f'killed-{points}', points + 1):
@@ -130,7 +130,7 @@ def test_a_learner_killed_at_every_write_point_is_gone_on_with(learners: Learner
 @pytest.mark.slow
 @pytest.mark.timeout(3600)
 def test_learners_killed_at_random_moments_are_gone_on_with(learners: Learners, tmp_path: Path) -> None:
-    """What no list of write points foresees would cost an answer."""
+    """No answer is lost at a moment that no list of write points foresees."""
     learners.finish(tmp_path / 'whole')
     draw, kills, episodes, longest = random.Random(1), 0, 0, LONGEST_LIFE
     while kills < 200:

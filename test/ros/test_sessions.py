@@ -27,7 +27,7 @@ def told(folder: Path, kind: type = AnswerAccepted) -> list[Any]:
 
 
 def test_an_acknowledged_answer_is_on_the_disk(graph: Any, person: Any, tmp_path: Path) -> None:
-    """An answer would be lost whose teacher was told that it was taken."""
+    """Otherwise an answer would be lost whose teacher was told that it was taken."""
     graph.start_robot(**EPISODE, session=str(tmp_path / 'log'))
     query = person.query(1)
     assert not person.answers(query, 'pudding')['accepted']
@@ -37,7 +37,7 @@ def test_an_acknowledged_answer_is_on_the_disk(graph: Any, person: Any, tmp_path
 
 
 def test_a_new_learner_goes_on_where_the_last_one_ended(graph: Any, person: Any, tmp_path: Path) -> None:
-    """After a crash the episode would begin anew, or the pending question be lost or asked again as another one."""
+    """After a crash the episode does not start over, and the pending question is neither lost nor another one."""
     graph.start(PerceptionNode, **graph.world)
     parameters = {**EPISODE, 'session': str(tmp_path / 'log')}
     learner = graph.start(LearnerNode, **parameters)
@@ -61,7 +61,7 @@ def test_a_new_learner_goes_on_where_the_last_one_ended(graph: Any, person: Any,
 
 
 def test_a_learner_that_ended_between_turns_goes_on(graph: Any, person: Any, tmp_path: Path) -> None:
-    """A learner that is stopped between two turns would wait for ever."""
+    """Otherwise a learner that is stopped between two turns would wait for ever."""
     graph.start(PerceptionNode, **graph.world)
     parameters = {**EPISODE, 'turns': 2, 'session': str(tmp_path / 'log')}
     learner = graph.start(LearnerNode, **parameters, turn_period=3000.0)
@@ -81,7 +81,7 @@ def test_a_learner_that_ended_between_turns_goes_on(graph: Any, person: Any, tmp
 
 
 def test_a_late_answer_is_refused_and_kept(graph: Any, person: Any, tmp_path: Path) -> None:
-    """The second of two teachers would label what is asked about now with what was asked before."""
+    """Otherwise the second of two teachers would label what is asked about now with what was asked before."""
     graph.start_robot(**EPISODE, session=str(tmp_path / 'log'))
     query = person.query(1)
     person.answers(query, 'snack')
@@ -103,7 +103,7 @@ def test_a_late_answer_is_refused_and_kept(graph: Any, person: Any, tmp_path: Pa
 def test_a_correction_changes_what_is_known_and_not_what_is_asked(
     graph: Any, person: Any, tmp_path: Path, with_log: bool
 ) -> None:
-    """A person who was wrong could not take it back."""
+    """Otherwise a person who was wrong could not take it back."""
     graph.start_robot(**EPISODE, session=str(tmp_path / 'log') if with_log else '')
     query = person.query(1)
     person.answers(query, 'snack')
@@ -128,7 +128,7 @@ def test_a_correction_changes_what_is_known_and_not_what_is_asked(
 def test_a_disk_that_takes_no_more_stops_the_questions(
     graph: Any, person: Any, diagnostics: Any, tmp_path: Path
 ) -> None:
-    """An answer would be acknowledged that is nowhere, and nobody would know why nothing goes on."""
+    """Otherwise an answer would be acknowledged that is nowhere, and nobody would know why nothing goes on."""
     graph.start(PerceptionNode, **graph.world)
     parameters = {**EPISODE, 'session': str(tmp_path / 'log')}
     learner = graph.start(LearnerNode, **parameters)
@@ -151,7 +151,7 @@ def test_a_disk_that_takes_no_more_stops_the_questions(
 
 
 def test_a_session_belongs_to_one_learner_and_one_episode(graph: Any, tmp_path: Path) -> None:
-    """Two learners, or two episodes, would be mixed in one log."""
+    """Otherwise two learners, or two episodes, would be mixed in one log."""
     parameters = {**EPISODE, 'session': str(tmp_path / 'log')}
     learner = graph.start(LearnerNode, **parameters)
     graph.wait_for(lambda: learner._durable.is_ready, 'a learner that has begun')
@@ -164,6 +164,6 @@ def test_a_session_belongs_to_one_learner_and_one_episode(graph: Any, tmp_path: 
 
 
 def test_the_scripted_teacher_and_a_session_play_the_episode(graph: Any, tmp_path: Path) -> None:
-    """The log would change what is asked."""
+    """Otherwise the log would change what is asked."""
     queries = graph.play(session=str(tmp_path / 'log'))['queries']
     assert queries == offline_queries('random_fsq', 6.0, 8)

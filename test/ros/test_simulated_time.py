@@ -34,7 +34,7 @@ SIMULATED = {'use_sim_time': True}
 
 
 class SimulatedClock:
-    """What /clock shows, to the nodes of this test's domain."""
+    """A clock on /clock, for the nodes of this test's domain."""
 
     def __init__(self, graph: Any) -> None:
         self._graph = graph
@@ -77,7 +77,7 @@ def jumping(clock: SimulatedClock) -> Iterator[None]:
 
 
 def test_a_jumping_clock_changes_nothing_that_is_asked(graph: Any, jumping: None) -> None:
-    """A simulation that is started anew, or garbage on /clock, would end the episode or mix up its turns."""
+    """A simulation that is started again, or garbage on /clock, neither ends the episode nor mixes up its turns."""
     states, turns = graph.listen('learner_state'), graph.listen('turn', profile=qos.RECORDED_LATCHED)
     graph.start(PerceptionNode, **graph.world, **SIMULATED)
     graph.start(TeacherNode, **graph.world, **SIMULATED)
@@ -91,7 +91,7 @@ def test_a_jumping_clock_changes_nothing_that_is_asked(graph: Any, jumping: None
 def test_a_camera_is_seen_again_after_its_clock_went_back(
     graph: Any, person: Any, diagnostics: Any, clock: SimulatedClock
 ) -> None:
-    """The robot would look at nothing until the clock has caught up, and not say why."""
+    """Otherwise the robot would look at nothing until the clock has caught up, and not say why."""
     queries, turns = person.queries, person.turns
     eyes = graph.ears.create_publisher(PointCloud2, 'objects', qos.LATCHED)
     scene = PerceivedWorld(WorldSpec(load_task('prepare_lunch'), 4, 4).open()).scene(1)
@@ -124,7 +124,7 @@ def test_a_camera_is_seen_again_after_its_clock_went_back(
 
 
 def test_a_bag_that_loops_is_seen_in_every_round(graph: Any, diagnostics: Any) -> None:
-    """A learner that is tried out on a looping bag would stop at the end of the first round."""
+    """Otherwise a learner that is tried out on a looping bag would stop at the end of the first round."""
     states = graph.listen('learner_state')
     bag = read_bag(SHIPPED)
     span = (bag.messages[-1].stamp - bag.messages[0].stamp) / SECOND
@@ -143,7 +143,7 @@ def test_a_bag_that_loops_is_seen_in_every_round(graph: Any, diagnostics: Any) -
 
 
 def test_a_time_before_the_beginning_of_time_ends_no_node(graph: Any) -> None:
-    """One message on /clock would end every node that listens to it."""
+    """Otherwise one message on /clock would end every node that listens to it."""
     looks: list[bool] = []
     end = time.monotonic() + 60.0
 

@@ -1,4 +1,4 @@
-"""When scenes from before the turn are a concern, on a clock that only the test moves."""
+"""Warnings about scenes from before the turn, on a clock that only the test moves."""
 
 from __future__ import annotations
 
@@ -26,7 +26,7 @@ def stale(now: SimpleNamespace) -> StaleScenes:
 
 
 def test_what_was_under_way_as_the_turn_began_is_no_concern(now: SimpleNamespace, stale: StaleScenes) -> None:
-    """At nearly every start beside a camera that takes a while, a right clock would be called wrong."""
+    """Otherwise at nearly every start beside a camera that takes a while, a right clock would be called wrong."""
     for turn in range(3):
         stale.begin_turn()
         for _ in range(50):
@@ -36,7 +36,7 @@ def test_what_was_under_way_as_the_turn_began_is_no_concern(now: SimpleNamespace
 
 
 def test_nothing_but_old_scenes_is_a_concern_after_a_while(now: SimpleNamespace, stale: StaleScenes) -> None:
-    """A camera whose clock is behind would be passed over in silence for ever."""
+    """Otherwise a camera whose clock is behind would be passed over in silence for ever."""
     for number in range(1, FEWEST):
         now.seconds = PATIENCE * number
         stale.pass_over(TURN - 5 * SECOND, TURN, TURN)
@@ -48,13 +48,13 @@ def test_nothing_but_old_scenes_is_a_concern_after_a_while(now: SimpleNamespace,
 
 
 def test_a_scene_without_a_stamp_is_named_as_such_at_once(stale: StaleScenes) -> None:
-    """Who forgot the stamp would look for what is wrong with the clocks."""
+    """Otherwise a user who forgot the stamp would look for what is wrong with the clocks."""
     with pytest.raises(SceneError, match='the stamp of the cloud is 0'):
         stale.pass_over(0, TURN, TURN)
 
 
 def test_how_far_a_clock_is_behind_stays_the_same_as_the_turn_goes_on(now: SimpleNamespace, stale: StaleScenes) -> None:
-    """A clock that is a minute behind would be said to be so by less and less."""
+    """The warning about a clock that is a minute behind always says a minute."""
     for _ in range(FEWEST):
         stale.pass_over(TURN - 60 * SECOND, TURN, TURN)
     for later in (3, 5, 9):

@@ -27,7 +27,7 @@ def teacher(namespace: str, **parameters: object) -> list[str]:
 def test_a_person_teaches_at_a_terminal_quits_and_comes_back(
     graph: Any, open_terminal: Callable[..., Any], capfd: pytest.CaptureFixture[str]
 ) -> None:
-    """The one thing that the whole program is for would not work."""
+    """Otherwise the one thing that the whole program is for would not work."""
     graph.start_robot(**EPISODE)
 
     def open_one(**options: Any) -> Any:
@@ -70,7 +70,7 @@ def test_a_person_teaches_at_a_terminal_quits_and_comes_back(
 
 
 def test_a_script_teaches_through_a_pipe(graph: Any) -> None:
-    """Nobody could try a robot without sitting down before it."""
+    """Otherwise nobody could try a robot without sitting down before it."""
     graph.start_robot(**EPISODE)
     done = subprocess.run(
         teacher(graph.namespace, teacher_id='script'),
@@ -90,7 +90,7 @@ def test_a_script_teaches_through_a_pipe(graph: Any) -> None:
 
 @pytest.mark.parametrize('number', [signal.SIGINT, pytest.param(signal.SIGTERM, marks=pytest.mark.slow)])
 def test_a_signal_gives_the_terminal_back(open_terminal: Callable[..., Any], number: signal.Signals) -> None:
-    """A shell would stay without echo when a launch file or a supervisor ends the node."""
+    """Otherwise a shell would stay without echo when a launch file or a supervisor ends the node."""
     terminal = open_terminal(teacher(f'test_{uuid.uuid4().hex[:12]}'))
     before = terminal.local_modes()
     terminal.wait_for('Waiting for a robot that asks')

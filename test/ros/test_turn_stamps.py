@@ -15,7 +15,7 @@ TIMES = st.integers(0, 2**63 - 1)
 
 @given(TIMES.filter(lambda time: time <= LATEST), st.lists(TIMES, min_size=1))
 def test_stamps_grow_and_fit_into_a_message_whatever_the_clock_shows(last: int, times: list[int]) -> None:
-    """A scene of an earlier turn would be taken for one of this turn, or the next turn have no stamp at all."""
+    """A scene of an earlier turn is not taken for one of this turn, and the next turn has a stamp."""
     stamps = TurnStamps(last)
     given = [stamps.begin(now) for now in times]
     assert sorted({last, *given}) == [last, *given]
@@ -24,7 +24,7 @@ def test_stamps_grow_and_fit_into_a_message_whatever_the_clock_shows(last: int, 
 
 @given(st.lists(st.tuples(TIMES, st.booleans())))
 def test_copies_of_a_stamp_are_of_its_turn_alone(times: list[tuple[int, bool]]) -> None:
-    """What simulated perception said in an earlier turn, and comes late, would be learnt from as if it was now."""
+    """A late message of simulated perception from an earlier turn is not learnt from."""
     stamps, earlier = TurnStamps(), []
     for now, begins in times:
         if begins:
@@ -35,7 +35,7 @@ def test_copies_of_a_stamp_are_of_its_turn_alone(times: list[tuple[int, bool]]) 
 
 
 def test_on_a_clock_that_goes_forward_scenes_are_not_older_than_the_turn() -> None:
-    """A picture from before the person moved the things would be learnt from."""
+    """Otherwise a picture from before the person moved the things would be learnt from."""
     stamps = TurnStamps()
     stamps.begin(100)
     assert [stamps.is_of_turn(stamp, 110) for stamp in (0, 99, 100, 105, 10**12)] == [False, False, True, True, True]
@@ -43,7 +43,7 @@ def test_on_a_clock_that_goes_forward_scenes_are_not_older_than_the_turn() -> No
 
 @pytest.mark.parametrize('between_turns', [True, False])
 def test_after_the_clock_went_back_a_camera_is_seen_again(between_turns: bool) -> None:
-    """One wrong time would blind the robot until the clock shows it again, perhaps for ever."""
+    """Otherwise one wrong time would blind the robot until the clock shows it again, perhaps for ever."""
     stamps = TurnStamps()
     stamps.begin(1000 * SECOND)
     if between_turns:

@@ -10,7 +10,7 @@ from al_questioner.ros.worker import Worker
 
 
 def test_a_failing_job_is_told_and_the_next_one_runs() -> None:
-    """One unexpected error would leave a node that hears and never answers."""
+    """Otherwise one unexpected error would leave a node that hears and never answers."""
     errors: list[Exception] = []
     done: list[int] = []
     worker = Worker('test', errors.append)
@@ -28,7 +28,7 @@ def test_a_failing_job_is_told_and_the_next_one_runs() -> None:
 
 @pytest.mark.parametrize(('most', 'kept'), [(1, [0, 9]), (3, [0, 7, 8, 9])])
 def test_of_what_waits_for_a_busy_worker_the_newest_is_kept(most: int, kept: list[int]) -> None:
-    """Beside a fast camera the memory would fill with clouds that are old by the time that they are looked at."""
+    """Otherwise the memory beside a fast camera would fill with clouds that are old when they are looked at."""
     handled: list[int] = []
     begun, may_go_on = threading.Event(), threading.Event()
     worker = Worker('test', lambda error: None)
@@ -49,7 +49,7 @@ def test_of_what_waits_for_a_busy_worker_the_newest_is_kept(most: int, kept: lis
 
 
 def test_jobs_are_done_in_the_order_in_which_they_are_due() -> None:
-    """A turn would begin before its time, or what waits for a late job would wait, too."""
+    """Otherwise a turn would begin before its time, or what waits for a late job would wait, too."""
     done: list[str] = []
     finished = threading.Event()
     worker = Worker('test', lambda error: None)
@@ -65,7 +65,7 @@ def test_jobs_are_done_in_the_order_in_which_they_are_due() -> None:
 
 
 def test_what_is_due_is_done_before_the_end() -> None:
-    """A bag would lack the last messages that were heard."""
+    """Otherwise a bag would lack the last messages that were heard."""
     done: list[int] = []
     begun, may_go_on = threading.Event(), threading.Event()
     worker = Worker('test', lambda error: None)
@@ -80,7 +80,7 @@ def test_what_is_due_is_done_before_the_end() -> None:
 
 
 def test_nothing_is_done_after_the_stop() -> None:
-    """A node that is being destroyed would publish on topics that are gone."""
+    """Otherwise a node that is being destroyed would publish on topics that are gone."""
     done: list[int] = []
     worker = Worker('test', lambda error: None)
     worker.stop()

@@ -22,7 +22,7 @@ def text(content: str) -> bytes:
 
 
 def write(path: Path, count: int = 10, storage: str = 'mcap', first: int = 1000) -> Path:
-    """A bag of so many numbers on one topic, from a stamp on, and of none on the other."""
+    """A bag of `count` numbers on one topic, from a stamp on, and of none on the other."""
     with BagWriter(path, TOPICS, storage) as bag:
         for number in range(count):
             bag.write('/x/turn', text(str(number)), first + number)

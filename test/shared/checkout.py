@@ -1,4 +1,4 @@
-"""Where the checkout under test lies, for what is no part of the package: `docs/`, `launch/`, `scripts/`, `bags/`."""
+"""The checkout under test, for what is no part of the package: `docs/`, `launch/`, `scripts/`, `bags/`."""
 
 from pathlib import Path
 

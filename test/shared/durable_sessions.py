@@ -1,4 +1,4 @@
-"""Sessions of a learner for the tests of the log: begun, played for some turns, and read again."""
+"""Sessions of a learner for the tests of the log: started, played for some turns, and read again."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ from al_questioner.event_log.durable_episode import DurableEpisode
 from al_questioner.event_log.encoding import decoded
 from al_questioner.event_log.events import EpisodeStarted, SceneObserved
 from al_questioner.event_log.log import SessionLog, read_log
-from al_questioner.questioning import Receipt
+from al_questioner.questioning import Picker, Receipt, make_strategy
 from al_questioner.simulation import PerceivedWorld, episode_settings
 from shared.lunches import TASK, teacher
 
@@ -20,36 +20,41 @@ WORLD = {'task': 'prepare_lunch', 'seed': 4, 'sample': 4, 'dataset': None}
 Start = Callable[..., DurableEpisode]
 
 
-def begun(**changes: object) -> EpisodeStarted:
+def episode_started(**changes: object) -> EpisodeStarted:
     settings = episode_settings(TASK, 'u_sampling_fsq', 8.0, 6, tune_every=2)
     return dataclasses.replace(EpisodeStarted('e1', settings, 4, 1e-3, WORLD, '1'), **changes)
 
 
-def started(folder: Path | None, **changes: object) -> DurableEpisode:
-    session = DurableEpisode(begun(**changes), None if folder is None else SessionLog(folder))
-    session.start()
-    return session
+def durable_of(started: EpisodeStarted, log: SessionLog | None, pick: Picker | None = None) -> DurableEpisode:
+    strategy = make_strategy(started.settings.strategy, started.settings.weights, pick)
+    return DurableEpisode(started, strategy, log)
 
 
-def ask(session: DurableEpisode, world: PerceivedWorld) -> Decision:
-    turn = session.episode.turn + 1
-    return session.ask(SceneObserved(turn, turn * 1000, 'table', world.scene(turn)))
+def start_durable(folder: Path | None, pick: Picker | None = None, **changes: object) -> DurableEpisode:
+    durable = durable_of(episode_started(**changes), None if folder is None else SessionLog(folder), pick)
+    durable.start()
+    return durable
 
 
-def answer(session: DurableEpisode, world: PerceivedWorld) -> Answer:
-    query = session.episode.pending
+def ask(durable: DurableEpisode, world: PerceivedWorld) -> Decision:
+    turn = durable.episode.turn + 1
+    return durable.ask(SceneObserved(turn, turn * 1000, 'table', world.scene(turn)))
+
+
+def answer(durable: DurableEpisode, world: PerceivedWorld) -> Answer:
+    query = durable.episode.pending
     assert query is not None
     return TEACHER.answer(query, world.truth(query.turn))
 
 
-def play_turns(session: DurableEpisode, world: PerceivedWorld, n: int) -> list[Answer]:
+def play_turns(durable: DurableEpisode, world: PerceivedWorld, n: int) -> list[Answer]:
     """Some whole turns, and the answers."""
     said = []
     for _ in range(n):
-        if ask(session, world).query is not None:
-            said.append(answer(session, world))
-            assert session.take(said[-1]) is Receipt.ACCEPTED
-        session.tune()
+        if ask(durable, world).query is not None:
+            said.append(answer(durable, world))
+            assert durable.take(said[-1]).receipt is Receipt.ACCEPTED
+        durable.tune()
     return said
 
 

@@ -9,7 +9,7 @@ from contextlib import contextmanager
 
 @contextmanager
 def little_room(size: int) -> Iterator[None]:
-    """Meanwhile no file of this process can become larger than so many bytes."""
+    """Keep the files of this process below a number of bytes meanwhile."""
     before = resource.getrlimit(resource.RLIMIT_FSIZE)
     resource.setrlimit(resource.RLIMIT_FSIZE, (size, before[1]))
     try:

@@ -5,7 +5,7 @@ from __future__ import annotations
 from al_questioner.simulation import ScriptedTeacher, Task, WorldSpec, load_task
 
 TASK = load_task('prepare_lunch')
-CHOICE = WorldSpec(TASK, 4, 4)
+WORLD_SPEC = WorldSpec(TASK, 4, 4)
 
 
 def teacher_of(task: Task, seed: int, **options: float | bool) -> ScriptedTeacher:

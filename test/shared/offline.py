@@ -1,4 +1,4 @@
-"""What is asked without ROS, turn by turn."""
+"""Questions of an episode without ROS, turn by turn."""
 
 from __future__ import annotations
 

@@ -17,11 +17,10 @@ from collections.abc import Callable
 from functools import cache, lru_cache, partial
 from pathlib import Path
 
-from durable_sessions import TASK, TEACHER
+from durable_sessions import TASK, TEACHER, durable_of
 from storages import WatchedStorage, killer
 
 from al_questioner.domain import Answer, Outcome, Query, Scene
-from al_questioner.event_log.durable_episode import DurableEpisode
 from al_questioner.event_log.events import EpisodeStarted, SceneObserved
 from al_questioner.event_log.log import SessionLog, read_log
 from al_questioner.questioning import Receipt
@@ -54,29 +53,29 @@ def said(query: Query) -> list[Answer]:
 
 
 def is_away(query: Query, turn: int) -> bool:
-    """Whether nobody answers a query in a turn: the third one waits for a turn."""
+    """Return whether nobody answers a query in a turn: the third one waits for a turn."""
     return query.query_id == 'q3' and turn == query.turn
 
 
 def play(folder: Path, acknowledge: Callable[[Answer], None], at_write_point: Callable[[str], None]) -> None:
     """The episode to its end, from wherever its log is; the rules are those of the learner node."""
     log = SessionLog(folder, partial(WatchedStorage, reached=at_write_point))
-    session = DurableEpisode(BEGUN, log)
-    session.start()
-    episode = session.episode
+    durable = durable_of(BEGUN, log)
+    durable.start()
+    episode = durable.episode
     while True:
         if episode.awaited is not None and is_away(episode.awaited, episode.turn):
-            session.time_out()
+            durable.time_out()
         elif episode.awaited is not None:
             for answer in said(episode.awaited):
-                if session.take(answer) is not Receipt.LATE:
+                if durable.take(answer).receipt is not Receipt.LATE:
                     acknowledge(answer)
-        session.tune()
+        durable.tune()
         if episode.done:
             break
         turn = episode.turn + 1
-        session.ask(SceneObserved(turn, turn * 1000, 'table', scene(turn)))
-    session.close()
+        durable.ask(SceneObserved(turn, turn * 1000, 'table', scene(turn)))
+    durable.close()
 
 
 def run(folder: Path, kill_at: int = 0, kill_after: float | None = None) -> bool:
@@ -109,7 +108,7 @@ def lines(folder: Path) -> list[tuple[str, bytes]]:
 
 
 def faults(folder: Path, whole: list[tuple[str, bytes]], finished: bool) -> list[str]:
-    """What is wrong with a log, against that of the undisturbed session."""
+    """Return the faults of a log, against that of the undisturbed session."""
     there = lines(folder)
     found = [] if there == (whole if finished else whole[: len(there)]) else [f'{folder.name}: other events']
     taken = [json.loads(content) for kind, content in there if kind in ('answer', 'correction')]

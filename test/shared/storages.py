@@ -34,11 +34,13 @@ class WatchedStorage(SqliteStorage):
 class UnwaitedStorage(SqliteStorage):
     """Does not wait for the disk, which a test of many logs would take long for."""
 
-    synchronous = 'OFF'
+    def __init__(self, folder: Path, head: bytes) -> None:
+        super().__init__(folder, head)
+        self._database.execute('PRAGMA synchronous=OFF')
 
 
 def killer(last: int) -> Callable[[str], None]:
-    """What ends this process, as a crash would, at the write point of this number; never at 0."""
+    """Return a function that ends this process, as a crash would, at the write point of this number; never at 0."""
     count = 0
 
     def reached(_: str) -> None:

@@ -1,4 +1,4 @@
-"""How well a learner does: the numbers that every comparison of strategies rests on."""
+"""Evaluation of a learner: the numbers that every comparison of strategies rests on."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ import pytest
 from al_questioner.domain import random_stream
 from al_questioner.questioning import Episode
 from al_questioner.simulation import Evaluation, accuracy, episode_settings, run_episode
-from shared.lunches import CHOICE, TASK, teacher
+from shared.lunches import TASK, WORLD_SPEC, teacher
 
 SYMBOLS = ('a', 'b')
 
@@ -25,13 +25,13 @@ SYMBOLS = ('a', 'b')
     ],
 )
 def test_accuracy_of_hand_made_cases(probabilities: list[list[float]], expected: float) -> None:
-    """Every reported figure would be another one; a learner that knows nothing must be at chance."""
+    """Every reported figure rests on them; a learner that knows nothing is at chance."""
     assert accuracy(np.array(probabilities), ['a', 'b'], SYMBOLS) == expected
 
 
 @pytest.mark.parametrize('symbols', [3, 5, 7])
 def test_an_accuracy_is_one_number_whatever_the_order(symbols: int) -> None:
-    """Two strategies that are equally accurate would be told apart by the order of the observations."""
+    """Otherwise two strategies that are equally accurate would be told apart by the order of the observations."""
     rng, names = np.random.default_rng(0), tuple('abcdefg'[:symbols])
     hits = np.array([True] * 10 + [False] * 27)
     found = set()
@@ -43,11 +43,11 @@ def test_an_accuracy_is_one_number_whatever_the_order(symbols: int) -> None:
 
 
 def test_what_is_said_later_is_measured_as_if_it_had_been_said_at_once() -> None:
-    """The demo would show an episode in which late answers and corrections never came."""
+    """Otherwise the demo would show an episode in which late answers and corrections never came."""
     settings = episode_settings(TASK, 'random_fsq', budget=8, turns=8)
-    whole = run_episode(CHOICE, settings, teacher())
+    whole = run_episode(WORLD_SPEC, settings, teacher())
     early, late = whole.queries[:2], whole.queries[2]
-    evaluation = Evaluation(CHOICE, settings)
+    evaluation = Evaluation(WORLD_SPEC, settings, None)
     for turn in range(1, late.turn + 1):
         evaluation.next_turn(next((record for record in early if record.turn == turn), None))
     evaluation.correct(whole.queries)
@@ -61,11 +61,11 @@ def test_what_is_said_later_is_measured_as_if_it_had_been_said_at_once() -> None
 @pytest.mark.parametrize('tune_every', [0, 3])
 @pytest.mark.parametrize('strategy', ['dt_task', 'u_sampling', 'farthest_fsq'])
 def test_evaluation_believes_what_the_learner_believes(strategy: str, tune_every: int) -> None:
-    """Accuracy would be that of other models than the robot has."""
+    """Otherwise accuracy would be that of other models than the robot has."""
     settings = episode_settings(TASK, strategy, budget=8, turns=12, tune_every=tune_every)
-    evaluation = Evaluation(CHOICE, settings)
-    features, labels = evaluation.world.test_set
     episode = Episode(settings, random_stream(4, 'learner'))
+    evaluation = Evaluation(WORLD_SPEC, settings, episode.strategy.selector)
+    features, labels = evaluation.world.test_set
     for turn in range(1, 13):
         decision = episode.ask(evaluation.world.scene(turn))
         record = None

@@ -24,7 +24,7 @@ def workshop(task: Task) -> Task:
 
 @pytest.mark.parametrize('name', ['prepare_lunch', 'pack_lunchbox', 'kitchen_table', 'mixed_kitchens', 'uw_lunchbox'])
 def test_any_task_is_learnt_from_made_up_features(name: str) -> None:
-    """The dry run would show nothing of how the questions help."""
+    """Otherwise the dry run would show nothing of how the questions help."""
     task = workshop(load_task(name)).of_sample(1)
     world = made_up(task)
     settings = episode_settings(task, 'farthest_fsq', budget=25, turns=40)
@@ -37,7 +37,7 @@ def test_any_task_is_learnt_from_made_up_features(name: str) -> None:
 
 
 def test_a_task_without_groups_gets_some(kitchen: Task) -> None:
-    """A task that names none could not be tried."""
+    """Otherwise a task that names none could not be tried."""
     world = MadeUpWorld(replace(kitchen, relevant_groups=()), 1, 1)
     assert world.relevant_groups == ('colour', 'size')
     scene = made_up_scene(world.scene(1))
@@ -50,13 +50,13 @@ def test_a_task_without_groups_gets_some(kitchen: Task) -> None:
     ('groups', 'said'), [(('color',), 'color matters,'), (('color', 'size'), 'color, size matter,')]
 )
 def test_what_was_made_up_is_told_in_english(kitchen: Task, groups: tuple[str, ...], said: str) -> None:
-    """It would say that color matter."""
+    """Otherwise it would say that color matter."""
     world = MadeUpWorld(replace(kitchen, relevant_groups=groups), 1, 1)
     assert world.report() == f'dry run on made-up features: {said} noise does not'
 
 
 def test_the_same_seed_makes_up_the_same(kitchen: Task) -> None:
-    """Nobody could compare two strategies in a dry run."""
+    """Otherwise nobody could compare two strategies in a dry run."""
     one, again, other = made_up(kitchen), made_up(kitchen), made_up(kitchen, 2)
     assert one.scene(6).equals(again.scene(6))
     assert not one.scene(6).equals(other.scene(6))

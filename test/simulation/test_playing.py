@@ -10,12 +10,12 @@ from al_questioner.domain import AMPLITUDE, DECISION_FEATURES, Answer, Costs, Ep
 from al_questioner.questioning import STRATEGIES
 from al_questioner.questioning.strategies.value_per_cost import VALUE_FEATURES
 from al_questioner.simulation import EpisodeResult, PerceivedWorld, WorldSpec, episode_settings, load_task, run_episode
-from shared.lunches import CHOICE, TASK, teacher
+from shared.lunches import TASK, WORLD_SPEC, teacher
 
 
 def repeats(result: EpisodeResult) -> int:
-    """How many things were shown that had been named as they look, while others of the symbol were there."""
-    world, known, count = PerceivedWorld(result.choice.open()), set(), 0
+    """Count the things that were shown although named as they look, while others of the symbol were there."""
+    world, known, count = PerceivedWorld(result.world_spec.open()), set(), 0
     for record in result.queries:
         if record.object_id is None:
             continue
@@ -29,24 +29,24 @@ def repeats(result: EpisodeResult) -> int:
 
 @pytest.mark.parametrize('task', ['prepare_lunch', 'kitchen_table'])
 def test_the_teacher_shows_what_the_learner_does_not_know(task: str) -> None:
-    """Demonstrations would be paid for and tell nothing; and a teacher that is started anew must know as much."""
+    """A demonstration shows something new; and a teacher that is started again knows as much as before."""
 
     class StartedAnew:
         def answer(self, query: Query, truth: Mapping[int, str]) -> Answer:
             return teacher().answer(query, truth)
 
-    choice = WorldSpec(load_task(task), 4, 4)
-    settings = episode_settings(choice.task, 'rarest_demo', budget=100, turns=40)
-    once = run_episode(choice, settings, teacher())
+    world_spec = WorldSpec(load_task(task), 4, 4)
+    settings = episode_settings(world_spec.task, 'rarest_demo', budget=100, turns=40)
+    once = run_episode(world_spec, settings, teacher())
     assert repeats(once) == 0
-    assert repeats(run_episode(choice, settings, teacher(repeat_shown=True))) > 0
-    assert run_episode(choice, settings, StartedAnew()) == once
+    assert repeats(run_episode(world_spec, settings, teacher(repeat_shown=True))) > 0
+    assert run_episode(world_spec, settings, StartedAnew()) == once
 
 
 def test_playing_tunes_at_the_turns_that_are_due() -> None:
-    """The option would have no effect on what is asked, or also where it is off."""
+    """Otherwise the option would have no effect on what is asked, or also where it is off."""
     plain, often, never_due = (
-        run_episode(CHOICE, episode_settings(TASK, 'u_sampling_fsq', 8, 12, tune_every=every), teacher())
+        run_episode(WORLD_SPEC, episode_settings(TASK, 'u_sampling_fsq', 8, 12, tune_every=every), teacher())
         for every in (0, 2, 13)
     )
     assert plain.queries == never_due.queries
@@ -57,20 +57,20 @@ def test_playing_tunes_at_the_turns_that_are_due() -> None:
 
 
 def test_episodes_on_an_open_world_are_those_on_a_new_one() -> None:
-    """A study whose strategies share a world would report episodes that nobody can play alone."""
-    world = PerceivedWorld(CHOICE.open())
+    """Otherwise a study whose strategies share a world would report episodes that nobody can play alone."""
+    world = PerceivedWorld(WORLD_SPEC.open())
     for strategy in ('farthest_fsq', 'u_sampling', 'farthest_fsq'):
         settings = episode_settings(TASK, strategy, budget=7, turns=11)
-        shared, alone = (run_episode(CHOICE, settings, teacher(), world=w) for w in (world, None))
+        shared, alone = (run_episode(WORLD_SPEC, settings, teacher(), world=w) for w in (world, None))
         assert shared.queries == alone.queries
         assert shared.accuracy == alone.accuracy
 
 
 @pytest.mark.parametrize('strategy', [name for name in STRATEGIES if name != 'human'])
 def test_same_seed_same_episode_within_its_limits(strategy: str) -> None:
-    """A result could not be repeated, or would owe itself to queries that nobody granted."""
+    """Otherwise a result could not be repeated, or would owe itself to queries that nobody granted."""
     settings = episode_settings(TASK, strategy, budget=7, turns=11)
-    once, again = (run_episode(CHOICE, settings, teacher()) for _ in range(2))
+    once, again = (run_episode(WORLD_SPEC, settings, teacher()) for _ in range(2))
     assert once.queries == again.queries
     assert once.accuracy == again.accuracy
     assert once.spent <= 7
@@ -79,15 +79,15 @@ def test_same_seed_same_episode_within_its_limits(strategy: str) -> None:
 
 
 def test_other_seeds_give_other_episodes() -> None:
-    """All samples of a study would be one."""
+    """Otherwise all samples of a study would be one."""
     settings = episode_settings(TASK, 'random_fsq', budget=7, turns=11)
     other = WorldSpec(TASK, 5, 5)
-    assert run_episode(CHOICE, settings, teacher()).queries != run_episode(other, settings, teacher()).queries
+    assert run_episode(WORLD_SPEC, settings, teacher()).queries != run_episode(other, settings, teacher()).queries
 
 
 def test_a_teacher_who_never_knows_teaches_nothing() -> None:
-    """Unknown answers would be learnt as labels."""
-    result = run_episode(CHOICE, episode_settings(TASK, 'random_fsq', 6, 8), teacher(unknown_rate=1.0))
+    """Otherwise unknown answers would be learnt as labels."""
+    result = run_episode(WORLD_SPEC, episode_settings(TASK, 'random_fsq', 6, 8), teacher(unknown_rate=1.0))
     assert {record.symbol for record in result.queries if record.kind.value == 'label'} == {None}
     assert result.final_accuracy == pytest.approx(1 / len(TASK.symbols))
 
@@ -105,7 +105,7 @@ def test_a_teacher_who_never_knows_teaches_nothing() -> None:
 )
 @pytest.mark.filterwarnings('error')
 def test_settings_at_the_ends_of_their_ranges_can_be_played(changes: dict[str, object]) -> None:
-    """What the ranges allow would end an episode, or learn nothing but overflows."""
+    """No setting within its range ends an episode, or leads to nothing but overflows."""
     changes = {'symbols': TASK.symbols, 'strategy': 'value_per_cost', 'budget': 4.0, 'turns': 5, **changes}
-    played = run_episode(CHOICE, EpisodeSettings(**changes), teacher())
+    played = run_episode(WORLD_SPEC, EpisodeSettings(**changes), teacher())
     assert len(played.accuracy) == 5

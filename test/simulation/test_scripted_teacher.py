@@ -33,13 +33,13 @@ def teacher(**rates: float | bool) -> ScriptedTeacher:
     ],
 )
 def test_answers_are_true(asked: Query, outcome: Outcome, content: Content) -> None:
-    """Labels would be wrong although no errors were asked for, or what is not there be told of as if it were."""
+    """Without an error rate no label is wrong, and nothing is shown that is not there."""
     answer = teacher().answer(asked, TRUTH)
     assert (answer.outcome, answer.content) == (outcome, content)
 
 
 def test_demonstrations_show_every_example_and_no_other() -> None:
-    """A demonstration would show another thing, or always the same."""
+    """Otherwise a demonstration would show another thing, or always the same."""
     shown = {teacher().answer(query(QueryKind.DEMONSTRATION, n, symbol='snack'), TRUTH).content for n in range(60)}
     assert shown == {2, 3}
 
@@ -48,7 +48,7 @@ MANY = dict.fromkeys(range(10, 16), 'snack') | {1: 'fruit'}
 
 
 def test_what_is_known_is_not_shown_while_there_are_others() -> None:
-    """Two units of the budget would be spent for what was said before."""
+    """Otherwise two units of the budget would be spent for what was said before."""
     asked = query(QueryKind.DEMONSTRATION, symbol='snack')
     for number in range(20):
         some = dataclasses.replace(asked, query_id=f'q{number}', known=(1, 10, 11, 13, 99))
@@ -63,7 +63,7 @@ def test_what_is_known_is_not_shown_while_there_are_others() -> None:
 
 
 def test_what_it_named_is_not_shown_where_nothing_is_told_of_what_is_known() -> None:
-    """Beside a learner of another make, it would show the same thing again."""
+    """Otherwise beside a learner of another make, it would show the same thing again."""
     one = teacher()
     one.answer(query(QueryKind.LABEL, 1, object_id=12), MANY)
     asked = [query(QueryKind.DEMONSTRATION, number, symbol='snack') for number in range(2, 7)]
@@ -74,14 +74,14 @@ def test_what_it_named_is_not_shown_where_nothing_is_told_of_what_is_known() -> 
 
 
 def test_a_question_without_choices_is_not_understood() -> None:
-    """A strange query on the topic would put a teacher that errs into its error state for good."""
+    """Otherwise a strange query on the topic would put a teacher that errs into its error state for good."""
     asked = dataclasses.replace(query(QueryKind.FEATURE_SUBSET), choices=())
     for rate in (0.0, 1.0):
         assert teacher(wrong_rate=rate).answer(asked, TRUTH).outcome is Outcome.UNKNOWN
 
 
 def test_rates_of_errors_are_kept() -> None:
-    """Studies of teacher error would state another rate than the one that was simulated."""
+    """Otherwise studies of teacher error would state another rate than the one that was simulated."""
     erring = teacher(wrong_rate=0.3, unknown_rate=0.2)
     n = 2000
     answers = [erring.answer(query(QueryKind.LABEL, number, object_id=1), TRUTH) for number in range(n)]
@@ -94,7 +94,7 @@ def test_rates_of_errors_are_kept() -> None:
 
 
 def test_wrong_demonstrations_and_groups_are_wrong() -> None:
-    """A teacher who always errs would be right about demonstrations or feature groups."""
+    """Otherwise a teacher who always errs would be right about demonstrations or feature groups."""
     erring = teacher(wrong_rate=1.0)
     for number in range(30):
         assert erring.answer(query(QueryKind.DEMONSTRATION, number, symbol='snack'), TRUTH).content in (1, 4)
@@ -103,7 +103,7 @@ def test_wrong_demonstrations_and_groups_are_wrong() -> None:
 
 
 def test_restarted_teacher_answers_alike() -> None:
-    """A teacher that died and came back would tell another story."""
+    """Otherwise a teacher that died and came back would tell another story."""
     asked = [query(QueryKind.LABEL, number, object_id=2) for number in range(50)]
     once = [teacher(wrong_rate=0.5).answer(each, TRUTH) for each in asked]
     again = [teacher(wrong_rate=0.5).answer(each, TRUTH) for each in reversed(asked)]
@@ -120,6 +120,6 @@ def test_restarted_teacher_answers_alike() -> None:
     ],
 )
 def test_impossible_rates_are_refused(rates: dict[str, float]) -> None:
-    """A mistyped rate would be simulated as something else."""
+    """Otherwise a mistyped rate would be simulated as something else."""
     with pytest.raises(SettingsError, match='rate'):
         teacher(**rates)

@@ -13,7 +13,7 @@ from shared.lunches import TASK
 
 
 def test_settings_come_from_the_task_unless_given() -> None:
-    """An episode would be played with other limits than the task's or the user's."""
+    """Otherwise an episode would be played with other limits than the task's or the user's."""
     settings = episode_settings(TASK)
     assert (settings.budget, settings.turns) == (TASK.episode.budget, TASK.episode.turns)
     assert settings.change_interval == TASK.scenes.change_interval
@@ -22,7 +22,7 @@ def test_settings_come_from_the_task_unless_given() -> None:
 
 
 def test_a_name_that_the_strategy_does_not_declare_is_refused_with_its_file(tmp_path: Path) -> None:
-    """A misspelt weight would have no effect, and nobody know where it stands."""
+    """Otherwise a misspelt weight would have no effect, and nobody know where it stands."""
     path = tmp_path / 'mine.yaml'
     path.write_text('weights: {discriminability: 1, class_unifromity: 1}')
     reason = f"{path}: strategy dt_iros does not use 'class_unifromity'; it uses discriminability, class_uniformity"
@@ -31,6 +31,6 @@ def test_a_name_that_the_strategy_does_not_declare_is_refused_with_its_file(tmp_
 
 
 def test_weights_for_a_strategy_without_any_are_refused() -> None:
-    """A user would believe that the weights had an effect."""
+    """Otherwise a user would believe that the weights had an effect."""
     with pytest.raises(SettingsError, match='uses no weights'):
         episode_settings(TASK, 'random_fsq', weights_file='mine.yaml')

@@ -31,7 +31,7 @@ def digest(observations: Iterable[Observation]) -> str:
 
 
 def plausible(successes: int, trials: int, share: float) -> bool:
-    """Whether the count is compatible with the share: exact binomial test, one false alarm in a million."""
+    """Return whether the count is compatible with the share: exact binomial test, one false alarm in a million."""
     return bool(binomtest(successes, trials, share).pvalue > 1e-6)
 
 
@@ -42,7 +42,7 @@ def test_same_seed_same_bytes_other_seed_others(small: Task) -> None:
 
 
 def test_another_process_sees_the_same_world(small: Task) -> None:
-    """A node and an offline run are two processes; a dependence on hash() or set order would part them."""
+    """A node and an offline run are two processes, which hash() and the order of sets do not set apart."""
     program = (
         'import sys; from dataclasses import replace; sys.path.insert(0, sys.argv[1])\n'
         'from test_simulated_world import digest\n'
@@ -108,7 +108,7 @@ def test_the_sample_fixes_the_observations_and_the_seed_the_scenes(small: Task) 
 
 
 def test_scenes_show_observations_of_the_training_pool_and_never_of_the_test_set(small: Task) -> None:
-    """A test view among the training views would make every accuracy a lie."""
+    """Otherwise every accuracy would be too high."""
     world = SimulatedWorld(small, 2)
     known = {o.view.color.tobytes() for o in world.training_pool()}
     held_out = {o.view.color.tobytes() for o in world.test_observations()}
@@ -160,7 +160,7 @@ def test_synchrony_is_the_share_of_states_that_follow_the_clock(lunch: Task, syn
 def test_a_state_change_shows_another_view(lunch: Task) -> None:
     world = SimulatedWorld(lunch, 3)
     before, after = world._seen(1), world._seen(11)
-    assert all(a.sight != b.sight for a, b in zip(before, after, strict=True))
+    assert all(a.pool_row != b.pool_row for a, b in zip(before, after, strict=True))
 
 
 @pytest.mark.parametrize(('persistence', 'staying'), [(0.0, 0), (0.3, 12), (1.0, 40)])
@@ -188,19 +188,19 @@ def test_test_observations_are_balanced_as_configured(kitchen: Task, lunch: Task
 
 def test_every_object_and_state_of_prepare_lunch_is_in_training_and_test(lunch: Task) -> None:
     sample = pool.make_sample(lunch, 3)
-    for sights, each in ((sample.training, 8), (sample.test, 4)):
-        assert set(Counter(sight.thing.slot for sight in sights).values()) == {each}
+    for specs, each in ((sample.training, 8), (sample.test, 4)):
+        assert set(Counter(spec.thing.slot for spec in specs).values()) == {each}
         assert all(
-            {s.state for s in sights if s.thing.slot == slot} == {0, 1, 2} for slot in range(lunch.scenes.objects)
+            {s.state for s in specs if s.thing.slot == slot} == {0, 1, 2} for slot in range(lunch.scenes.objects)
         )
 
 
 def test_fewer_kinds_make_an_easier_world(kitchen: Task) -> None:
     looks = replace(kitchen.appearance, kinds_per_symbol=3, kinds_of_clutter=5)
     sample = pool.make_sample(replace(kitchen, appearance=looks), 2)
-    kinds = {(sight.symbol, sight.thing.kind.name) for sight in sample.training}
+    kinds = {(spec.symbol, spec.thing.kind.name) for spec in sample.training}
     assert Counter(symbol for symbol, _ in kinds) == {**dict.fromkeys(kitchen.symbols, 3), NO_SYMBOL: 5}
-    assert {(sight.symbol, sight.thing.kind.name) for sight in sample.test} == {k for k in kinds if k[0] != NO_SYMBOL}
+    assert {(spec.symbol, spec.thing.kind.name) for spec in sample.test} == {k for k in kinds if k[0] != NO_SYMBOL}
 
 
 def test_nothing_overlaps_and_everything_stands_on_the_table(kitchen: Task, monkeypatch: pytest.MonkeyPatch) -> None:
@@ -215,7 +215,7 @@ def test_nothing_overlaps_and_everything_stands_on_the_table(kitchen: Task, monk
 
 
 def test_objects_that_stay_are_moved_about(lunch: Task, monkeypatch: pytest.MonkeyPatch) -> None:
-    """Were each object always at its place, its location would tell what it is, and most sensors shall tell nothing."""
+    """The location of an object does not tell what it is."""
     monkeypatch.setattr(pool, 'render', lambda *_: None)
     world = SimulatedWorld(lunch, 2)
     spots = [np.array([o.position[:2] for o in world.scene(turn)]) for turn in range(1, 200, 10)]
@@ -231,9 +231,9 @@ def test_cold_things_stand_near_the_refrigerator_if_asked_to(lunchbox: Task, mon
 
     def mean_x(pull: float) -> tuple[float, float]:
         task = replace(lunchbox, scenes=scenes, sensors=replace(lunchbox.sensors, cold_pull=pull))
-        sights = pool.make_sample(task, 1).training
-        x = np.array([pool.observe(s, task, 1, 0).position[0] for s in sights])
-        cold = np.array([s.thing.kind.cold for s in sights])
+        specs = pool.make_sample(task, 1).training
+        x = np.array([pool.observe(s, task, 1, 0).position[0] for s in specs])
+        cold = np.array([s.thing.kind.cold for s in specs])
         return float(x[cold].mean()), float(x[~cold].mean())
 
     cold, warm = mean_x(1.0)
@@ -244,15 +244,15 @@ def test_cold_things_stand_near_the_refrigerator_if_asked_to(lunchbox: Task, mon
 
 @pytest.mark.parametrize('name', ['kitchen', 'lunch'])
 def test_the_second_draw_is_like_the_test_set_and_none_of_it(name: str, request: pytest.FixtureRequest) -> None:
-    """The oracle would look at what results are measured on, or at another world."""
+    """Otherwise the oracle would look at what results are measured on, or at another world."""
     task: Task = request.getfixturevalue(name)
     world = SimulatedWorld(task, 1, 2)
     assert Counter(world.validation_labels()) == Counter(world.test_labels())
     drawn = [pool.make_sample(task, 2).test, pool.make_validation(task, 2)]
-    assert {sight.thing.kind.name for sight in drawn[0]} == {sight.thing.kind.name for sight in drawn[1]}
+    assert {spec.thing.kind.name for spec in drawn[0]} == {spec.thing.kind.name for spec in drawn[1]}
     if task.scenes.turnover == 'state':
-        assert {sight.thing for sight in drawn[0]} == {sight.thing for sight in drawn[1]}
-    seen = [digest([pool.observe(sight, task, 2, 0)]) for sights in drawn for sight in sights[:6]]
+        assert {spec.thing for spec in drawn[0]} == {spec.thing for spec in drawn[1]}
+    seen = [digest([pool.observe(spec, task, 2, 0)]) for specs in drawn for spec in specs[:6]]
     assert len(set(seen)) == 12
     again = SimulatedWorld(task, 5, 2)
     assert again.validation_labels() == world.validation_labels()

@@ -43,7 +43,7 @@ def test_the_worlds_of_the_issue_are_as_specified() -> None:
 
 @pytest.mark.parametrize('more', [{}, {'description': None, 'relevant_groups': []}, {'description': ''}], ids=str)
 def test_a_task_of_ones_own_needs_symbols_alone(tmp_path: Path, more: dict[str, Any]) -> None:
-    """A person who teaches would have to write down what nobody reads."""
+    """Otherwise a person who teaches would have to write down what nobody reads."""
     task = _own(tmp_path, **more)
     assert (task.name, task.description, task.relevant_groups) == ('mine', '', ())
     assert task.class_frequencies == {'fruit': 0.5, 'snack': 0.5}
@@ -61,7 +61,7 @@ def test_a_task_of_ones_own_needs_symbols_alone(tmp_path: Path, more: dict[str, 
     ids=str,
 )
 def test_costs_of_a_task_are_those_of_its_episodes(tmp_path: Path, content: dict[str, Any]) -> None:
-    """Whoever states what a question costs would be asked at other prices."""
+    """The learner asks at the prices that the task file states."""
     task = _own(tmp_path, **content)
     expected = Costs() if 'turns' in content.get('episode', {}) else Costs(label=0.5, skip=0)
     assert episode_settings(task).costs == task.episode.costs == expected
@@ -70,19 +70,19 @@ def test_costs_of_a_task_are_those_of_its_episodes(tmp_path: Path, content: dict
 
 @pytest.mark.parametrize('section', ['episode', 'costs', 'scenes', 'appearance', 'camera', 'sensors', 'variety'])
 def test_a_section_that_is_left_empty_has_the_defaults(tmp_path: Path, section: str) -> None:
-    """Whoever deletes the lines below a key would be told that nothing is no mapping."""
+    """A key without lines below it has its defaults, and is not refused for being no mapping."""
     assert _own(tmp_path, description=None, **{section: None}) == _own(tmp_path, description=None)
 
 
 def test_empty_costs_are_not_stated_twice(tmp_path: Path) -> None:
-    """The costs beside an empty key would be refused."""
+    """Otherwise the costs beside an empty key would be refused."""
     task = _own(tmp_path, episode={'costs': None, 'budget': 9}, costs={'label': 3})
     assert (task.episode.costs, task.episode.budget) == (Costs(label=3), 9)
     assert _own(tmp_path, episode={'costs': {'label': 3}}, costs=None).episode.costs == Costs(label=3)
 
 
 def test_a_slip_in_a_task_has_a_suggestion(tmp_path: Path) -> None:
-    """People would compare their word with a list of ten."""
+    """Otherwise people would compare their word with a list of ten."""
     for more, hint in (
         ({'episode': {'strategy': 'u_samplng'}}, 'human; did you mean u_sampling?'),
         ({'scens': {}}, 'variety; did you mean scenes?'),
@@ -99,7 +99,7 @@ def test_a_slip_in_a_task_has_a_suggestion(tmp_path: Path) -> None:
 
 
 def test_words_that_refer_to_a_symbol_may_be_decomposed(tmp_path: Path) -> None:
-    """An editor on a Mac would make a task that is refused with a text that shows the very same word."""
+    """Otherwise an editor on a Mac would make a task that is refused with a text that shows the very same word."""
     content = {
         'symbols': ['Früchte', 'snack'],
         'source': 'dataset',
@@ -200,7 +200,7 @@ def test_source_and_dataset_directory_must_agree(kitchen: Task, tmp_path: Path) 
 
 
 def test_where_no_catalogue_is_named_the_error_says_what_to_do(tmp_path: Path) -> None:
-    """A roboticist would look for a catalogue that they never asked for."""
+    """Otherwise a roboticist would look for a catalogue that they never asked for."""
     task = _own(tmp_path, symbols=['fruit', 'screwdriver'], scenes={'clutter_share': 0.5})
     with pytest.raises(InputError, match=r"no simulated thing is a 'screwdriver'.*`objects`.*--dry-run") as caught:
         make_world(task, 1)
@@ -208,7 +208,7 @@ def test_where_no_catalogue_is_named_the_error_says_what_to_do(tmp_path: Path) -
 
 
 def test_where_no_catalogue_is_named_one_that_fits_is_taken(tmp_path: Path) -> None:
-    """A task with clutter would be refused although there is some."""
+    """Otherwise a task with clutter would be refused although there is some."""
     world = make_world(_own(tmp_path, scenes={'clutter_share': 0.5}), 1)
     assert set(world.training_labels()) == {'fruit', 'snack', 'none'}
 

@@ -22,7 +22,7 @@ def mixed() -> Task:
 
 
 def test_a_kitchen_follows_from_its_number_alone(mixed: Task) -> None:
-    """Strategies would be compared in different worlds, or a recorded episode could not be played again."""
+    """Otherwise strategies would be compared in different worlds, or a recorded episode could not be played again."""
     one, again, other = mixed.of_sample(7), mixed.of_sample(7), mixed.of_sample(8)
     assert one.scenes == again.scenes
     assert one.scenes != other.scenes
@@ -48,14 +48,14 @@ def test_kitchens_fill_the_stated_ranges_and_share_the_rest(mixed: Task) -> None
 
 
 def test_the_robot_is_told_the_interval_of_its_kitchen(mixed: Task) -> None:
-    """The paper's strategies, which need it, would be handicapped."""
+    """Otherwise the paper's strategies, which need it, would be handicapped."""
     small = replace(mixed, scenes=replace(mixed.scenes, training_size=60, test_size=4))
     for sample in range(3):
-        choice = WorldSpec(small, sample, sample)
-        world, interval = PerceivedWorld(choice.open()), choice.task.scenes.change_interval
-        assert episode_settings(choice.task).change_interval == interval
+        world_spec = WorldSpec(small, sample, sample)
+        world, interval = PerceivedWorld(world_spec.open()), world_spec.task.scenes.change_interval
+        assert episode_settings(world_spec.task).change_interval == interval
         assert world.change_turns(40)[:1] == [1 + interval]
-        assert len(world.truth(1)) == choice.task.scenes.objects
+        assert len(world.truth(1)) == world_spec.task.scenes.objects
 
 
 def test_an_interval_may_be_fixed_for_all_kitchens(mixed: Task) -> None:

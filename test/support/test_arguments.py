@@ -19,7 +19,7 @@ def parser() -> Parser:
 
 
 def test_an_option_has_the_default_and_the_help_of_its_setting() -> None:
-    """The command would do something else than the node, or describe it otherwise."""
+    """Otherwise the command would do something else than the node, or describe it otherwise."""
     given = parser().parse_args([])
     assert (given.most_turns, given.budget, given.repeat) == (40, None, False)
     told = ' '.join(parser().format_help().split())
@@ -38,6 +38,6 @@ def test_an_option_has_the_default_and_the_help_of_its_setting() -> None:
     ],
 )
 def test_an_option_has_the_type_and_the_range_of_its_setting(arguments: list[str], reason: str) -> None:
-    """The node would refuse later what the command takes."""
+    """Otherwise the node would refuse later what the command takes."""
     with pytest.raises(InputError, match=reason):
         parser().parse_args(arguments)

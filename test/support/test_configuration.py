@@ -1,4 +1,4 @@
-"""What ships in config/ must load, and a name that does not ship must be refused with those that do."""
+"""All that ships in config/ loads, and a name that does not ship is refused with those that do."""
 
 from __future__ import annotations
 
@@ -19,13 +19,13 @@ from al_questioner.support.configuration import config_dir, named_bag, named_fil
     ],
 )
 def test_what_names_no_file_is_refused(name: str, reason: str) -> None:
-    """A user who mistypes a task would be left alone with it, or a path be taken for a name that is not known."""
+    """A mistyped task is answered with the known ones, and a path is not taken for an unknown name."""
     with pytest.raises(InputError, match=reason):
         named_file('tasks', name, 'task')
 
 
 def test_a_bag_at_a_path_comes_before_one_that_ships(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    """People would train on our expert instead of theirs, or have to know where ours lies."""
+    """Otherwise people would train on our expert instead of theirs, or have to know where ours lies."""
     monkeypatch.chdir(tmp_path)
     assert (named_bag('expert_0') / 'metadata.yaml').is_file()
     with pytest.raises(InputError, match=r'^expert_7: there is no such bag$'):
@@ -35,7 +35,7 @@ def test_a_bag_at_a_path_comes_before_one_that_ships(tmp_path: Path, monkeypatch
 
 
 def test_own_file_is_taken(tmp_path: Path) -> None:
-    """Users could not bring a task of their own."""
+    """Otherwise users could not bring a task of their own."""
     own = tmp_path / 'mine.yaml'
     own.write_text('a: 1\n')
     assert named_file('tasks', str(own), 'task') == own
@@ -47,6 +47,6 @@ def test_a_file_that_is_not_there_is_one_line() -> None:
 
 
 def test_every_task_has_parameters_for_its_nodes() -> None:
-    """`ros2 launch` would find no parameter file for a task."""
+    """Otherwise `ros2 launch` would find no parameter file for a task."""
     tasks = {path.name for path in (config_dir() / 'tasks').glob('*.yaml')}
     assert {path.name for path in (config_dir() / 'params').glob('*.yaml')} == tasks

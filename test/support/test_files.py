@@ -26,7 +26,7 @@ def small_files() -> Iterator[None]:
 
 
 def test_a_file_that_there_is_no_room_for_leaves_the_old_one(tmp_path: Path, small_files: None) -> None:
-    """Half a table would be left, or an empty one in the place of that of yesterday, or a folder made for it."""
+    """Neither half a table is left, nor an empty one in place of that of yesterday, nor a folder made for it."""
     path = tmp_path / 'table.csv'
     write_text(path, 'of yesterday\n')
     with pytest.raises(InputError, match=r'table\.csv cannot be written \(File too large\)'):
@@ -39,7 +39,7 @@ def test_a_file_that_there_is_no_room_for_leaves_the_old_one(tmp_path: Path, sma
 
 
 def test_a_figure_that_there_is_no_room_for_leaves_nothing(tmp_path: Path, small_files: None) -> None:
-    """A picture that no viewer opens would be left."""
+    """Otherwise a picture that no viewer opens would be left."""
     with pytest.raises(InputError, match=r'figure\.png cannot be written'):
         save(plt.figure(), tmp_path / 'figure.png')
     assert list(tmp_path.iterdir()) == []
@@ -51,7 +51,7 @@ def test_a_full_device_is_one_line() -> None:
 
 
 def test_a_device_or_a_pipe_is_written_to_itself(tmp_path: Path) -> None:
-    """`--json /dev/stdout`, or a named pipe, would be replaced by a file."""
+    """Otherwise `--json /dev/stdout`, or a named pipe, would be replaced by a file."""
     pipe = tmp_path / 'pipe'
     os.mkfifo(pipe)
     reader = os.open(pipe, os.O_RDONLY | os.O_NONBLOCK)
@@ -96,6 +96,6 @@ def test_seeing_whether_one_could_write_leaves_no_trace(tmp_path: Path) -> None:
 
 
 def test_half_a_character_becomes_a_question_mark(tmp_path: Path) -> None:
-    """JSON can say one, UTF-8 cannot; a whole table would be lost for it."""
+    """JSON can hold half a character, and UTF-8 cannot: no whole table is lost for it."""
     write_text(tmp_path / 'table', 'a\ud800b')
     assert (tmp_path / 'table').read_text() == 'a?b'

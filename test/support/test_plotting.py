@@ -1,4 +1,4 @@
-"""What all figures share."""
+"""Parts that all figures share."""
 
 from __future__ import annotations
 
@@ -8,7 +8,7 @@ from al_questioner.support.plotting import STYLE, put_legend_below
 
 
 def test_a_legend_stands_below_the_panels_and_inside_the_picture() -> None:
-    """It would hide an axis, or be cut off: how wide and high it is depends on the names."""
+    """Otherwise it would hide an axis, or be cut off: how wide and high it is depends on the names."""
     with plt.rc_context(STYLE):
         for count in (1, 3, 12):
             figure, axes = plt.subplots(2, 1, figsize=(5, 4))

@@ -1,4 +1,4 @@
-"""How often something may happen, on a clock that only the test moves."""
+"""Limits on how often something happens, on a clock that only the test moves."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ def now(monkeypatch: pytest.MonkeyPatch) -> SimpleNamespace:
 
 
 def test_each_kind_passes_once_in_a_period(now: SimpleNamespace) -> None:
-    """One fault ten times a second would fill the log, or hide another one."""
+    """Otherwise one fault ten times a second would fill the log, or hide another one."""
     throttle = RepeatLimiter(5, 1.0)
     passed = []
     for tick in range(30):
@@ -31,7 +31,7 @@ def test_each_kind_passes_once_in_a_period(now: SimpleNamespace) -> None:
 
 
 def test_no_more_than_so_many_kinds_pass_in_a_period(now: SimpleNamespace) -> None:
-    """A flood of garbage, each in its own way, would fill log and memory."""
+    """Otherwise a flood of garbage, each in its own way, would fill log and memory."""
     throttle = RepeatLimiter(5, 1.0)
     assert sum(throttle.passes(str(number)) for number in range(1000)) == 5
     now.seconds = 1.0

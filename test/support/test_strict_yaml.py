@@ -39,7 +39,7 @@ def refusal(tmp_path: Path, content: bytes) -> str:
     ],
 )
 def test_a_key_that_occurs_twice_is_refused(tmp_path: Path, content: str, line: int) -> None:
-    """The last would win in silence, however deep it lies and however it is written."""
+    """Otherwise the last would win in silence, however deep it lies and however it is written."""
     assert f', line {line}: key ' in refusal(tmp_path, content.encode())
 
 
@@ -67,7 +67,7 @@ def test_a_key_that_occurs_twice_is_refused(tmp_path: Path, content: str, line: 
     ],
 )
 def test_a_word_that_the_versions_of_yaml_read_differently_is_refused(tmp_path: Path, word: str, hint: str) -> None:
-    """`budget: 010` would be 8, and the symbol `no` would be False; in quotes they are what they are."""
+    """Otherwise `budget: 010` would be 8, and the symbol `no` would be False; in quotes they are plain text."""
     for content in (f'a: 1\nb: {word}', f'a: 1\nsymbols: [x, {word}]', f'a: 1\n{word}: 1'):
         text = refusal(tmp_path, content.encode())
         assert text.startswith(', line 2: ')
@@ -104,7 +104,7 @@ def test_a_word_that_the_versions_of_yaml_read_differently_is_refused(tmp_path: 
     ],
 )
 def test_unusable_yaml_is_one_line(tmp_path: Path, content: bytes, reason: str) -> None:
-    """A file would end in a traceback, fill the memory, or be read in part."""
+    """Otherwise a file would end in a traceback, fill the memory, or be read in part."""
     assert reason in refusal(tmp_path, content)
 
 
@@ -124,12 +124,12 @@ def test_unusable_yaml_is_one_line(tmp_path: Path, content: bytes, reason: str) 
     ],
 )
 def test_other_yaml_is_read_as_ever(content: bytes, values: object) -> None:
-    """Own tasks of users would be refused."""
+    """Otherwise own tasks of users would be refused."""
     assert parse(content) == values
 
 
 def test_all_that_ros_may_take_otherwise_is_told_with_its_line() -> None:
-    """Whoever mends the first line would be stopped at the next, and y would be a truth value without a word."""
+    """All faults are told at once, among them y, which would silently be a truth value."""
     lines = ('a: no', 'b: 010', 'a: 1', 'c: [x, y, "n", Y]', 'y: 1', 'd: n', 'e: !!str y', 'f: -.5')
     content, doubts = parse_for_ros('\n'.join(lines).encode())
     assert content == {'a': 1, 'b': 8, 'c': ['x', 'y', 'n', 'Y'], 'y': 1, 'd': 'n', 'e': 'y', 'f': '-.5'}
@@ -143,11 +143,11 @@ def test_all_that_ros_may_take_otherwise_is_told_with_its_line() -> None:
     'text', ['1e3', '010', '08', 'no', '1:30', '-.5', '0o7', '2024-01-01', '', 'plain', 'a: b', '~']
 )
 def test_what_is_written_is_read_again(text: str) -> None:
-    """A bag with a name such as 1e3 would make a weights file that is refused."""
+    """Otherwise a bag with a name such as 1e3 would make a weights file that is refused."""
     assert parse(text_of({text: [text, 1e20, 3, None]}).encode()) == {text: [text, 1e20, 3, None]}
 
 
 def test_all_that_ships_is_read() -> None:
-    """Parameter files too: a key in them that occurs twice would be lost without a word."""
+    """Parameter files are read strictly, too: a key that occurs twice is not lost without a word."""
     for path in config_dir().rglob('*.yaml'):
         assert read_yaml(path), path

@@ -23,7 +23,7 @@ def scene_of(places: dict[int, tuple[float, float]]) -> Scene:
 
 
 def many_objects(count: int) -> Scene:
-    """So many objects all over the table."""
+    """Return this number of objects all over the table."""
     rng = np.random.default_rng(0)
     return scene_of({i: (float(x), float(y)) for i, (x, y) in enumerate(rng.random((count, 2)))})
 
@@ -36,19 +36,19 @@ def picture_of(height: int = 692, width: int = 1280) -> Picture:
 
 
 def label(number: int = 1, object_id: int = 7, symbols: tuple[str, ...] = SYMBOLS, text: str = '') -> Query:
-    """What is this?"""
+    """Return a label query."""
     action = Action(QueryKind.LABEL, object_id)
     return Query(f'q{number}', number, action, symbols, 1, 4, 5, 1, text or f'What is object {object_id}?')
 
 
 def demonstration(number: int = 1, ids: tuple[int, ...] = (1, 7, 12)) -> Query:
-    """Which is one?"""
+    """Return a demonstration query."""
     action = Action(QueryKind.DEMONSTRATION, symbol='snack')
     return Query(f'q{number}', number, action, tuple(map(str, ids)), 2, 4, 5, 1, 'Can you show me a snack?')
 
 
 def feature_subset(number: int = 1, groups: tuple[str, ...] = GROUPS) -> Query:
-    """What matters?"""
+    """Return a feature subset query."""
     text = 'Which properties matter for telling main dish, snack, fruit and beverage apart?'
     return Query(f'q{number}', number, Action(QueryKind.FEATURE_SUBSET), groups, 2, 4, 5, 1, text)
 
@@ -87,20 +87,20 @@ class Person:
         self.dialogue.follow(EpisodeProgress(turn, 8, 6.0, float(len(records)), done, records, last))
 
     def asked(self, query: Query) -> ViewState:
-        """What is shown once this is asked."""
+        """Return what is shown once this is asked."""
         self.dialogue.ask(query)
-        return self.dialogue.board()
+        return self.dialogue.view_state()
 
     def answered(self, query: Query, word: str = 'fruit') -> ViewState:
-        """What is shown once this is asked, answered, and the answer taken."""
+        """Return what is shown once this is asked, answered, and the answer taken."""
         self.asked(query)
         self.dialogue.say(word)
         return self.taken()
 
     def taken(self, accepted: bool = True, reason: str = '') -> ViewState:
-        """What is shown once the learner has said whether it takes the last answer."""
+        """Return what is shown once the learner has said whether it takes the last answer."""
         self.dialogue.acknowledge(self.sent[-1][1].answer_id, accepted, reason)
-        return self.dialogue.board()
+        return self.dialogue.view_state()
 
 
 @pytest.fixture

@@ -1,4 +1,4 @@
-"""A robot that asks three questions of whoever is at this process's terminal; for the tests.
+"""A robot that asks three questions at this process's terminal; for the tests.
 
     python robot.py FILE [--deaf | --slow]
 

@@ -1,4 +1,4 @@
-"""What keys mean."""
+"""Meanings of the keys."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ KEYS = [*COMMANDS, 'enter', 'backspace', 'escape', 'up', 'down', 'left', 'right'
 
 
 def pressed(view_state: Any, *keys: str) -> list[object]:
-    """What these keys ask for, one after another."""
+    """Return the command of these keys, pressed one after another."""
     pad, found = Pad(), []
     for key in keys:
         pad, command = press(key, pad, view_state)
@@ -27,7 +27,7 @@ def pressed(view_state: Any, *keys: str) -> list[object]:
 
 
 def explained(view_state: Any, key: str, text: str) -> Explain:
-    """What a key alone brings: an explanation with this text."""
+    """Check that a key alone brings an explanation with this text."""
     (command,) = pressed(view_state, key)
     assert isinstance(command, Explain)
     assert text in command.text
@@ -35,13 +35,13 @@ def explained(view_state: Any, key: str, text: str) -> Explain:
 
 
 def test_a_symbol_has_the_first_free_letter_of_its_name() -> None:
-    """People could not guess the keys, or one key would have two meanings."""
+    """Otherwise people could not guess the keys, or one key would have two meanings."""
     keys = {'snack': 'a', 'fruit': 'f', 'salad': 'l', 'frog': 'r', 'nnn': 'b'}
     assert letters(list(keys)) == keys
 
 
 def test_no_key_says_another_name_than_the_one_that_begins_with_it() -> None:
-    """Whoever presses the first letter of an apple would say that it is a snack."""
+    """The first letter of an apple does not say that it is a snack."""
     assert letters(['snack', 'apple', 'Äpfel']) == {'snack': 'c', 'apple': 'a', 'Äpfel': 'p'}
 
 
@@ -59,7 +59,7 @@ def test_no_key_says_another_name_than_the_one_that_begins_with_it() -> None:
 def test_the_first_letter_of_a_name_is_a_command_only_if_it_is_pressed_twice(
     person: Any, made: Any, symbols: tuple[str, ...], key: str, alike: str, command: object
 ) -> None:
-    """Whoever presses s for a screwdriver would skip the question, pay for it, and not know why."""
+    """A person who presses s for a screwdriver does not skip the question and pay for it."""
     view_state = person.asked(made.label(1, symbols=symbols))
     why = explained(view_state, key, alike)
     assert pressed(view_state, key, key) == [why, command]
@@ -76,7 +76,7 @@ def test_the_first_letter_of_a_name_is_a_command_only_if_it_is_pressed_twice(
 def test_the_first_letter_of_a_group_is_a_command_only_if_it_is_pressed_twice(
     person: Any, made: Any, group: str, key: str, command: object
 ) -> None:
-    """Whoever presses s for size would skip the question, and q for quality would end the conversation."""
+    """A person who presses s for size does not skip the question, and q for quality does not end the conversation."""
     view_state = person.asked(made.feature_subset(1, ('colour', group)))
     why = explained(view_state, key, f'for {group} press 2')
     assert pressed(view_state, key, key) == [why, command]
@@ -92,7 +92,7 @@ def test_a_group_beyond_the_digits_is_ticked_otherwise(person: Any, made: Any) -
 
 
 def test_a_capital_is_no_choice_where_another_symbol_begins_so(person: Any, made: Any) -> None:
-    """Whoever begins to spell A1 would say a."""
+    """The first letter of A1 does not say a."""
     view_state = person.asked(made.label(1, symbols=('a', 'A1')))
     text = '"A" could mean two things: for a press a, for A1 press 1'
     assert explained(view_state, 'A', text).text == text
@@ -104,7 +104,7 @@ def test_a_capital_is_no_choice_where_another_symbol_begins_so(person: Any, made
 @settings(deadline=None)
 @given(st.lists(st.text(min_size=1, max_size=8), unique=True, max_size=80))
 def test_keys_are_distinct_and_no_commands(symbols: list[str]) -> None:
-    """A key would answer when the person wants to quit, or say one of two things."""
+    """Otherwise a key would answer when the person wants to quit, or say one of two things."""
     keys = letters(symbols)
     assert len(set(keys.values())) == len(keys) >= min(len(symbols), 20)
     assert not {key.lower() for key in keys.values()} & COMMANDS.keys()
@@ -114,12 +114,12 @@ def test_keys_are_distinct_and_no_commands(symbols: list[str]) -> None:
     ('key', 'word'), [('f', 'fruit'), ('F', 'fruit'), ('n', 'none'), ('?', '?'), ('u', '?'), ('a', 'snack')]
 )
 def test_one_key_answers_a_label_query(person: Any, made: Any, key: str, word: str) -> None:
-    """A person would have to type a hundred names."""
+    """Otherwise a person would have to type a hundred names."""
     assert pressed(person.asked(made.label(1)), key) == [Say(word)]
 
 
 def test_digits_and_enter_answer_a_demonstration_query(person: Any, made: Any) -> None:
-    """The first digit of a number would be taken for all of it."""
+    """Otherwise the first digit of a number would be taken for all of it."""
     view_state = person.asked(made.demonstration(1))
     assert pressed(view_state, '1', '7', 'backspace', '2', 'enter') == [Say('12')]
     assert pressed(view_state, 'n') == [Say('none')]
@@ -129,7 +129,7 @@ def test_digits_and_enter_answer_a_demonstration_query(person: Any, made: Any) -
 
 
 def test_ticks_and_enter_answer_a_feature_subset_query(person: Any, made: Any) -> None:
-    """More than one property could not be named, or a slip not be taken back."""
+    """Otherwise more than one property could not be named, or a slip not be taken back."""
     view_state = person.asked(made.feature_subset(1))
     assert pressed(view_state, '1', '3', '3', '9', ' ', 'right', ' ', 'enter') == [Say('colour,weight')]
     assert pressed(view_state, 'left', ' ', 'enter') == [Say('weight')]
@@ -137,7 +137,7 @@ def test_ticks_and_enter_answer_a_feature_subset_query(person: Any, made: Any) -
 
 
 def test_groups_with_a_comma_can_be_ticked(person: Any, made: Any) -> None:
-    """What is ticked would be read as other groups, or be refused."""
+    """Ticked groups are read as these groups, and not refused."""
     query = made.feature_subset(1, ('x', 'y', 'x,y', 'size'))
     for keys, groups in (('12', ('x', 'y')), ('3', ('x,y',)), ('34', ('x,y', 'size'))):
         (said,) = pressed(person.asked(query), *keys, 'enter')
@@ -147,7 +147,7 @@ def test_groups_with_a_comma_can_be_ticked(person: Any, made: Any) -> None:
 
 @pytest.mark.parametrize('kind', ['label', 'demonstration', 'feature_subset'])
 def test_commands_are_the_same_at_every_question(person: Any, made: Any, kind: str) -> None:
-    """A person could not quit or get help at some question."""
+    """Otherwise a person could not quit or get help at some question."""
     view_state = person.asked(made.QUERIES[kind](1))
     for key, wish in {'z': Wish.UNDO, 'backspace': Wish.UNDO, 'h': Wish.HELP, 'q': Wish.QUIT}.items():
         assert pressed(view_state, key) == [wish]
@@ -156,14 +156,14 @@ def test_commands_are_the_same_at_every_question(person: Any, made: Any, kind: s
 
 
 def test_between_questions_keys_answer_nothing(person: Any, made: Any) -> None:
-    """A second press would answer a question that nobody has seen."""
-    view_state = person.dialogue.board()
+    """Otherwise a second press would answer a question that nobody has seen."""
+    view_state = person.dialogue.view_state()
     assert pressed(view_state, 'f', 'n', '?', 'enter') == []
     assert pressed(view_state, 'h', 'q') == [Wish.HELP, Wish.QUIT]
 
 
 def test_what_was_typed_at_one_question_is_not_carried_to_the_next(person: Any, made: Any) -> None:
-    """Digits that were meant for another question would be part of an answer."""
+    """Otherwise digits that were meant for another question would be part of an answer."""
     pad, _ = press('1', Pad(), person.asked(made.demonstration(1)))
     pad, command = press('2', pad, person.asked(made.demonstration(2)))
     assert (pad.typed, command) == ('2', None)
@@ -172,7 +172,7 @@ def test_what_was_typed_at_one_question_is_not_carried_to_the_next(person: Any, 
 @settings(deadline=None)
 @given(st.sampled_from(['label', 'demonstration', 'feature_subset']), st.lists(st.sampled_from(KEYS) | st.characters()))
 def test_no_keys_fail_and_every_answer_of_the_keypad_is_one(made: Any, kind: str, keys: list[str]) -> None:
-    """A cat on the keyboard would end the session, or say what the robot cannot read."""
+    """Otherwise a cat on the keyboard would end the session, or say what the robot cannot read."""
     view_state = made.Person().asked(made.QUERIES[kind](1))
     for command in pressed(view_state, *(key for key in keys if key != ':')):
         if isinstance(command, Say) and command.text in view_state.prompt.query.choices:
@@ -183,7 +183,7 @@ def test_no_keys_fail_and_every_answer_of_the_keypad_is_one(made: Any, kind: str
 @settings(deadline=None)
 @given(st.text(max_size=40), st.sampled_from(['label', 'demonstration', 'feature_subset']))
 def test_every_line_is_an_answer_or_is_explained(made: Any, line: str, kind: str) -> None:
-    """A script or a person would see a traceback, or nothing at all."""
+    """Otherwise a script or a person would see a traceback, or nothing at all."""
     person = made.Person()
     query = person.asked(made.QUERIES[kind](1)).prompt.query
     command = read_line(line)
@@ -203,12 +203,12 @@ def test_every_line_is_an_answer_or_is_explained(made: Any, line: str, kind: str
 
 @pytest.mark.parametrize(('line', 'wish'), [(' Undo ', Wish.UNDO), ('help', Wish.HELP), ('QUIT', Wish.QUIT)])
 def test_commands_can_be_typed(line: str, wish: Wish) -> None:
-    """A script could neither correct nor end itself."""
+    """Otherwise a script could neither correct nor end itself."""
     assert read_line(line) is wish
 
 
 def test_a_line_that_is_exactly_a_choice_is_that_choice() -> None:
-    """A robot whose symbols no task file has ruled out could not be told of one."""
+    """Otherwise a robot whose symbols no task file has ruled out could not be told of one."""
     assert read_line('undo', ('undo', 'cup')) == Say('undo')
     assert read_line('Undo', ('undo', 'cup')) is Wish.UNDO
     assert read_line('ｕｎｄｏ') is Wish.UNDO

@@ -57,7 +57,7 @@ def said(tmp_path: Path) -> list[str]:
 def test_keys_answer_every_kind_of_question(
     open_robot: Callable[..., Any], tmp_path: Path, environment: dict[str, str], columns: int
 ) -> None:
-    """A person could not teach at their terminal."""
+    """Otherwise a person could not teach at their terminal."""
     terminal = open_robot(columns=columns, environment=environment)
     coloured = not {'NO_COLOR', 'TERM'} & environment.keys()
     terminal.wait_for('▀' if coloured else 'q quit')
@@ -75,7 +75,7 @@ def test_keys_answer_every_kind_of_question(
 
 
 def test_an_answer_is_taken_back_and_help_is_shown(open_robot: Callable[..., Any], tmp_path: Path) -> None:
-    """A slip of the finger could not be mended."""
+    """A slip of the finger can be corrected."""
     terminal = open_robot()
     terminal.press('f', until='Noted: object 7 is fruit.')
     terminal.press('z', until='Correction of: object 7 is fruit')
@@ -90,7 +90,7 @@ def test_an_answer_is_taken_back_and_help_is_shown(open_robot: Callable[..., Any
 
 @pytest.mark.parametrize('way', ['q', '\x03', '\x04', 'SIGTERM', 'SIGINT'])
 def test_however_it_ends_the_terminal_is_as_it_was(open_robot: Callable[..., Any], way: str) -> None:
-    """The shell would stay without echo, or on the other screen."""
+    """Otherwise the shell would stay without echo, or on the other screen."""
     terminal = open_robot()
     assert not terminal.local_modes() & termios.ECHO
     if way.startswith('SIG'):
@@ -105,7 +105,7 @@ def test_however_it_ends_the_terminal_is_as_it_was(open_robot: Callable[..., Any
 
 
 def test_control_z_suspends_and_the_question_comes_back(open_terminal: Callable[..., Any], tmp_path: Path) -> None:
-    """Who wants a look at something else would have to quit; or the shell would stay without echo meanwhile."""
+    """A person can look at something else without quitting, and the shell has its echo meanwhile."""
     shell = open_terminal(['bash', '--norc', '-i'], environment={'NO_COLOR': None, 'PS1': 'shell> ', 'HISTFILE': None})
     shell.wait_for('shell>')
     before = shell.local_modes()
@@ -126,7 +126,7 @@ def test_control_z_suspends_and_the_question_comes_back(open_terminal: Callable[
 
 
 def test_what_nodes_log_meanwhile_is_shown_when_the_screen_has_gone(open_robot: Callable[..., Any]) -> None:
-    """Warnings would be written across the question, or be lost."""
+    """Otherwise warnings would be written across the question, or be lost."""
     terminal = open_robot()
     terminal.press('f', until='Noted: object 7 is fruit.')
     assert b'disk' not in terminal.raw
@@ -136,7 +136,7 @@ def test_what_nodes_log_meanwhile_is_shown_when_the_screen_has_gone(open_robot: 
 
 
 def test_an_answer_that_was_not_confirmed_is_said_to_be_so(open_robot: Callable[..., Any]) -> None:
-    """A person would go home in the belief that the robot has heard them."""
+    """Otherwise a person would go home in the belief that the robot has heard them."""
     terminal = open_robot('--deaf')
     terminal.press('f', until='telling the robot')
     terminal.press('q', until='The robot has not confirmed your answer')
@@ -144,7 +144,7 @@ def test_an_answer_that_was_not_confirmed_is_said_to_be_so(open_robot: Callable[
 
 
 def test_a_terminal_that_changes_its_size_is_filled_anew(open_robot: Callable[..., Any]) -> None:
-    """The keys would be out of sight until the end."""
+    """Otherwise the keys would be out of sight until the end."""
     terminal = open_robot()
     terminal.screen.resize(24, 50)
     terminal.child.setwinsize(24, 50)
@@ -153,7 +153,7 @@ def test_a_terminal_that_changes_its_size_is_filled_anew(open_robot: Callable[..
 
 
 def test_a_terminal_that_can_do_nothing_is_talked_to_in_lines(open_robot: Callable[..., Any], tmp_path: Path) -> None:
-    """A person in an editor's shell would see codes instead of questions."""
+    """Otherwise a person in an editor's shell would see codes instead of questions."""
     terminal = open_robot(environment={'TERM': 'dumb'})
     line = 'q1: What is object 7? [snack fruit none ? skip] (costs 1, which leaves 4 of 5 of the budget; turns left 2)'
     assert ''.join(terminal.text.splitlines()).startswith(line)
@@ -170,7 +170,7 @@ def piped(tmp_path: Path, text: str, *options: str, stdin: Any = None) -> subpro
 
 
 def test_a_script_answers_a_line_for_each_question(tmp_path: Path) -> None:
-    """Whoever tests a robot could not automate the person."""
+    """A test of a robot can automate the person."""
     done = piped(tmp_path, 'pudding\nfruit\nundo\nsnack\n#12\n\ncolour, size')
     label, shown, subset = 'q1: What is object 7? ', 'q2: Can you show me a snack? ', 'q3: Which properties matter? '
     correction = label.replace('q1', 'q1: correction')
@@ -185,7 +185,7 @@ def test_a_script_answers_a_line_for_each_question(tmp_path: Path) -> None:
 
 
 def test_undo_in_a_script_waits_until_the_answer_is_taken(tmp_path: Path) -> None:
-    """`undo` would be dropped, and the answer after it be told as that to the next question: a wrong label."""
+    """Otherwise the answer after a dropped `undo` would be told as that to the next question: a wrong label."""
     done = piped(tmp_path, 'fruit\nundo\nsnack\n#12\ncolour\nundo\nsize\n', '--slow')
     assert 'on its way' not in done.stderr
     assert said(tmp_path) == [*CORRECTED, "q3 answered ('colour',) False", "q3 answered ('size',) True"]
@@ -193,7 +193,7 @@ def test_undo_in_a_script_waits_until_the_answer_is_taken(tmp_path: Path) -> Non
 
 @pytest.mark.parametrize('text', ['', 'help\n', 'quit\nfruit\n', None])
 def test_the_end_of_the_input_or_quit_leaves_the_question_open(tmp_path: Path, text: str | None) -> None:
-    """A script would not learn that the robot still waits; under `ros2 launch`, without input, it would for ever."""
+    """A script learns that the robot still waits, and does not wait for ever under `ros2 launch`, without input."""
     done = piped(tmp_path, text or '', stdin=subprocess.DEVNULL if text is None else None)
     assert done.stderr.splitlines()[-1].startswith('Left open: What is object 7? (q1)')
     assert not said(tmp_path)
@@ -203,7 +203,7 @@ def test_the_end_of_the_input_or_quit_leaves_the_question_open(tmp_path: Path, t
     'content', [b'\xff\xfe\x00\x1b[2J\n', b'a' * 100_000, b'\n' * 50], ids=['bytes', 'long', 'blank']
 )
 def test_rubbish_on_the_input_is_explained(tmp_path: Path, content: bytes) -> None:
-    """A file that is no text would end in a traceback, or reach the terminal as it is."""
+    """Otherwise a file that is no text would end in a traceback, or reach the terminal as it is."""
     file = tmp_path / 'rubbish'
     file.write_bytes(content)
     with file.open('rb') as stdin:

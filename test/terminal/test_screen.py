@@ -1,4 +1,4 @@
-"""What is on the screen, on any terminal."""
+"""The screen, on any terminal."""
 
 from __future__ import annotations
 
@@ -29,7 +29,7 @@ def shown(view_state: Any, capabilities: Capabilities, pad: Pad | None = None, i
 @pytest.mark.parametrize('kind', ['label', 'demonstration', 'feature_subset'])
 @pytest.mark.parametrize('capabilities', TERMINALS, ids=str)
 def test_every_screen_fits_its_terminal(made: Any, kind: str, capabilities: Capabilities) -> None:
-    """Lines would wrap and push the question off the screen, on a small one or over a slow line."""
+    """Otherwise lines would wrap and push the question off the screen, on a small one or over a slow line."""
     person = made.Person()
     person.dialogue.look(made.many_objects(60), 1)
     person.progress(3, *(made.record(turn) for turn in range(1, 4)))
@@ -45,7 +45,7 @@ def test_every_screen_fits_its_terminal(made: Any, kind: str, capabilities: Capa
 
 @pytest.mark.parametrize('width', [40, 80])
 def test_a_label_query_shows_all_that_it_takes_to_answer(person: Any, made: Any, width: int) -> None:
-    """The person could not know what is asked, about which thing, or how to say it."""
+    """Otherwise the person could not know what is asked, about which thing, or how to say it."""
     person.progress(1, made.record(1))
     text = ' '.join(shown(person.asked(made.label(2)), Capabilities(width)).split())
     for part in (
@@ -63,19 +63,19 @@ def test_a_label_query_shows_all_that_it_takes_to_answer(person: Any, made: Any,
 
 
 def test_without_colours_nothing_but_characters_is_written(person: Any, made: Any) -> None:
-    """A terminal without colours, or a log, would be full of codes."""
+    """Otherwise a terminal without colours, or a log, would be full of codes."""
     text = shown(person.asked(made.label(1)), Capabilities())
     assert '\x1b' not in text
     assert '▀' not in text
 
 
 def test_colours_are_those_that_the_terminal_has(person: Any, made: Any) -> None:
-    """A terminal of 256 colours would show none, or wrong ones; one without would show blocks of one colour."""
+    """A terminal of 256 colours shows the right ones, and one without no blocks of one colour."""
     view_state = person.asked(made.label(1))
     # rich keeps the codes of a style that it has once written, so that each kind of terminal needs colours of its own.
     assert '38;2;' in shown(view_state, Capabilities(colors='truecolor'))
     person.dialogue.see(made.picture_of() // 2, 2)
-    view_state = person.dialogue.board()
+    view_state = person.dialogue.view_state()
     assert '38;2;' not in shown(view_state, Capabilities(colors='256'))
     assert '38;5;' in shown(view_state, Capabilities(colors='256'))
     monochrome = shown(view_state, Capabilities(colors='256', monochrome=True))
@@ -87,7 +87,7 @@ def test_colours_are_those_that_the_terminal_has(person: Any, made: Any) -> None
 @settings(deadline=None)
 @given(st.text(max_size=60), st.lists(st.text(min_size=1, max_size=30), min_size=2, max_size=6, unique=True))
 def test_texts_from_the_robot_reach_the_terminal_as_text(made: Any, text: str, symbols: list[str]) -> None:
-    """Whoever publishes a question could clear the screen, move the cursor, or make the terminal type."""
+    """A text of a question cannot clear the screen, move the cursor, or make the terminal type."""
     hostile = f'\x1b[2J\x07\u202e{text}\r\n'
     person = made.Person()
     query = made.label(1, symbols=(hostile, *symbols), text=hostile)
@@ -102,7 +102,7 @@ def test_texts_from_the_robot_reach_the_terminal_as_text(made: Any, text: str, s
 
 
 def test_a_number_that_is_typed_shows_its_object(person: Any, made: Any) -> None:
-    """The person would learn only afterwards that they pointed at another thing."""
+    """Otherwise the person would learn only afterwards that they pointed at another thing."""
     view_state = person.asked(made.demonstration(1))
     pad, _ = press('1', Pad(), view_state)
     pad, _ = press('2', pad, view_state)
@@ -112,7 +112,7 @@ def test_a_number_that_is_typed_shows_its_object(person: Any, made: Any) -> None
 
 
 def test_ticked_groups_are_marked(person: Any, made: Any) -> None:
-    """The person could not see what they are about to say."""
+    """Otherwise the person could not see what they are about to say."""
     view_state = person.asked(made.feature_subset(1))
     pad, _ = press('2', Pad(), view_state)
     assert '[x] 2 size' in shown(view_state, Capabilities(), pad)
@@ -120,28 +120,28 @@ def test_ticked_groups_are_marked(person: Any, made: Any) -> None:
 
 
 def test_an_object_that_has_gone_is_said_to_have_gone(person: Any, made: Any) -> None:
-    """The person would look for it and not find it."""
+    """Otherwise the person would look for it and not find it."""
     assert 'Object 9 is not in view any more.' in shown(person.asked(made.label(1, object_id=9)), Capabilities())
 
 
 def test_between_questions_the_robot_is_said_to_think(person: Any, made: Any) -> None:
-    """The person would take the program for dead."""
+    """Otherwise the person would believe that the program has stopped."""
     person.progress(3)
-    assert 'thinks. 5 turns left.' in shown(person.dialogue.board(), Capabilities())
+    assert 'thinks. 5 turns left.' in shown(person.dialogue.view_state(), Capabilities())
 
 
 def test_a_camera_whose_projection_is_unknown_is_not_cut_out(person: Any, made: Any) -> None:
-    """The person would be shown some other part of the picture as the object."""
+    """Otherwise the person would be shown some other part of the picture as the object."""
     person.dialogue.see(made.picture_of(480, 640), 2)
     text = shown(person.asked(made.label(1)), Capabilities())
     assert text.split('\n')[4].startswith('┌─')
 
 
 def test_a_correction_says_what_it_corrects(person: Any, made: Any) -> None:
-    """The person would think that the robot asks the same thing again."""
+    """Otherwise the person would think that the robot asks the same thing again."""
     person.answered(made.label(1))
     person.dialogue.undo()
-    text = shown(person.dialogue.board(), Capabilities())
+    text = shown(person.dialogue.view_state(), Capabilities())
     assert 'Correction of: object 7 is fruit' in text
     # Of the question that is shown, not how far the robot is meanwhile.
     assert 'turn 1 of 6 · correcting' in text
@@ -150,7 +150,7 @@ def test_a_correction_says_what_it_corrects(person: Any, made: Any) -> None:
 @pytest.mark.parametrize('kind', ['label', 'demonstration', 'feature_subset'])
 @pytest.mark.parametrize('capabilities', [Capabilities(80, 24), Capabilities(80, 18), Capabilities(60, 40)], ids=str)
 def test_the_map_stays_where_it_is_while_a_question_is_shown(made: Any, kind: str, capabilities: Capabilities) -> None:
-    """The number that somebody is about to point at would jump to another row."""
+    """Otherwise the number that somebody is about to point at would jump to another row."""
     person = made.Person()
     person.dialogue.look(made.many_objects(20), 1)
     view_state = person.asked(made.QUERIES[kind](5))
@@ -158,9 +158,9 @@ def test_the_map_stays_where_it_is_while_a_question_is_shown(made: Any, kind: st
     pads = (Pad(), Pad(about(view_state), '1'), Pad(notice='one line'), long)
     screens = [shown(view_state, capabilities, pad) for pad in pads]
     person.progress(4, *(made.record(turn) for turn in range(1, 5)))
-    screens += [shown(person.dialogue.board(), capabilities, pad) for pad in pads]
+    screens += [shown(person.dialogue.view_state(), capabilities, pad) for pad in pads]
     person.dialogue.say('?')
-    screens.append(shown(person.dialogue.board(), capabilities))
+    screens.append(shown(person.dialogue.view_state(), capabilities))
     rows = {tuple(n for n, line in enumerate(text.split('\n')) if set('┌└') & set(line)) for text in screens}
     assert len(rows) == 1
     ((top, bottom),) = rows
@@ -169,7 +169,7 @@ def test_the_map_stays_where_it_is_while_a_question_is_shown(made: Any, kind: st
 
 
 def test_numbers_beyond_all_measure_are_shown(person: Any, made: Any) -> None:
-    """One strange message would end a person's session."""
+    """Otherwise one strange message would end a person's session."""
     query = made.label(1, symbols=('x' * 9000,) * 3000)
     query = replace(query, turns_left=10**4299, cost=float('inf'), budget_left=1e300)
     view_state = person.asked(query)
@@ -178,15 +178,15 @@ def test_numbers_beyond_all_measure_are_shown(person: Any, made: Any) -> None:
 
 
 def test_a_question_that_waits_tells_the_time_that_is_left_now(person: Any, made: Any) -> None:
-    """Who comes back would believe that there is more time than there is."""
+    """Otherwise a user who comes back would believe that there is more time than there is."""
     person.asked(made.label(2))
     person.progress(4)
-    view_state = person.dialogue.board()
+    view_state = person.dialogue.view_state()
     assert 'turn 5 of 7' in shown(view_state, Capabilities())
     assert 'turns left 2' in question_line(view_state.prompt.query, False, view_state.progress)
 
 
 def test_a_line_keeps_names_with_blanks_and_commas_apart(made: Any) -> None:
-    """A person would take one name for two, and be refused."""
+    """Otherwise a person would take one name for two, and be refused."""
     assert '[main dish, cup, none, ?, skip]' in question_line(made.label(1, symbols=('main dish', 'cup')), False)
     assert '[size,"bbox[0,1]" ? skip]' in question_line(made.feature_subset(1, ('size', 'bbox[0,1]')), False)

@@ -12,6 +12,7 @@ from al_questioner.commands.demo.progress import ProgressView
 from al_questioner.commands.demo.report import episode_document, summary
 from al_questioner.concepts import compile_models
 from al_questioner.domain import InputError, QueryRecord
+from al_questioner.questioning import make_strategy
 from al_questioner.simulation import (
     Evaluation,
     PerceivedWorld,
@@ -24,6 +25,7 @@ from al_questioner.simulation import (
 )
 from al_questioner.simulation.made_up_world import MadeUpWorld, made_up_scene
 from al_questioner.support.files import check_writable, make_folder, write_text
+from al_questioner.terminal.menu import make_picker
 
 PATIENCE = 30.0
 """Seconds without progress after which the warning of a node ends the demo."""
@@ -31,29 +33,30 @@ PATIENCE = 30.0
 
 def main(given: argparse.Namespace) -> int:
     """Run the demo."""
-    choice = WorldSpec(
+    world_spec = WorldSpec(
         load_task(given.task), given.seed, given.seed if given.sample is None else given.sample, given.dataset
     )
     settings = episode_settings(
-        choice.task,
+        world_spec.task,
         given.strategy,
         given.budget,
         given.turns,
         weights_file=given.weights_file,
         tune_every=given.tune_every,
     )
-    made_up = MadeUpWorld(choice.task, choice.seed, choice.sample) if given.dry_run else None
+    made_up = MadeUpWorld(world_spec.task, world_spec.seed, world_spec.sample) if given.dry_run else None
     views = 'images' if made_up is None else 'made-up views'
     teacher = ScriptedTeacher(
-        choice.task.symbols,
-        choice.task.relevant_groups if made_up is None else made_up.relevant_groups,
+        world_spec.task.symbols,
+        world_spec.task.relevant_groups if made_up is None else made_up.relevant_groups,
         given.seed,
         given.wrong_rate,
         given.unknown_rate,
         repeat_shown=given.repeat_shown,
     )
     world = None if made_up is None else PerceivedWorld(made_up, made_up_scene)
-    evaluation = Evaluation(choice, settings, world)
+    strategy = make_strategy(settings.strategy, settings.weights, make_picker())
+    evaluation = Evaluation(world_spec, settings, strategy.selector, world)
     make_folder(given.out)
     if given.json is not None:
         check_writable(given.json)
@@ -63,9 +66,9 @@ def main(given: argparse.Namespace) -> int:
     _tell(console, evaluation.world.report())
     with console.status('preparing the models (compiling them, if need be, takes some ten seconds)'):
         compile_models()
-    with ProgressView(console, choice.task, settings) as progress:
+    with ProgressView(console, world_spec.task, settings) as progress:
         if given.offline:
-            play(evaluation, teacher, progress.after_turn)
+            play(evaluation, strategy, teacher, progress.after_turn)
         else:
             _play_graph(given, evaluation, progress.after_turn)
     result = evaluation.result()
@@ -114,9 +117,9 @@ def _play_graph(given: argparse.Namespace, evaluation: Evaluation, watch: TurnWa
     from al_questioner.ros.episode_launcher import EpisodeLauncher
     from al_questioner.ros.worlds import new_episode_id
 
-    choice, settings = evaluation.choice, evaluation.settings
-    world = {'task': given.task, 'dataset': str(given.dataset or ''), 'seed': choice.seed, 'sample': choice.sample}
-    episode_id = new_episode_id(choice)
+    spec, settings = evaluation.world_spec, evaluation.settings
+    world = {'task': given.task, 'dataset': str(given.dataset or ''), 'seed': spec.seed, 'sample': spec.sample}
+    episode_id = new_episode_id(spec)
 
     def follow(turn: int, queries: tuple[QueryRecord, ...]) -> None:
         by_turn = {record.turn: record for record in queries}

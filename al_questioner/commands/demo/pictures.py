@@ -125,4 +125,4 @@ def _mark(record: QueryRecord) -> Mark:
 def _title(result: EpisodeResult) -> str:
     settings = result.settings
     limits = f'budget {settings.budget:g}, {number_of(settings.turns, "turn")}'
-    return f'{result.choice.task.name}, {settings.strategy}, {limits}, seed {result.choice.seed}'
+    return f'{result.world_spec.task.name}, {settings.strategy}, {limits}, seed {result.world_spec.seed}'

@@ -18,11 +18,11 @@ from al_questioner.support.text import number_of
 
 def episode_document(result: EpisodeResult, teacher: ScriptedTeacher, world: PerceivedWorld) -> dict[str, Any]:
     """Return the JSON of a learning episode (docs/reference/documents.md), from which it can be played again."""
-    choice, settings = result.choice, result.settings
+    world_spec, settings = result.world_spec, result.settings
     return {
-        'task': choice.task.name,
+        'task': world_spec.task.name,
         'strategy': settings.strategy,
-        'seed': choice.seed,
+        'seed': world_spec.seed,
         'budget': settings.budget,
         'turns': settings.turns,
         'spent': result.spent,
@@ -32,8 +32,8 @@ def episode_document(result: EpisodeResult, teacher: ScriptedTeacher, world: Per
         'test_images': result.test_size,
         'mean_accuracy': sum(result.accuracy) / len(result.accuracy),
         'scene_changes': world.change_turns(settings.turns),
-        'sample': choice.sample,
-        'dataset': None if choice.dataset is None else str(choice.dataset),
+        'sample': world_spec.sample,
+        'dataset': None if world_spec.dataset is None else str(world_spec.dataset),
         'dataset_report': world.report().splitlines(),
         'symbols': list(settings.symbols),
         'weights': dict(settings.weights),
@@ -62,7 +62,7 @@ def summary(result: EpisodeResult, views: str = 'images') -> Table:
     kinds = Counter(record.kind for record in result.queries)
     asked = ', '.join(f'{kinds[kind]} {kind.value.replace("_", " ")}' for kind in QueryKind if kinds[kind])
     table = Table(
-        title=f'{escape(result.choice.task.name)} · {settings.strategy} · seed {result.choice.seed}',
+        title=f'{escape(result.world_spec.task.name)} · {settings.strategy} · seed {result.world_spec.seed}',
         show_header=False,
         title_justify='left',
     )

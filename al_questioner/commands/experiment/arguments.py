@@ -7,7 +7,7 @@ import os
 from collections.abc import Mapping, Sequence
 from pathlib import Path
 
-from al_questioner.domain import AMPLITUDE, BUDGET, TURNS, SettingsError
+from al_questioner.domain import AMPLITUDE, BUDGET, TURNS, Setting, SettingsError
 from al_questioner.experiments.ceilings import CEILINGS
 from al_questioner.experiments.plan import (
     CONTROLS,
@@ -21,9 +21,13 @@ from al_questioner.experiments.plan import (
 from al_questioner.experiments.studies import STUDIES
 from al_questioner.questioning import FEATURE_SETS
 from al_questioner.simulation.scripted_teacher import REPEAT_SHOWN, UNKNOWN_RATE, WRONG_RATE
+from al_questioner.simulation.task import SCENE_INTERVAL, SYNCHRONY
 from al_questioner.simulation.world_spec import DATASET
-from al_questioner.support.arguments import JOBS, NumberWithin, Parser, add_option
+from al_questioner.support.arguments import JOBS, Parser, add_option
 from al_questioner.support.configuration import shipped_names
+
+SAMPLES = Setting('samples', 5, 'of each task', lower=1, upper=100_000)
+FIRST_SAMPLE = Setting('first_sample', 0, 'number of the first sample', lower=0, upper=1_000_000)
 
 
 def condition(text: str) -> Condition:
@@ -63,16 +67,11 @@ def parser() -> Parser:
         metavar='NAME',
         help=f'vary what the paper does not tell: {", ".join(STUDIES)}; all if none is named',
     )
-    result.add_argument('--samples', type=NumberWithin(int, 1, 100_000), default=5, help='of each task (%(default)s)')
-    first_help = 'number of the first sample (%(default)s)'
-    result.add_argument('--first-sample', type=NumberWithin(int, 0, 1_000_000), default=0, help=first_help)
+    add_option(result, SAMPLES)
+    add_option(result, FIRST_SAMPLE)
     result.add_argument('--weights-file', help=f'weights of {" or ".join(FEATURE_SETS)}; those that ship if not given')
-    result.add_argument(
-        '--change-interval', type=NumberWithin(int, 1, 10_000), help="turns between changes (the task's)"
-    )
-    result.add_argument(
-        '--synchrony', type=NumberWithin(float, 0, 1), help="how synchronously objects change (the task's)"
-    )
+    add_option(result, SCENE_INTERVAL, "the task's")
+    add_option(result, SYNCHRONY, "the task's")
     add_option(result, WRONG_RATE)
     add_option(result, UNKNOWN_RATE)
     add_option(result, REPEAT_SHOWN)

@@ -23,11 +23,11 @@ def parser() -> Parser:
     bag_help = 'directory of the bag, or the name of one that ships, such as expert_0'
     result.add_argument('bag', metavar='BAG', help=bag_help)
     result.add_argument('--rate', type=float, default=1.0, help='recorded seconds in a second (%(default)s)')
-    result.add_argument('--loop', action='store_true', help='begin anew at the end')
-    clock_help = 'publish the recorded time on /clock so often (0: not at all)'
+    result.add_argument('--loop', action='store_true', help='start again from the beginning at the end')
+    clock_help = 'rate at which the recorded time is published on /clock (0: not at all)'
     result.add_argument('--clock', type=NumberWithin(float, 0, 1000), default=0.0, metavar='HZ', help=clock_help)
     result.add_argument('--start-paused', action='store_true', help='begin with a pause')
-    wait_help = 'begin when somebody listens, or after so many seconds (%(default)s)'
+    wait_help = 'begin when somebody listens, or after this time (%(default)s)'
     result.add_argument(
         '--wait-for-subscribers', type=NumberWithin(float, 0, 3600), default=5.0, metavar='SECONDS', help=wait_help
     )

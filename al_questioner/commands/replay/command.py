@@ -35,7 +35,7 @@ def main(given: argparse.Namespace) -> int:
     if given.check:
         return _check(given.bag, console)
     if given.as_perception:
-        return _stand_in(given.bag, ros, console)
+        return _serve_scenes(given.bag, ros, console)
     bag, missing = installed_part(read_bag(given.bag))
     messages = without_steps_back(bag.messages)
     playback = Playback(messages, given.rate, given.loop, given.start_paused)
@@ -54,7 +54,7 @@ def main(given: argparse.Namespace) -> int:
         lambda: ReplayNode(bag, playback, given.wait_for_subscribers, given.clock), ros, console, _status_of_playback
     )
     played = f'{playback.position} of {len(bag.messages)} messages played, {playback.turn} of {playback.turns} turns'
-    console.print(played if node is not None and node.begun else 'nothing was played', highlight=False)
+    console.print(played if node is not None and node.started else 'nothing was played', highlight=False)
     return 0
 
 
@@ -62,7 +62,7 @@ def _warn(console: Console, text: str) -> None:
     console.print(f'WARNING: {text}', style='yellow', markup=False, highlight=False, soft_wrap=True)
 
 
-def _stand_in(path: Path, ros: Sequence[str], console: Console) -> int:
+def _serve_scenes(path: Path, ros: Sequence[str], console: Console) -> int:
     scenes = scenes_of(read_bag(path))
     last = max(scenes.clouds)
     console.print(f'{path}: scenes of {len(scenes.clouds)} turns, the last is turn {last}', highlight=False)
@@ -109,7 +109,8 @@ def _run(
 
 def _status_of_playback(node: ReplayNode, keys: bool) -> str:
     play = node.playback
-    state = f'rate {play.rate:.3g}' + (' · paused' if play.paused else '' if node.begun else ' · waiting for listeners')
+    waiting = '' if node.started else ' · waiting for listeners'
+    state = f'rate {play.rate:.3g}' + (' · paused' if play.paused else waiting)
     position = f'{play.elapsed(time.monotonic()):.1f} of {play.duration:.1f} s · turn {play.turn} of {play.turns}'
     return f'{position} · {state}' + (f'\n{KEYS}' if keys else '')
 
@@ -122,11 +123,11 @@ def _check(path: Path, console: Console) -> int:
     """
     left_out: list[LeftOut] = []
     for episode in read_episodes(path, left_out):
-        where = f'{path}: {episode.begun.episode_id}'
-        divergence = first_divergence(episode.begun, episode.events)
+        where = f'{path}: {episode.started.episode_id}'
+        divergence = first_divergence(episode.started, episode.events)
         if divergence is not None:
             raise EpisodeError(f'{where}: {divergence}')
-        played, of = episode.decisions, episode.begun.settings.turns
+        played, of = episode.decisions, episode.started.settings.turns
         checked = number_of(played, 'decision') if played == of else f'{played} of {number_of(of, "turn")}'
         console.print(f'{where}: {checked}, all as recorded', highlight=False, soft_wrap=True)
     for what, reason in left_out:

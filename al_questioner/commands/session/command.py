@@ -10,11 +10,12 @@ from rich.console import Console
 from rich.table import Table
 from rich.text import Text
 
-from al_questioner.commands.session.export import session_document, spoken, write_tables
+from al_questioner.commands.session.export import session_document, spoken, status, write_tables
 from al_questioner.domain import Answer, Outcome
 from al_questioner.domain.names import quoted
 from al_questioner.event_log.log import read_log, repair_log
 from al_questioner.event_log.summary import SessionSummary, StatedAnswer, summarise_session
+from al_questioner.questioning import Receipt
 from al_questioner.support.files import check_writable, write_text
 from al_questioner.support.text import number_of
 
@@ -51,27 +52,28 @@ def main(given: argparse.Namespace) -> int:
 
 def _show(console: Console, summary: SessionSummary) -> None:
     """Print what was asked and said, and whether the log is whole."""
-    begun, episode = summary.begun, summary.episode
-    world = '' if begun.world is None else f'{begun.world["task"]} · '
-    _say(console, f'{world}{begun.settings.strategy} · seed {begun.seed} · episode {begun.episode_id}')
-    spent = f'{episode.spent:g} of {begun.settings.budget:g} spent'
-    _say(console, f'turn {episode.turn} of {begun.settings.turns}, {spent}{", over" if episode.done else ""}')
+    started, episode = summary.started, summary.episode
+    world = '' if started.world is None else f'{started.world["task"]} · '
+    _say(console, f'{world}{started.settings.strategy} · seed {started.seed} · episode {started.episode_id}')
+    spent = f'{episode.spent:g} of {started.settings.budget:g} spent'
+    _say(console, f'turn {episode.turn} of {started.settings.turns}, {spent}{", over" if episode.done else ""}')
     table = Table(show_header=True)
     for column in ('turn', 'query', 'asked', 'said', 'by', 'answer', 'what became of it'):
         table.add_column(column)
-    for said in summary.said:
-        table.add_row(*map(Text, _row(said)))
-    heard = {said.answer.query_id for said in summary.said}
+    statements = summary.statements
+    for statement in statements:
+        table.add_row(*map(Text, _row(statement)))
+    heard = {statement.answer.query_id for statement in statements}
     for query in (query for query in summary.queries.values() if query.query_id not in heard):
         status = 'pending' if query == episode.pending else 'unanswered, withdrawn'
         table.add_row(*map(Text, (str(query.turn), query.query_id, query.text, '', '', '', status)))
     if table.rows:
         console.print(table)
-    taken = sum(said.status != 'late' and said.answer.replaces is None for said in summary.said)
-    corrections = sum(said.status != 'late' and said.answer.replaces is not None for said in summary.said)
-    late = sum(said.status == 'late' for said in summary.said)
-    refused = sum(refused.count for _, refused in summary.refused)
-    counts = f'{taken} taken, {number_of(corrections, "correction")}, {late} late, {refused} refused'
+    accepted = [statement.answer for statement in statements if statement.receipt is Receipt.ACCEPTED]
+    corrections = sum(answer.replaces is not None for answer in accepted)
+    late, rejected = len(statements) - len(accepted), sum(event.count for _, event in summary.rejected)
+    taken = f'{len(accepted) - corrections} taken, {number_of(corrections, "correction")}'
+    counts = f'{taken}, {late} late, {rejected} refused'
     _say(console, f'answers: {counts}')
     for name, record in episode.teachers.items():
         told = f'{record.answered} answered, {record.unknown} unknown, {record.skipped} skipped'
@@ -85,8 +87,8 @@ def _show(console: Console, summary: SessionSummary) -> None:
         _say(console, f'{summary.folder}: DAMAGED: {summary.fault}; {recovered}')
 
 
-def _row(said: StatedAnswer) -> tuple[str, ...]:
-    answer, query = said.answer, said.query
+def _row(statement: StatedAnswer) -> tuple[str, ...]:
+    answer, query, became = statement.answer, statement.query, status(statement)
     return (
         '' if query is None else str(query.turn),
         answer.query_id,
@@ -94,7 +96,7 @@ def _row(said: StatedAnswer) -> tuple[str, ...]:
         _said(answer),
         answer.teacher_id,
         answer.answer_id,
-        said.status if answer.replaces is None else f'replaces {answer.replaces}; {said.status}',
+        became if answer.replaces is None else f'replaces {answer.replaces}; {became}',
     )
 
 

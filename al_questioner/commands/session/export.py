@@ -12,8 +12,9 @@ from typing import Any
 
 from al_questioner.domain import Content, InputError, Query
 from al_questioner.domain.names import joined
-from al_questioner.event_log.summary import SessionSummary
+from al_questioner.event_log.summary import SessionSummary, StatedAnswer
 from al_questioner.messages.documents import record_members, settings_members
+from al_questioner.questioning import Receipt
 from al_questioner.simulation import Evaluation, WorldSpec, load_task
 from al_questioner.support.files import write_text
 
@@ -29,13 +30,13 @@ TURN_COLUMNS = (
 
 def session_document(summary: SessionSummary) -> dict[str, Any]:
     """Return the JSON of an episode (docs/reference/documents.md), with accuracy only if its world is simulated."""
-    begun, records = summary.begun, summary.episode.records
+    started, records = summary.started, summary.episode.records
     accuracy, reason = measured_accuracy(summary)
-    settings = settings_members(begun.settings)
+    settings = settings_members(started.settings)
     return {
-        'task': None if begun.world is None else begun.world['task'],
+        'task': None if started.world is None else started.world['task'],
         'strategy': settings.pop('strategy'),
-        'seed': begun.seed,
+        'seed': started.seed,
         'budget': settings.pop('budget'),
         'turns': settings.pop('turns'),
         'spent': sum(record.cost for record in records),
@@ -43,33 +44,33 @@ def session_document(summary: SessionSummary) -> dict[str, Any]:
         'accuracy': accuracy,
         'queries': [record_members(record) for record in records],
         'no_accuracy_because': reason,
-        'episode_id': begun.episode_id,
-        'sample': None if begun.world is None else begun.world['sample'],
-        'dataset': None if begun.world is None else begun.world['dataset'],
+        'episode_id': started.episode_id,
+        'sample': None if started.world is None else started.world['sample'],
+        'dataset': None if started.world is None else started.world['dataset'],
         **settings,
-        'view_tolerance': begun.view_tolerance,
+        'view_tolerance': started.view_tolerance,
         'kernel': asdict(summary.episode.concepts.kernel) if summary.episode.turn else None,
         'teachers': {name: asdict(record) for name, record in summary.episode.teachers.items()},
         'turns_over': summary.turns_over,
         'damage': summary.fault,
-        'version': begun.version,
+        'version': started.version,
     }
 
 
 def measured_accuracy(summary: SessionSummary) -> tuple[list[float], str | None]:
     """Accuracy on held-out observations after each turn that is over, with all corrections, or why it is not known."""
-    world = summary.begun.world
+    world = summary.started.world
     if world is None:
         return [], 'the world was not simulated'
     try:
         dataset = None if world['dataset'] is None else Path(world['dataset'])
-        choice = WorldSpec(load_task(world['task']), world['seed'], world['sample'], dataset)
-        evaluation = Evaluation(choice, summary.begun.settings)
+        world_spec = WorldSpec(load_task(world['task']), world['seed'], world['sample'], dataset)
+        evaluation = Evaluation(world_spec, summary.started.settings, summary.episode.strategy.selector)
         by_turn = {record.turn: record for record in summary.episode.records}
-        for seen in summary.seen[: summary.turns_over]:
-            if not evaluation.world.scene(seen.turn).equals(seen.scene):
-                return [], f'the scene of turn {seen.turn} is not that of the simulated world'
-            evaluation.next_turn(by_turn.get(seen.turn))
+        for observed in summary.observed[: summary.turns_over]:
+            if not evaluation.world.scene(observed.turn).equals(observed.scene):
+                return [], f'the scene of turn {observed.turn} is not that of the simulated world'
+            evaluation.next_turn(by_turn.get(observed.turn))
     except InputError as error:
         return [], str(error)
     return (list(evaluation.result().accuracy), None) if evaluation.turn else ([], 'no turn is over')
@@ -94,6 +95,13 @@ def spoken(content: Content) -> str:
     return joined(content) if isinstance(content, tuple) else str(content)
 
 
+def status(statement: StatedAnswer) -> str:
+    """Describe what became of an answer."""
+    if statement.receipt is Receipt.LATE:
+        return 'late'
+    return 'taken' if statement.replaced_by is None else f'taken, then replaced by {statement.replaced_by}'
+
+
 def time_of(stamp: int) -> str:
     """Nanoseconds since the epoch, in UTC to the millisecond."""
     return datetime.fromtimestamp(stamp / 1e9, timezone.utc).isoformat(timespec='milliseconds')
@@ -101,14 +109,15 @@ def time_of(stamp: int) -> str:
 
 def _answer_rows(summary: SessionSummary) -> list[list[object]]:
     rows: list[tuple[int, list[object]]] = []
-    for said in summary.said:
-        answer = said.answer
+    for statement in summary.statements:
+        answer = statement.answer
         told = [answer.answer_id, answer.teacher_id, answer.outcome.value, spoken(answer.content)]
-        asked = _asked(said.query) or [None, answer.query_id, None, None, None, None]
-        rows.append((said.stamp, [time_of(said.stamp), *asked, *told, answer.replaces, said.status]))
-    for stamp, refused in summary.refused:
+        asked = _asked(statement.query) or [None, answer.query_id, None, None, None, None]
+        became = status(statement)
+        rows.append((statement.stamp, [time_of(statement.stamp), *asked, *told, answer.replaces, became]))
+    for stamp, rejected in summary.rejected:
         unknown = [None] * 9
-        rows.append((stamp, [time_of(stamp), *unknown, refused.text, None, f'refused: {refused.reason}']))
+        rows.append((stamp, [time_of(stamp), *unknown, rejected.text, None, f'refused: {rejected.reason}']))
     return [row for _, row in sorted(rows, key=lambda row: row[0])]
 
 
@@ -123,8 +132,8 @@ def _turn_rows(summary: SessionSummary) -> list[list[object]]:
     records = {record.turn: record for record in summary.episode.records}
     queries = {query.turn: query for query in summary.queries.values()}
     rows: list[list[object]] = []
-    for seen in summary.seen:
-        query, record = queries.get(seen.turn), records.get(seen.turn)
+    for observed in summary.observed:
+        query, record = queries.get(observed.turn), records.get(observed.turn)
         kind = 'no_query' if query is None else query.action.kind.value
         object_id, symbol = (None, None) if query is None else (query.action.object_id, query.action.symbol)
         came: list[object] = [None, None, '', None]
@@ -132,7 +141,7 @@ def _turn_rows(summary: SessionSummary) -> list[list[object]]:
             object_id, symbol = record.object_id, record.symbol
             came = [record.cost, record.outcome.value, joined(record.groups), record.answered_in]
         asked = [kind, object_id, symbol, query and query.query_id]
-        rows.append([seen.turn, seen.stamp, len(seen.scene), *asked, *came])
+        rows.append([observed.turn, observed.stamp, len(observed.scene), *asked, *came])
     return rows
 
 

@@ -12,7 +12,7 @@ from rich.console import Console
 from rich.table import Table
 
 from al_questioner.bags import digest
-from al_questioner.bags.storages import STORAGE_SUFFIXES
+from al_questioner.bags.settings import STORAGE_SUFFIXES
 from al_questioner.commands.train_weights.query_counts import FreePlay, tell_eagerness, warn_of_amplitudes
 from al_questioner.domain import InputError
 from al_questioner.imitation.assessment import predict_queries
@@ -94,7 +94,7 @@ def main(given: argparse.Namespace) -> int:
 
 
 def _check_replaceable(out: Path) -> None:
-    """See that nothing but weights of before would be lost.
+    """Check that nothing but earlier weights would be lost.
 
     Raises:
         InputError: there is another file; a bag's metadata, for example, are YAML as well.

@@ -27,7 +27,7 @@ def expected_features(context: TurnContext) -> Array:
     """
     expected = np.empty((len(context.candidates), len(DECISION_FEATURES)))
     concepts, scene, actions = context.concepts, context.scene, context.candidates
-    # Turns in which nothing is learnt, and whoever records what a strategy has computed, need the same once more.
+    # A turn in which nothing is learnt needs the same once more, and so does the recorder of what was computed.
     expected[:, :4] = context.look_ahead.of(
         (concepts, concepts.model_version, scene, actions), lambda: _expected_task_features(concepts, scene, actions)
     )

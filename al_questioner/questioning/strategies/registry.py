@@ -13,7 +13,7 @@ from al_questioner.questioning.strategies.dt_task_env import DtTaskEnv
 from al_questioner.questioning.strategies.expert import ScriptedExpert
 from al_questioner.questioning.strategies.farthest import Farthest
 from al_questioner.questioning.strategies.human import Human, Picker
-from al_questioner.questioning.strategies.names import contribution, contributions
+from al_questioner.questioning.strategies.names import contribution
 from al_questioner.questioning.strategies.plug_ins import ContributedFactory
 from al_questioner.questioning.strategies.random_label import RandomLabel
 from al_questioner.questioning.strategies.rarest_demonstration import RarestDemonstration
@@ -27,6 +27,10 @@ def _unweighted(strategy: Callable[[], Strategy]) -> StrategyFactory:
     return lambda weights: strategy()
 
 
+def _refuse_human(weights: Mapping[str, float]) -> Strategy:
+    raise SettingsError('strategy human: nobody is there to choose; give make_strategy a function that asks a person')
+
+
 STRATEGIES: Mapping[str, StrategyFactory] = {
     'u_sampling': _unweighted(UncertaintySampling),
     'dt_iros': DtIros,
@@ -38,24 +42,20 @@ STRATEGIES: Mapping[str, StrategyFactory] = {
     'farthest_fsq': _unweighted(Farthest),
     'rarest_demo': _unweighted(RarestDemonstration),
     'expert': _unweighted(ScriptedExpert),
-    'human': _unweighted(Human),
+    'human': _refuse_human,
 }
 """Factories of the strategies that ship, by name."""
-
-
-def known_strategies() -> tuple[str, ...]:
-    """Return the names of all strategies: those of `STRATEGIES`, then those that other packages contribute."""
-    return (*STRATEGIES, *contributions())
 
 
 def make_strategy(name: str, weights: Mapping[str, float], pick: Picker | None = None) -> Strategy:
     """Make the strategy of this name; other packages are searched only for a name that is not in `STRATEGIES`.
 
     A strategy that declares weights and constants takes no others, but with weight 0 those that others declare. One
-    that ships and declares none leaves them aside. The strategy `human` picks as given, or else asks at the terminal.
+    that ships and declares none leaves them aside. Only the strategy `human` uses `pick`, which asks the person.
 
     Raises:
-        SettingsError: an unknown name, weights that do not fit the strategy, or a contributed one that cannot be made.
+        SettingsError: an unknown name, weights that do not fit the strategy, a contributed one that cannot be made, or
+            `human` without a function that asks the person.
     """
     factory = STRATEGIES[name] if name in STRATEGIES else ContributedFactory(contribution(name))
     declared = weight_names(factory)
@@ -64,4 +64,4 @@ def make_strategy(name: str, weights: Mapping[str, float], pick: Picker | None =
         for each, weight in weights.items():
             if each not in declared and (weight != 0 or each not in of_others):
                 raise SettingsError(f'strategy {name} does not use {each!r}; it uses {", ".join(declared) or "none"}')
-    return Human(pick) if name == 'human' else factory(weights)
+    return Human(pick) if name == 'human' and pick is not None else factory(weights)

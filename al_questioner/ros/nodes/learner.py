@@ -27,10 +27,10 @@ from al_questioner.messages.stamps import nanoseconds, stamp_members
 from al_questioner.questioning import Receipt, make_strategy, read_plain_answer, respelt
 from al_questioner.questioning.answer_acknowledgement import acknowledgement
 from al_questioner.ros import qos
-from al_questioner.ros.learner_session import session_of, settings_of
+from al_questioner.ros.learner_episode import durable_episode_of, settings_of
 from al_questioner.ros.node import QuestionerNode
 from al_questioner.ros.one_shot_timer import OneShotTimer
-from al_questioner.ros.parameters import declare, refuse_unknown
+from al_questioner.ros.parameters import declare, reject_unknown
 from al_questioner.ros.retransmitter import PATIENT, Retransmitter
 from al_questioner.ros.running import spin_node
 from al_questioner.ros.settings import ALL_NAMES, learner_settings
@@ -38,6 +38,7 @@ from al_questioner.ros.stale_scenes import StaleScenes
 from al_questioner.ros.turn_stamps import TurnStamps
 from al_questioner.ros.types import CLOUD_TYPES, MARKER_TYPES, header
 from al_questioner.ros.worlds import declare_world, world_members
+from al_questioner.terminal.menu import make_picker
 
 SECONDS_OF_A_RIVAL = 60.0
 """Seconds for which a node warns of another learner after it was heard."""
@@ -69,11 +70,11 @@ class LearnerNode(QuestionerNode):
         self._given = declare(self, learner_settings(world.task))
         self._settings = settings_of(world.task, self._given)
         # What cannot be used is to be said before anything is published, and before a log is begun.
-        make_strategy(self._settings.strategy, self._settings.weights)
-        refuse_unknown(self, ALL_NAMES)
+        strategy = make_strategy(self._settings.strategy, self._settings.weights, make_picker())
+        reject_unknown(self, ALL_NAMES)
         self._world = world_members(world)
-        self._durable = session_of(self._settings, world, self._given, storage)
-        self.episode_id = self._durable.begun.episode_id
+        self._durable = durable_episode_of(self._settings, strategy, world, self._given, storage)
+        self.episode_id = self._durable.started.episode_id
         self._stamps = TurnStamps()
         self._patience = OneShotTimer(self.after, self._go_on_without)
         self._stale = StaleScenes()
@@ -104,20 +105,22 @@ class LearnerNode(QuestionerNode):
         """Begin the first turn, or go on where the session ended."""
         self.set_status('going through what the session holds')
         self._durable.start()
-        seen, decision = self._durable.seen, self._durable.decision
-        if seen is None or decision is None:
+        observed, decision = self._durable.observed, self._durable.decision
+        if observed is None or decision is None:
             self._begin_turn()
             return
-        self.get_logger().info(f'going on with {self.episode_id}, in turn {seen.turn}, from {self._given["session"]}')
-        self._stamps = TurnStamps(seen.stamp)
-        self._announce(seen.scene)
+        self.get_logger().info(
+            f'going on with {self.episode_id}, in turn {observed.turn}, from {self._given["session"]}'
+        )
+        self._stamps = TurnStamps(observed.stamp)
+        self._announce(observed.scene)
         if not self._durable.episode.awaits_answer:
             self._end_turn()
             return
         # Word for word as before: perception, if it is new too, shows what the question is about.
-        self._publish_turn({'turn': seen.turn, 'stamp': stamp_members(seen.stamp), 'world': self._world})
-        self._put(seen, decision)
-        self._show(seen, self._beliefs())
+        self._publish_turn({'turn': observed.turn, 'stamp': stamp_members(observed.stamp), 'world': self._world})
+        self._put(observed, decision)
+        self._show(observed, self._beliefs())
 
     def _begin_turn(self) -> None:
         """Ask perception for the scene of the next turn."""
@@ -141,16 +144,16 @@ class LearnerNode(QuestionerNode):
             self._stale.pass_over(stamp, self._stamps.last, now)
             return
         scene = scene_of_cloud(cloud, self._durable.episode.concepts.feature_names)
-        seen = SceneObserved(self._durable.episode.turn + 1, self._stamps.last, cloud.header.frame_id, scene)
-        decision = self._durable.ask(seen)
+        observed = SceneObserved(self._durable.episode.turn + 1, self._stamps.last, cloud.header.frame_id, scene)
+        decision = self._durable.ask(observed)
         self._tell_of_sensors(scene)
         self._awaits_scene = False
         self._request.stop()
         if decision.turn == 1:
             self._announce(scene)
-        self._put(seen, decision)
+        self._put(observed, decision)
         if self._durable.episode.awaits_answer:
-            self._show(seen, self._beliefs())
+            self._show(observed, self._beliefs())
         else:
             self._end_turn()
 
@@ -171,15 +174,15 @@ class LearnerNode(QuestionerNode):
         implausible = {f'implausible {feature}': what for feature, what in dict(self._implausible).items()}
         return {'view noise': self._view_noise, **implausible}
 
-    def _put(self, seen: SceneObserved, decision: Decision) -> None:
+    def _put(self, observed: SceneObserved, decision: Decision) -> None:
         """Publish a decision, and the question that waits, again if nobody answered it in the turn before."""
         pending = self._durable.episode.pending
         if pending is not None:
             self._question.send({**documents.query_members(pending), 'world': self._world})
             self.get_logger().info(f'turn {decision.turn}: {pending.text}')
             self._await_answer(pending, decision.turn)
-        head = header(seen.stamp, seen.frame_id)
-        self._decision.publish(cloud_of_decision(decision, self._settings.symbols, head, CLOUD_TYPES, seen.scene))
+        head = header(observed.stamp, observed.frame_id)
+        self._decision.publish(cloud_of_decision(decision, self._settings.symbols, head, CLOUD_TYPES, observed.scene))
 
     def _await_answer(self, query: Query, turn: int) -> None:
         """Wait for the answer, but not for ever if so configured, and the longer the longer nobody has answered."""
@@ -206,7 +209,7 @@ class LearnerNode(QuestionerNode):
 
     def _announce(self, scene: Scene) -> None:
         """Publish what the episode is about, as soon as the features are known."""
-        self._publish_episode(episode_members(self._durable.begun, scene.feature_names))
+        self._publish_episode(episode_members(self._durable.started, scene.feature_names))
 
     def _hear(self, message: String) -> None:
         """Take an answer, or the correction of one, and say whether it was taken: not before it is on the disk."""
@@ -216,18 +219,17 @@ class LearnerNode(QuestionerNode):
         waited = episode.awaits_answer
         try:
             answer = self._read_answer(message.data)
-            receipt = self._durable.take(answer)
+            taken = self._durable.take(answer)
         except InputError as error:
-            self._durable.note_refused(message.data, str(error))
+            self._durable.note_rejected(message.data, str(error))
             self._publish_ack(acknowledgement(answer, None, str(error)))
             raise
-        reason = episode.answers.why_not(answer, receipt)
-        self._publish_ack(acknowledgement(answer, receipt, reason))
-        if receipt is Receipt.LATE:
-            self.reject('answer', reason)
+        self._publish_ack(acknowledgement(answer, taken.receipt, taken.reason))
+        if taken.receipt is Receipt.LATE:
+            self.reject('answer', taken.reason)
             # It is kept all the same, for how far its teacher can be relied on.
             self._tell_state()
-        if receipt is not Receipt.ACCEPTED:
+        if taken.receipt is not Receipt.ACCEPTED:
             return
         told = _spoken(answer.outcome.value if answer.content is None else answer.content)
         now = '' if answer.replaces is None else 'now '
@@ -263,8 +265,8 @@ class LearnerNode(QuestionerNode):
                 ' corrections are still taken; start a learner again for another episode'
             )
             return
-        seen = self._durable.seen
-        if seen is None:
+        observed = self._durable.observed
+        if observed is None:
             return
         beliefs = self._beliefs()
         self._state.send(state_members(self._durable.episode, beliefs))
@@ -274,14 +276,14 @@ class LearnerNode(QuestionerNode):
         else:
             self._begin_turn()
         # Only now, while perception looks: markers take longer to write than all documents together.
-        self._show(seen, beliefs)
+        self._show(observed, beliefs)
 
     def _tell_state(self) -> None:
         """Publish what is known now, outside of the course of the turns."""
-        seen = self._durable.seen
-        if seen is not None:
+        observed = self._durable.observed
+        if observed is not None:
             beliefs = self._beliefs()
-            self._show(seen, beliefs)
+            self._show(observed, beliefs)
             self._state.send(state_members(self._durable.episode, beliefs))
 
     def _beliefs(self) -> NDArray[np.float64]:
@@ -289,12 +291,12 @@ class LearnerNode(QuestionerNode):
         episode = self._durable.episode
         return episode.concepts.predict_proba(episode.scene.features)
 
-    def _show(self, seen: SceneObserved, beliefs: NDArray[np.float64]) -> None:
+    def _show(self, observed: SceneObserved, beliefs: NDArray[np.float64]) -> None:
         """Publish the scene, the beliefs and the pending query for people who watch."""
         pending = self._durable.episode.pending
         asked = pending.action.object_id if pending else None
-        head = header(seen.stamp, seen.frame_id)
-        self._markers.publish(markers(seen.scene, beliefs, self._settings.symbols, asked, head, MARKER_TYPES))
+        head = header(observed.stamp, observed.frame_id)
+        self._markers.publish(markers(observed.scene, beliefs, self._settings.symbols, asked, head, MARKER_TYPES))
 
     def health_warning(self) -> str:
         """Warn that nobody answers, or that another learner uses the same topics, which confuses everybody."""

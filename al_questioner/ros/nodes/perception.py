@@ -16,7 +16,7 @@ from al_questioner.messages.pictures import image
 from al_questioner.messages.stamps import stamp_of
 from al_questioner.ros import qos
 from al_questioner.ros.node import QuestionerNode
-from al_questioner.ros.parameters import declare, refuse_unknown
+from al_questioner.ros.parameters import declare, reject_unknown
 from al_questioner.ros.running import spin_node
 from al_questioner.ros.settings import ALL_NAMES, PERCEPTION_SETTINGS
 from al_questioner.ros.types import CLOUD_TYPES, header, octets
@@ -34,12 +34,12 @@ class PerceptionNode(QuestionerNode):
 
     def __init__(self, **node_arguments: Any) -> None:
         super().__init__('perception', **node_arguments)
-        self._choice = declare_world(self)
+        self._world_spec = declare_world(self)
         self._given = declare(self, PERCEPTION_SETTINGS)
-        refuse_unknown(self, ALL_NAMES)
+        reject_unknown(self, ALL_NAMES)
         if not str(self._given['frame_id']).strip():
             raise InputError('parameter frame_id must not be empty: nothing could say where the objects are')
-        self._world = PerceivedWorld(self._choice.open())
+        self._world = PerceivedWorld(self._world_spec.open())
         self._pictured: Scene | None = None
         self._painter = Worker('painter', self._failed)
         self._objects = self.advertise(PointCloud2, 'objects', qos.LATCHED)
@@ -52,7 +52,7 @@ class PerceptionNode(QuestionerNode):
         self.set_status('waiting for a turn', awaited='turn')
 
     def _look(self, document: Document) -> None:
-        check_world(document, self._choice)
+        check_world(document, self._world_spec)
         turn = document['turn']
         scene = self._world.scene(turn)
         stamp = header(stamp_of(document['stamp']), str(self._given['frame_id']))

@@ -24,7 +24,7 @@ from al_questioner.domain import EpisodeError, InputError
 from al_questioner.messages import documents
 from al_questioner.ros import qos
 from al_questioner.ros.node import RECORDER, QuestionerNode
-from al_questioner.ros.parameters import declare, refuse_unknown
+from al_questioner.ros.parameters import declare, reject_unknown
 from al_questioner.ros.settings import ALL_NAMES, RECORDER_SETTINGS
 
 CLASSES = {STRING: String, CLOUD: PointCloud2}
@@ -50,7 +50,7 @@ class RecorderNode(QuestionerNode):
     def __init__(self, **node_arguments: Any) -> None:
         super().__init__(RECORDER, **node_arguments)
         given = declare(self, RECORDER_SETTINGS)
-        refuse_unknown(self, ALL_NAMES)
+        reject_unknown(self, ALL_NAMES)
         self.done = False
         self.failure: EpisodeError | BagError | None = None
         self.until_done = bool(given['until_done'])

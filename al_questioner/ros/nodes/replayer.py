@@ -46,7 +46,7 @@ class ReplayNode(QuestionerNode):
         clock_hz: how often the recorded time is published on /clock; 0 for not at all.
 
     Attributes:
-        begun: whether it waits for listeners no longer.
+        started: whether it waits for listeners no longer.
         over: whether there is no more to do: it was told to quit, or all is played and has arrived, or it failed.
         failure: why it must not go on.
 
@@ -61,7 +61,7 @@ class ReplayNode(QuestionerNode):
         names = [published_name(topic.name, namespace) for topic in topics]
         super().__init__('replay', [*names, '/diagnostics'], **{'namespace': namespace.strip('/'), **node_arguments})
         self.playback = playback
-        self.begun = False
+        self.started = False
         self.over = False
         self.failure: InputError | None = None
         self._round = 0
@@ -104,7 +104,7 @@ class ReplayNode(QuestionerNode):
     def _await_listeners(self, until: float, heard: int = 0, since: float = 0.0) -> None:
         """Begin once there are listeners and no more of them come: what is not latched would be lost to them."""
         self._yield_to_learner()
-        if self.begun or self.over:
+        if self.started or self.over:
             return
         now, listeners = time.monotonic(), sum(out.get_subscription_count() for out in self._out.values())
         if listeners != heard:
@@ -129,8 +129,8 @@ class ReplayNode(QuestionerNode):
         """Publish what is due, and come again for the next."""
         if self.over:
             return
-        if not self.begun:
-            self.begun = True
+        if not self.started:
+            self.started = True
             self.set_status('playing')
         self._round += 1
         self._publish(self.playback.due(time.monotonic()))

@@ -15,9 +15,9 @@ from al_questioner.messages.documents import Document
 from al_questioner.ros.answer_sender import AnswerSender
 from al_questioner.ros.node import QuestionerNode
 from al_questioner.ros.nodes.terminal_teacher import RunTerminal, TerminalTeacher, login_name
-from al_questioner.ros.parameters import Value, declare, refuse_unknown
+from al_questioner.ros.parameters import Value, declare, reject_unknown
 from al_questioner.ros.running import spin_node
-from al_questioner.ros.settings import ALL_NAMES, TEACHER_MODES, TEACHER_SETTINGS
+from al_questioner.ros.settings import ALL_NAMES, TEACHER_SETTINGS
 from al_questioner.ros.worlds import check_world, declare_world
 from al_questioner.simulation import ScriptedTeacher, WorldSpec
 from al_questioner.terminal.run import run_terminal
@@ -33,12 +33,10 @@ class TeacherNode(QuestionerNode):
 
     def __init__(self, run_terminal: RunTerminal = run_terminal, **node_arguments: Any) -> None:
         super().__init__('teacher', **node_arguments)
-        choice = declare_world(self)
+        world_spec = declare_world(self)
         given = declare(self, TEACHER_SETTINGS)
-        refuse_unknown(self, ALL_NAMES)
+        reject_unknown(self, ALL_NAMES)
         mode, teacher_id = str(given['mode']), str(given['teacher_id'])
-        if mode not in TEACHER_MODES:
-            raise InputError(f'parameter mode: unknown mode {mode!r}; known: {", ".join(TEACHER_MODES)}')
         if len(teacher_id) > LONGEST_NAME:
             raise InputError(f'parameter teacher_id: at most {LONGEST_NAME} characters, not {len(teacher_id)}')
         if given['wait_for_recorder']:
@@ -47,7 +45,7 @@ class TeacherNode(QuestionerNode):
         if mode == 'terminal':
             self._teacher = TerminalTeacher(self, teacher_id or login_name(), run_terminal)
         else:
-            self._teacher = _Script(self, choice, given)
+            self._teacher = _Script(self, world_spec, given)
 
     @property
     def unacknowledged(self) -> Answer | None:
@@ -70,14 +68,14 @@ class _Script:
 
     failure = None
 
-    def __init__(self, node: QuestionerNode, choice: WorldSpec, given: Mapping[str, Value]) -> None:
+    def __init__(self, node: QuestionerNode, world_spec: WorldSpec, given: Mapping[str, Value]) -> None:
         self._node = node
-        self._choice = choice
-        self._world = choice.open()
+        self._world_spec = world_spec
+        self._world = world_spec.open()
         self._teacher = ScriptedTeacher(
-            choice.task.symbols,
-            choice.task.relevant_groups,
-            choice.seed,
+            world_spec.task.symbols,
+            world_spec.task.relevant_groups,
+            world_spec.seed,
             float(given['wrong_rate']),
             float(given['unknown_rate']),
             str(given['teacher_id']) or 'scripted',
@@ -92,7 +90,7 @@ class _Script:
         """Nothing is held."""
 
     def _consider(self, document: Document) -> None:
-        check_world(document, self._choice)
+        check_world(document, self._world_spec)
         query = documents.query_of(document)
         if document['episode_id'] != self._node.episode_id:
             self._node.episode_id = document['episode_id']

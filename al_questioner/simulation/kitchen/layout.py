@@ -25,7 +25,7 @@ class Place(NamedTuple):
 
 @lru_cache(maxsize=32)
 def places(table_m: Interval, count: int) -> tuple[Place, ...]:
-    """Return so many places, row by row, every other row shifted by half a cell."""
+    """Return `count` places, row by row, every other row shifted by half a cell."""
     width, depth = table_m
     rows = max(1, round(float(np.sqrt(count * depth / width))))
     columns = -(-count // rows)

@@ -91,11 +91,11 @@ def make_sample(task: Task, sample: int, there_are: KindsBySymbol | None = None)
     if scenes.turnover == 'state':
         kinds_of_objects = _kinds(kinds, apportion(shares, scenes.objects), rng)
         things = _things(kinds_of_objects, task, rng)
-        return Sample(_sights(things, scenes.training_size, 'training'), _elsewhere(things, task, rng, 'test'))
+        return Sample(_view_specs(things, scenes.training_size, 'training'), _elsewhere(things, task, rng, 'test'))
     clutter = round(scenes.clutter_share * scenes.training_size)
     wanted = {**apportion(shares, scenes.training_size - clutter), NO_SYMBOL: clutter}
     training = _things(_kinds(kinds, wanted, rng), task, rng)
-    return Sample(_sights(training, len(training), 'training'), _held_out(kinds, task, rng, 'test'))
+    return Sample(_view_specs(training, len(training), 'training'), _held_out(kinds, task, rng, 'test'))
 
 
 def make_validation(task: Task, sample: int, there_are: KindsBySymbol | None = None) -> tuple[ViewSpec, ...]:
@@ -108,13 +108,13 @@ def make_validation(task: Task, sample: int, there_are: KindsBySymbol | None = N
     return _elsewhere(_things(_kinds(kinds, counts, of_sample), task, of_sample), task, rng, 'validation')
 
 
-def observe(sight: ViewSpec, task: Task, sample: int, object_id: int) -> Observation:
+def observe(view_spec: ViewSpec, task: Task, sample: int, object_id: int) -> Observation:
     """Make the observation: render the view and read the sensors. The same view looks the same whatever its id."""
-    rng = random_stream(sample, f'world/observation/{sight.key}')
-    position = position_of(sight, task, rng)
-    state = sight.thing.kind.states[sight.state]
-    sensors = read_sensors(rng, position, sight.thing.weight_factor * state.weight_kg, task.sensors)
-    return Observation(object_id, position, _view(sight, task, rng), sensors)
+    rng = random_stream(sample, f'world/observation/{view_spec.key}')
+    position = position_of(view_spec, task, rng)
+    state = view_spec.thing.kind.states[view_spec.state]
+    sensors = read_sensors(rng, position, view_spec.thing.weight_factor * state.weight_kg, task.sensors)
+    return Observation(object_id, position, _view(view_spec, task, rng), sensors)
 
 
 def apportion(shares: Mapping[str, float], total: int) -> dict[str, int]:
@@ -138,7 +138,7 @@ def _some_kinds(task: Task, there_are: KindsBySymbol | None, rng: np.random.Gene
 
 
 def _kinds(kinds: Mapping[str, Sequence[Kind]], counts: Mapping[str, int], rng: np.random.Generator) -> list[Kind]:
-    """Return so many kinds of each symbol, every kind of a symbol about equally often, in random order."""
+    """Return the given number of kinds of each symbol, every kind of a symbol about equally often, in random order."""
     chosen: list[Kind] = []
     for symbol, count in counts.items():
         while count > 0:
@@ -180,15 +180,15 @@ def _deal_places(kinds: Sequence[Kind], task: Task, rng: np.random.Generator) ->
     return [tuple(owned) for owned in dealt]
 
 
-def _sights(things: Sequence[ObjectInstance], count: int, split: str) -> tuple[ViewSpec, ...]:
-    """Return so many views, evenly over the objects and, of each object, over its states and places."""
-    sights = []
+def _view_specs(things: Sequence[ObjectInstance], count: int, split: str) -> tuple[ViewSpec, ...]:
+    """Return `count` views, evenly over the objects and, of each object, over its states and places."""
+    view_specs = []
     for i in range(count):
         view, thing = i // len(things), things[i % len(things)]
         states = len(thing.kind.states)
         place = thing.places[(view + view // states) % len(thing.places)]
-        sights.append(ViewSpec(f'{split}/{i}', thing, view % states, place))
-    return tuple(sights)
+        view_specs.append(ViewSpec(f'{split}/{i}', thing, view % states, place))
+    return tuple(view_specs)
 
 
 def _held_out(
@@ -205,10 +205,10 @@ def _elsewhere(
     things: Sequence[ObjectInstance], task: Task, rng: np.random.Generator, split: str
 ) -> tuple[ViewSpec, ...]:
     """Return held-out views, anywhere on the table, so that the places in training do not predict those in the test."""
-    sights = _sights(things, task.scenes.test_size, split)
+    view_specs = _view_specs(things, task.scenes.test_size, split)
     if task.sensors.cold_pull > 0:
-        return sights
-    return tuple(replace(sight, place=int(rng.integers(len(_grid(task))))) for sight in sights)
+        return view_specs
+    return tuple(replace(view_spec, place=int(rng.integers(len(_grid(task))))) for view_spec in view_specs)
 
 
 def _grid(task: Task) -> tuple[Place, ...]:
@@ -217,15 +217,15 @@ def _grid(task: Task) -> tuple[Place, ...]:
     return places(task.scenes.table_m, copies * task.scenes.objects)
 
 
-def position_of(sight: ViewSpec, task: Task, rng: np.random.Generator) -> tuple[float, float, float]:
+def position_of(view_spec: ViewSpec, task: Task, rng: np.random.Generator) -> tuple[float, float, float]:
     """Return the position of an object on the table, in metres."""
-    place = _grid(task)[sight.place]
+    place = _grid(task)[view_spec.place]
     jitter = rng.uniform(-1, 1, 2) * place.slack
     return float(place.x + jitter[0]), float(place.y + jitter[1]), 0.0
 
 
-def _view(sight: ViewSpec, task: Task, rng: np.random.Generator) -> View:
-    look = sight.thing.look
-    solid = sight.thing.kind.states[sight.state].draw(look, rng)
+def _view(view_spec: ViewSpec, task: Task, rng: np.random.Generator) -> View:
+    look = view_spec.thing.look
+    solid = view_spec.thing.kind.states[view_spec.state].draw(look, rng)
     pose = draw_pose(rng, solid, look.size, task.camera)
     return render(solid, pose, draw_lighting(rng, task.appearance), task.camera, rng)

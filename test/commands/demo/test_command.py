@@ -19,7 +19,7 @@ def run(tmp_path: Path, *more: str) -> int:
 
 
 def test_json_holds_what_the_contract_names(tmp_path: Path) -> None:
-    """Scripts that read an episode would not find their members."""
+    """Otherwise scripts that read an episode would not find their members."""
     path = tmp_path / 'deep' / 'episode.json'
     assert run(tmp_path, '--strategy', 'rarest_demo', '--json', str(path)) == 0
     episode = json.loads(path.read_text())
@@ -33,7 +33,7 @@ def test_json_holds_what_the_contract_names(tmp_path: Path) -> None:
 
 
 def test_the_teacher_is_told_of(tmp_path: Path) -> None:
-    """An episode could not be played again as it was, and the option would do nothing."""
+    """Otherwise an episode could not be played again as it was, and the option would do nothing."""
     shown, path = {}, tmp_path / 'episode.json'
     for options in ((), ('--repeat-shown',)):
         arguments = ['--strategy', 'rarest_demo', '--budget', '40', '--turns', '14', '--json', str(path), *options]
@@ -45,7 +45,7 @@ def test_the_teacher_is_told_of(tmp_path: Path) -> None:
 
 
 def test_tuned_kernel_is_told(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
-    """Nobody would know with which kernel an accuracy was reached."""
+    """Otherwise nobody would know with which kernel an accuracy was reached."""
     path = tmp_path / 'episode.json'
     assert run(tmp_path, '--strategy', 'random_fsq', '--tune-every', '3', '--json', str(path)) == 0
     episode = json.loads(path.read_text())
@@ -56,7 +56,7 @@ def test_tuned_kernel_is_told(tmp_path: Path, capsys: pytest.CaptureFixture[str]
 
 @pytest.mark.parametrize('strategy', ['dt_task_env', 'random_fsq'])
 def test_pictures_are_drawn(tmp_path: Path, strategy: str) -> None:
-    """The demo would end with nothing to look at."""
+    """Otherwise the demo would end with nothing to look at."""
     assert run(tmp_path, '--strategy', strategy) == 0
     for name in ('learning_curve', 'timeline', 'scene'):
         picture = cv2.imread(str(tmp_path / 'out' / f'{name}.png'))
@@ -65,12 +65,12 @@ def test_pictures_are_drawn(tmp_path: Path, strategy: str) -> None:
 
 
 def test_an_episode_without_queries_is_drawn_too(tmp_path: Path) -> None:
-    """A budget of nothing would end in a traceback."""
+    """Otherwise a budget of nothing would end in a traceback."""
     assert run(tmp_path, '--budget', '0') == 0
 
 
 def test_progress_and_summary_are_printed(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
-    """People would wait before an empty terminal, and not learn how it ended."""
+    """Otherwise people would wait before an empty terminal, and not learn how it ended."""
     run(tmp_path, '--strategy', 'random_fsq')
     printed = capsys.readouterr().out
     assert 'What is object' in printed
@@ -109,12 +109,12 @@ def test_progress_and_summary_are_printed(tmp_path: Path, capsys: pytest.Capture
 def test_unusable_input_ends_with_status_2_and_one_line(
     tmp_path: Path, refusal: Callable[..., str], arguments: list[str], reason: str
 ) -> None:
-    """A mistyped option would end in a traceback, or in another episode than was meant."""
+    """Otherwise a mistyped option would end in a traceback, or in another episode than was meant."""
     assert reason in refusal(*SMALL, '--out', tmp_path / 'out', *arguments)
 
 
 def test_help_names_the_tasks(capsys: pytest.CaptureFixture[str]) -> None:
-    """One would have to look into the folder of the package."""
+    """Otherwise one would have to look into the folder of the package."""
     for executable in ('demo', 'experiment'):
         with pytest.raises(SystemExit):
             main([executable, '--help'])
@@ -125,7 +125,7 @@ def test_help_names_the_tasks(capsys: pytest.CaptureFixture[str]) -> None:
 def test_a_dry_run_plays_a_task_whose_things_nobody_can_simulate(
     tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
-    """Whether a task file is right would be seen on the robot first; a name with brackets would be taken for markup."""
+    """A task file can be tried without the robot; a name with brackets is not taken for markup."""
     task = tmp_path / 'mine.yaml'
     task.write_text('symbols: [screwdriver, "bold[/green]"]\ncosts: {label: 2}\nepisode: {budget: 8, turns: 9}\n')
     arguments = ['demo', '--task', str(task), '--out', str(tmp_path / 'out'), '--json', str(tmp_path / 'json')]
@@ -143,7 +143,7 @@ def test_a_dry_run_plays_a_task_whose_things_nobody_can_simulate(
 
 
 def test_help_and_an_unknown_executable_list_the_known(capsys: pytest.CaptureFixture[str]) -> None:
-    """A mistyped executable would be met with silence, and a newcomer not learn what there is."""
+    """Otherwise a mistyped executable would be met with silence, and a newcomer not learn what there is."""
     assert main(['lerner']) == 2
     assert 'learner' in capsys.readouterr().err
     assert main(['--help']) == 0
@@ -163,7 +163,7 @@ def test_help_and_an_unknown_executable_list_the_known(capsys: pytest.CaptureFix
     ],
 )
 def test_options_that_would_be_ignored_are_refused(tmp_path, capsys, options, reason):
-    """A user would wait for a recording that nobody makes."""
+    """Otherwise a user would wait for a recording that nobody makes."""
     assert main(['demo', *options, '--out', str(tmp_path)]) == 2
     printed = capsys.readouterr()
     assert reason in printed.err

@@ -1,4 +1,4 @@
-"""What stands above the pictures of an episode."""
+"""Captions of the pictures of an episode."""
 
 from __future__ import annotations
 
@@ -17,10 +17,10 @@ from shared.durable_sessions import TASK, TEACHER
 def test_the_caption_of_the_scene_counts_every_query(
     tmp_path: Path, strategy: str, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    """What is about no single object would be left out, and the numbers not add up to the budget that was spent."""
-    choice = WorldSpec(TASK, 4, 4)
-    world = PerceivedWorld(choice.open())
-    result = run_episode(choice, episode_settings(TASK, strategy, 12.0, 7), TEACHER, world=world)
+    """Queries about no single object are counted, so that the numbers add up to the budget that was spent."""
+    world_spec = WorldSpec(TASK, 4, 4)
+    world = PerceivedWorld(world_spec.open())
+    result = run_episode(world_spec, episode_settings(TASK, strategy, 12.0, 7), TEACHER, world=world)
     titles = {}
 
     def keep(figure: plt.Figure, path: Path) -> Path:

@@ -28,7 +28,7 @@ DEADLINE = 60.0
 
 
 def test_checking_tells_of_the_first_divergence(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
-    """A change of the questioner would go unnoticed."""
+    """Otherwise a change of the questioner would go unnoticed."""
     assert main(['replay', str(BAG), '--check']) == 0
     assert '30 decisions, all as recorded' in capsys.readouterr().out.replace('\n', ' ')
 
@@ -36,10 +36,10 @@ def test_checking_tells_of_the_first_divergence(tmp_path: Path, capsys: pytest.C
 def test_checking_names_what_differs_and_what_cannot_be_checked(
     capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    """A recording that is no good, or of which a part is, would be taken for a whole one."""
+    """Otherwise a recording that is no good, or of which a part is, would be taken for a whole one."""
     (recorded,) = read_episodes(BAG)
-    other = dataclasses.replace(recorded.begun.settings, strategy='random_fsq')
-    changed = dataclasses.replace(recorded, begun=dataclasses.replace(recorded.begun, settings=other))
+    other = dataclasses.replace(recorded.started.settings, strategy='random_fsq')
+    changed = dataclasses.replace(recorded, started=dataclasses.replace(recorded.started, settings=other))
     for episode, status, text in (
         (recorded, 1, 'short: cannot be checked: too short'),
         (changed, 1, ' was recorded\n'),
@@ -56,7 +56,7 @@ def test_checking_names_what_differs_and_what_cannot_be_checked(
 
 
 def test_unusable_arguments_end_with_status_2_and_one_line(tmp_path: Path, refusal: Callable[..., str]) -> None:
-    """A typing error would play nothing, or for ever."""
+    """Otherwise a typing error would play nothing, or for ever."""
     with BagWriter(tmp_path / 'foreign', [Topic('/a', 'stereo_msgs/msg/DisparityImage', False)]) as foreign:
         foreign.write('/a', bytes(8), 1)
     for arguments, reason in (
@@ -76,14 +76,14 @@ def test_unusable_arguments_end_with_status_2_and_one_line(tmp_path: Path, refus
 
 
 def test_unusable_ros_arguments_are_one_line_of_ours(capsys: pytest.CaptureFixture[str]) -> None:
-    """What the middleware logs of them by itself does not say whose arguments they are."""
+    """The middleware's own log lines do not say whose arguments they are."""
     assert main(['replay', str(BAG), '--ros-args', '-r', '__ns:=/a b']) == 2
     (line,) = capsys.readouterr().err.splitlines()
     assert 'unusable ROS arguments' in line
 
 
 def test_what_is_played_otherwise_than_recorded_is_said(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
-    """A page would show another episode than was recorded, without a word."""
+    """Otherwise a page would show another episode than was recorded, without a word."""
     recorded = read_bag(BAG)
     with BagWriter(tmp_path / 'b', recorded.topics) as bag:
         for place, message in enumerate(recorded.messages):
@@ -125,7 +125,7 @@ def terminal_replay(*arguments: str) -> Iterator[tuple[subprocess.Popen[bytes], 
 
 
 def test_keys_pause_step_and_quit() -> None:
-    """At a terminal: a paused replay would not play turn by turn, or leave the terminal another than it was."""
+    """At a terminal a paused replay plays turn by turn, and leaves the terminal as it was."""
     with terminal_replay('--start-paused', '--wait-for-subscribers', '0') as (process, ours, theirs, before):
         _read_until(ours, b'paused')
         for keys, shown in ((b'n', b'turn 1 '), (b'\x1b[C', b'turn 2 of 30'), (b'\x1b[A\x1b[A', b'rate 1.56')):
@@ -140,7 +140,7 @@ def test_keys_pause_step_and_quit() -> None:
 
 @pytest.mark.parametrize('number', [signal.SIGINT, pytest.param(signal.SIGTERM, marks=pytest.mark.slow)])
 def test_a_signal_leaves_the_terminal_as_it_was(number: signal.Signals) -> None:
-    """A shell would stay without echo after Ctrl-C."""
+    """Otherwise a shell would stay without echo after Ctrl-C."""
     with terminal_replay('--start-paused') as (process, ours, theirs, before):
         _read_until(ours, b'paused')
         process.send_signal(number)

@@ -18,7 +18,6 @@ from al_questioner.bags import from_session, read_episodes
 from al_questioner.cli import main
 from al_questioner.domain import Answer, EpisodeSettings, Outcome, Scene, random_stream
 from al_questioner.event_log import log as session_log
-from al_questioner.event_log.durable_episode import DurableEpisode
 from al_questioner.event_log.encoding import Encoder, decoded
 from al_questioner.event_log.events import EpisodeStarted, SceneObserved
 from al_questioner.event_log.log import SessionLog, read_log
@@ -36,7 +35,7 @@ from al_questioner.questioning import (
     read_plain_answer,
 )
 from al_questioner.simulation import PerceivedWorld, WorldSpec, episode_settings
-from shared.durable_sessions import TASK, TEACHER, WORLD, answer, ask
+from shared.durable_sessions import TASK, TEACHER, WORLD, answer, ask, durable_of
 from shared.little_room import little_room
 
 EPISODE = ['--task', 'prepare_lunch', '--strategy', 'dt_iros', '--budget', '6', '--turns', '7', '--seed', '4']
@@ -48,48 +47,50 @@ def world() -> PerceivedWorld:
     return PerceivedWorld(WorldSpec(TASK, 4, 4).open())
 
 
-def write_session(folder: Path, world: PerceivedWorld, corrected: bool = False, begun: EpisodeStarted = BEGUN) -> None:
+def write_session(
+    folder: Path, world: PerceivedWorld, corrected: bool = False, started: EpisodeStarted = BEGUN
+) -> None:
     """A whole session, in which the first answer may be corrected, and another teacher be late."""
-    session = DurableEpisode(begun, SessionLog(folder))
-    session.start()
-    while not session.episode.done:
-        if ask(session, world).query is not None:
-            session.take(answer(session, world))
-        session.tune()
+    durable = durable_of(started, SessionLog(folder))
+    durable.start()
+    while not durable.episode.done:
+        if ask(durable, world).query is not None:
+            durable.take(answer(durable, world))
+        durable.tune()
     if corrected:
-        assert session.take(Answer('q1', 'b1', 'bert', Outcome.SKIP)) is Receipt.LATE
-        session.take(Answer('q1', 'c1', 'scripted', Outcome.UNKNOWN, replaces='q1/scripted'))
-        session.note_refused('pudding', 'it does not answer')
-    session.close()
+        assert durable.take(Answer('q1', 'b1', 'bert', Outcome.SKIP)).receipt is Receipt.LATE
+        durable.take(Answer('q1', 'c1', 'scripted', Outcome.UNKNOWN, replaces='q1/scripted'))
+        durable.note_rejected('pudding', 'it does not answer')
+    durable.close()
 
 
 @pytest.mark.parametrize(('away', 'comes_back'), [({2, 3}, True), ({2, 3, 4, 5, 6, 7}, False)])
 def test_a_teacher_who_was_away_leaves_a_session_like_any_other(
     tmp_path: Path, world: PerceivedWorld, away: set[int], comes_back: bool, capsys: pytest.CaptureFixture[str]
 ) -> None:
-    """A session with turns that passed unanswered could not be gone on with, exported, checked or trained from."""
-    log, session = tmp_path / 'log', None
-    while session is None or not session.episode.done:
+    """A session with turns that passed unanswered can be continued, exported, checked and trained from."""
+    log, durable = tmp_path / 'log', None
+    while durable is None or not durable.episode.done:
         # Another process in every turn.
-        session = DurableEpisode(BEGUN, SessionLog(log))
-        session.start()
-        if not session.episode.awaits_answer and session.episode.turns_left:
-            ask(session, world)
-        elif session.episode.turn in away:
-            session.time_out()
-        elif session.episode.pending is not None:
-            session.take(answer(session, world))
-        if not session.episode.awaits_answer:
-            session.tune()
-        session.close()
-    asked = session.episode.records
+        durable = durable_of(BEGUN, SessionLog(log))
+        durable.start()
+        if not durable.episode.awaits_answer and durable.episode.turns_left:
+            ask(durable, world)
+        elif durable.episode.turn in away:
+            durable.time_out()
+        elif durable.episode.pending is not None:
+            durable.take(answer(durable, world))
+        if not durable.episode.awaits_answer:
+            durable.tune()
+        durable.close()
+    asked = durable.episode.records
     assert any(record.answered_in == 4 for record in asked) == comes_back
     assert any(record.outcome is Outcome.UNANSWERED for record in asked) != comes_back
     assert main(['session', str(log), '--bag', str(tmp_path / 'bag'), '--json', str(tmp_path / 'json')]) == 0
     assert ('unanswered, withdrawn' in capsys.readouterr().out) != comes_back
     (recorded,) = read_episodes(tmp_path / 'bag')
     assert recorded.records == asked
-    assert first_divergence(recorded.begun, recorded.events) is None
+    assert first_divergence(recorded.started, recorded.events) is None
     (demonstration,) = read_demonstrations([tmp_path / 'bag'])
     assert len(demonstration.steps) < demonstration.turns == BEGUN.settings.turns
     assert [q['outcome'] for q in json.loads((tmp_path / 'json').read_text())['queries']] == [
@@ -98,7 +99,7 @@ def test_a_teacher_who_was_away_leaves_a_session_like_any_other(
 
 
 def test_the_json_of_a_session_is_that_of_the_demo(tmp_path: Path, world: PerceivedWorld) -> None:
-    """What was learnt with people could not be compared with what was played."""
+    """Sessions with people can be compared with episodes that were played."""
     write_session(tmp_path / 'log', world)
     played = tmp_path / 'demo.json'
     arguments = [*EPISODE, '--tune-every', '3', '--offline', '--out', str(tmp_path), '--json', str(played)]
@@ -114,7 +115,7 @@ def test_the_json_of_a_session_is_that_of_the_demo(tmp_path: Path, world: Percei
 def test_all_that_was_said_is_shown_and_exported(
     tmp_path: Path, world: PerceivedWorld, capsys: pytest.CaptureFixture[str]
 ) -> None:
-    """What a person said would be kept and yet not be found."""
+    """All that a person said can be found again."""
     write_session(tmp_path / 'log', world, corrected=True)
     assert main(['session', str(tmp_path / 'log'), '--csv', str(tmp_path / 'csv')]) == 0
     shown = capsys.readouterr().out
@@ -133,12 +134,12 @@ def test_all_that_was_said_is_shown_and_exported(
 
 
 def test_a_session_as_a_bag_leads_to_the_same_decisions(tmp_path: Path, world: PerceivedWorld) -> None:
-    """What people said could not be replayed, looked at in Foxglove, or learnt weights from."""
+    """Sessions with people can be replayed, shown in Foxglove and learnt from."""
     write_session(tmp_path / 'log', world)
     assert main(['session', str(tmp_path / 'log'), '--bag', str(tmp_path / 'bag')]) == 0
     (episode,) = read_episodes(tmp_path / 'bag')
-    assert (episode.begun.episode_id, episode.begun.settings, len(episode.turns)) == ('e1', BEGUN.settings, 7)
-    assert first_divergence(episode.begun, episode.events) is None
+    assert (episode.started.episode_id, episode.started.settings, len(episode.turns)) == ('e1', BEGUN.settings, 7)
+    assert first_divergence(episode.started, episode.events) is None
     (demonstration,) = read_demonstrations([tmp_path / 'bag'])
     assert len(demonstration.steps) == 7
     assert main(['session', str(tmp_path / 'log'), '--bag', str(tmp_path / 'bag')]) == 2, 'a bag is never overwritten'
@@ -147,7 +148,7 @@ def test_a_session_as_a_bag_leads_to_the_same_decisions(tmp_path: Path, world: P
 def test_nothing_is_left_of_a_bag_that_does_not_fit_on_the_disk(
     tmp_path: Path, world: PerceivedWorld, refusal: Callable[..., str]
 ) -> None:
-    """Half a bag would be taken for the session, and be in the way of the next try."""
+    """Otherwise half a bag would be taken for the session, and be in the way of the next try."""
     write_session(tmp_path / 'log', world)
     with little_room(40_000):
         error = refusal('session', tmp_path / 'log', '--bag', tmp_path / 'bag')
@@ -159,7 +160,7 @@ def test_nothing_is_left_of_a_bag_that_does_not_fit_on_the_disk(
 def test_nothing_is_left_of_a_bag_whose_writing_ends_in_between(
     tmp_path: Path, world: PerceivedWorld, monkeypatch: pytest.MonkeyPatch, fault: BaseException
 ) -> None:
-    """The part that was written is finished like a whole bag, and nobody could tell that it is none."""
+    """Otherwise the part that was written is finished like a whole bag, and nobody could tell that it is none."""
     write_session(tmp_path / 'log', world)
     left = iter(range(5))
     whole = from_session.state_members
@@ -177,20 +178,20 @@ def test_nothing_is_left_of_a_bag_whose_writing_ends_in_between(
 def test_names_that_tasks_may_not_have_any_more_stay_readable(
     tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
-    """What was taught before such a name was refused would be lost."""
+    """Answers that were given before such a name was refused are not lost."""
     symbols = ('Cup', 'cup', '7', 'skip', 'None', ' a,b ', 'Fru\u0308chte')
     settings = EpisodeSettings(symbols, 20.0, 9, 'random_fsq')
-    begun = EpisodeStarted('e1', settings, 1, 1e-3, None, '1')
-    session = DurableEpisode(begun, SessionLog(tmp_path / 'log'))
-    session.start()
+    started = EpisodeStarted('e1', settings, 1, 1e-3, None, '1')
+    durable = durable_of(started, SessionLog(tmp_path / 'log'))
+    durable.start()
     for turn, symbol in enumerate(('', *symbols, 'none'), 1):
         ids = [10 * turn + 1, 10 * turn + 2]
         features = np.random.default_rng(turn).random((2, 3), dtype=np.float32)
         scene = Scene(ids, np.zeros((2, 3), np.float32), features, ['bbox[0,1]_w', 'bbox[0,1]_h', 'size_m'])
-        query = session.ask(SceneObserved(turn, turn * 10**9, 'table', scene)).query
+        query = durable.ask(SceneObserved(turn, turn * 10**9, 'table', scene)).query
         assert query is not None
-        session.take(read_plain_answer(symbol or 'size,bbox[0,1]', query))
-    session.close()
+        durable.take(read_plain_answer(symbol or 'size,bbox[0,1]', query))
+    durable.close()
     paths = [str(tmp_path / name) for name in ('json', 'csv', 'bag')]
     assert main(['session', str(tmp_path / 'log'), '--json', paths[0], '--csv', paths[1], '--bag', paths[2]]) == 0
     assert "│ 'skip'" in capsys.readouterr().out
@@ -201,15 +202,15 @@ def test_names_that_tasks_may_not_have_any_more_stay_readable(
         contents = [row['content'] for row in csv.DictReader(file)]
     assert contents == ['size,"bbox[0,1]"', *symbols, 'none']
     (recorded,) = read_episodes(Path(paths[2]))
-    assert recorded.begun.settings.symbols == symbols
-    assert first_divergence(recorded.begun, recorded.events) is None
+    assert recorded.started.settings.symbols == symbols
+    assert first_divergence(recorded.started, recorded.events) is None
 
 
 @pytest.mark.parametrize('corrected', [False, True])
 def test_a_clock_that_was_put_back_hides_nothing_of_a_session(
     tmp_path: Path, world: PerceivedWorld, monkeypatch: pytest.MonkeyPatch, corrected: bool
 ) -> None:
-    """Of the bag, which has the times of the log, a part would be checked and learnt from."""
+    """Otherwise only a part of the bag, which has the times of the log, would be checked and learnt from."""
     ticks = itertools.count()
 
     def put_back() -> int:
@@ -222,14 +223,14 @@ def test_a_clock_that_was_put_back_hides_nothing_of_a_session(
     assert main(['session', str(tmp_path / 'log'), '--bag', str(tmp_path / 'bag')]) == 0
     (episode,) = read_episodes(tmp_path / 'bag')
     assert len(episode.turns) == 7
-    assert first_divergence(episode.begun, episode.events) is None
+    assert first_divergence(episode.started, episode.events) is None
 
 
 @pytest.mark.parametrize('name', FEATURE_SETS)
 def test_what_was_corrected_later_is_replayed_as_it_was_known(
     tmp_path: Path, world: PerceivedWorld, name: str, capsys: pytest.CaptureFixture[str]
 ) -> None:
-    """Weights would be learnt from choices beside features of what nobody knew when they were made."""
+    """Otherwise weights would be learnt from choices beside features of what nobody knew when they were made."""
     seen_live: list[np.ndarray] = []
 
     class Watched(FeatureRecorder):
@@ -242,16 +243,16 @@ def test_what_was_corrected_later_is_replayed_as_it_was_known(
     feature_set, settings = FEATURE_SETS[name], BEGUN.settings
     watched = Watched(make_strategy(settings.strategy, settings.weights), feature_set)
     live = Episode(settings, random_stream(BEGUN.seed, 'learner'), BEGUN.view_tolerance, watched)
-    session = DurableEpisode(BEGUN, SessionLog(tmp_path / 'log'))
-    session.start()
+    durable = durable_of(BEGUN, SessionLog(tmp_path / 'log'))
+    durable.start()
 
     def take(answer: Answer) -> None:
-        session.take(answer)
+        durable.take(answer)
         live.tell(answer)
 
     taken: list[Answer] = []
     for turn in range(1, settings.turns + 1):
-        query = session.ask(SceneObserved(turn, turn * 10**9, 'table', world.scene(turn))).query
+        query = durable.ask(SceneObserved(turn, turn * 10**9, 'table', world.scene(turn))).query
         assert live.ask(world.scene(turn)).query == query
         if turn == 3:
             take(Answer('q1', 'c1', 'anna', Outcome.UNKNOWN, replaces=taken[0].answer_id))
@@ -261,20 +262,20 @@ def test_what_was_corrected_later_is_replayed_as_it_was_known(
         if query is not None:
             taken.append(TEACHER.answer(query, world.truth(turn)))
             take(taken[-1])
-        session.tune()
+        durable.tune()
         live.tune()
         if turn == 5:
             # After the turn, and for good.
             take(Answer('q2', 'c3', 'anna', Outcome.SKIP, replaces=taken[1].answer_id))
-    session.close()
+    durable.close()
     assert main(['session', str(tmp_path / 'log'), '--bag', str(tmp_path / 'bag')]) == 0
     assert main(['replay', str(tmp_path / 'bag'), '--check']) == 0
     assert '7 decisions, all as recorded' in capsys.readouterr().out
     (recorded,) = read_episodes(tmp_path / 'bag')
     assert recorded.records == live.records
-    anew = [decision.features for decision in decisions_anew(recorded, feature_set)]
-    assert len(anew) == len(seen_live)
-    for ours, theirs in zip(anew, seen_live, strict=True):
+    replayed = [decision.features for decision in decisions_anew(recorded, feature_set)]
+    assert len(replayed) == len(seen_live)
+    for ours, theirs in zip(replayed, seen_live, strict=True):
         np.testing.assert_array_equal(ours, theirs)
 
 
@@ -287,7 +288,7 @@ def damage(folder: Path, number: int) -> None:
 def test_a_damaged_session_is_named_repaired_and_gone_on_with(
     tmp_path: Path, world: PerceivedWorld, capsys: pytest.CaptureFixture[str]
 ) -> None:
-    """Damage would go unseen, or cost what is before it."""
+    """Otherwise damage would go unseen, or cost what is before it."""
     folder = tmp_path / 'log'
     write_session(folder, world)
     damage(folder, 9)
@@ -301,7 +302,7 @@ def test_a_damaged_session_is_named_repaired_and_gone_on_with(
     assert f'{folder}: repaired' in capsys.readouterr().out
     assert main(['session', str(folder), '--repair']) == 0
     assert 'nothing to repair' in capsys.readouterr().out
-    write_again = DurableEpisode(BEGUN, SessionLog(folder))
+    write_again = durable_of(BEGUN, SessionLog(folder))
     write_again.start()
     assert write_again.episode.turn >= part['turns_over']
     write_again.close()
@@ -310,7 +311,7 @@ def test_a_damaged_session_is_named_repaired_and_gone_on_with(
 def test_a_session_that_leads_elsewhere_is_named(
     tmp_path: Path, world: PerceivedWorld, capsys: pytest.CaptureFixture[str]
 ) -> None:
-    """A log that this version does not reproduce would be shown as if it did."""
+    """Otherwise a log that this version does not reproduce would be shown as if it did."""
     write_session(tmp_path / 'log', world)
     found, _ = decoded(read_log(tmp_path / 'log'))
     others = dataclasses.replace(BEGUN.settings, strategy='rarest_demo', weights={})
@@ -324,13 +325,13 @@ def test_a_session_that_leads_elsewhere_is_named(
 
 
 def test_accuracy_is_not_made_up(tmp_path: Path, world: PerceivedWorld) -> None:
-    """A robot with perception of its own would be judged by a world that it never saw."""
+    """Otherwise a robot with perception of its own would be judged by a world that it never saw."""
     for name, given, reason in (
         ('none', None, 'the world was not simulated'),
         ('other', {**WORLD, 'seed': 5}, 'the scene of turn 1 is not that of the simulated world'),
         ('gone', {**WORLD, 'task': 'my_table'}, "unknown task 'my_table'"),
     ):
-        write_session(tmp_path / name, world, begun=dataclasses.replace(BEGUN, world=given))
+        write_session(tmp_path / name, world, started=dataclasses.replace(BEGUN, world=given))
         assert main(['session', str(tmp_path / name), '--json', str(tmp_path / 'x.json')]) == 0
         document = json.loads((tmp_path / 'x.json').read_text())
         assert (document['accuracy'], document['final_accuracy']) == ([], None)
@@ -341,7 +342,7 @@ def test_accuracy_is_not_made_up(tmp_path: Path, world: PerceivedWorld) -> None:
 def test_nothing_usable_ends_with_status_2_and_one_line(
     tmp_path: Path, options: list[str], refusal: Callable[..., str]
 ) -> None:
-    """A mistyped folder, or a log of which nothing is left, would end in a traceback."""
+    """Otherwise a mistyped folder, or a log of which nothing is left, would end in a traceback."""
     (tmp_path / 'damaged').mkdir()
     (tmp_path / 'damaged' / DATABASE).write_bytes(b'nonsense' * 1000)
     SessionLog(tmp_path / 'empty').close()
@@ -356,11 +357,11 @@ def test_nothing_usable_ends_with_status_2_and_one_line(
 def test_an_episode_in_which_nothing_could_be_chosen_is_no_demonstration(
     tmp_path: Path, world: PerceivedWorld, capsys: pytest.CaptureFixture[str]
 ) -> None:
-    """Training would end with a traceback where nobody ever answered, or there was no budget."""
-    begun = dataclasses.replace(
+    """Otherwise training would end with a traceback where nobody ever answered, or there was no budget."""
+    started = dataclasses.replace(
         BEGUN, settings=dataclasses.replace(BEGUN.settings, strategy='farthest_fsq', weights={}, budget=0.0)
     )
-    write_session(tmp_path / 'log', world, begun=begun)
+    write_session(tmp_path / 'log', world, started=started)
     assert main(['session', str(tmp_path / 'log'), '--bag', str(tmp_path / 'bag')]) == 0
     assert main(['train_weights', str(tmp_path / 'bag'), '--out', str(tmp_path / 'w.yaml')]) == 2
     assert 'in no turn was there anything to choose' in capsys.readouterr().err

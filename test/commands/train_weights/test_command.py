@@ -50,15 +50,15 @@ def test_the_shipped_bags_are_demonstrations_of_the_training_scenario() -> None:
 
 @pytest.mark.parametrize('bag', BAGS, ids=lambda bag: Path(bag).name)
 def test_the_shipped_bags_replay_to_the_same_decisions(bag: str) -> None:
-    """Training would learn from decisions that this software does not make; another processor may round otherwise."""
+    """Training learns from decisions that this software makes; another processor may round otherwise."""
     (episode,) = read_episodes(Path(bag))
-    divergence = first_divergence(episode.begun, episode.events)
+    divergence = first_divergence(episode.started, episode.events)
     rounding = divergence and re.fullmatch(r'turn \d+: the (features|utilities) differ by up to (\S+)', divergence)
     assert divergence is None or (rounding and float(rounding[2]) < 1e-9)
 
 
 def test_choices_train_quickly_and_the_same_twice(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
-    """The same demonstrations would give another robot."""
+    """Otherwise the same demonstrations would give another robot."""
     everything = sorted((ROOT / 'bags').iterdir())
     for name in 'ab':
         assert run(*everything, '--method', 'choice', '--out', tmp_path / f'{name}.yaml') == 0
@@ -86,14 +86,14 @@ def test_what_the_learner_asks_by_itself_is_told_for_both_amplitudes(
         asked.append(0)
         for shown in read_demonstrations(bags):
             settings = dataclasses.replace(shown.settings, strategy='dt_task_env', weights=weights, amplitude=amplitude)
-            asked[-1] += len(run_episode(shown.choice, settings, teacher_of(shown.choice)).queries)
+            asked[-1] += len(run_episode(shown.world_spec, settings, teacher_of(shown.world_spec)).queries)
     assert [int(count) for count in found.groups()] == asked
     assert asked[1] < 21 < asked[0]
     assert 'WARNING: with these weights it hardly asks (with 100, as learners have unless told otherwise)' in output
 
 
 def test_weights_with_which_nothing_is_asked_are_warned_of(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
-    """A gap that is closed on the average of rollouts would hide a learner that never asks."""
+    """Otherwise a gap that is closed on the average of rollouts would hide a learner that never asks."""
     arguments = ['--strategy', 'value_per_cost', '--method', 'choice', '--out', tmp_path / 'w.yaml']
     assert run(*sorted((ROOT / 'bags').glob('expert_*')), *arguments) == 0
     assert 'with these weights it hardly asks' in capsys.readouterr().out
@@ -102,9 +102,9 @@ def test_weights_with_which_nothing_is_asked_are_warned_of(tmp_path: Path, capsy
 def test_bags_tell_what_was_not_recorded(tmp_path: Path) -> None:
     """The features of value_per_cost are computed from what the expert knew in each turn: playing it again finds it."""
     path, feature_set = Path(BAGS[0]), FEATURE_SETS['value_per_cost']
-    (anew,), (recorded,) = read_demonstrations([path], feature_set), read_demonstrations([path])
-    assert all(set(now.actions) <= set(then.actions) for now, then in zip(anew.steps, recorded.steps, strict=True))
-    chosen = [[step.actions[step.chosen] for step in steps] for steps in (anew.steps, recorded.steps)]
+    (replayed,), (recorded,) = read_demonstrations([path], feature_set), read_demonstrations([path])
+    assert all(set(now.actions) <= set(then.actions) for now, then in zip(replayed.steps, recorded.steps, strict=True))
+    chosen = [[step.actions[step.chosen] for step in steps] for steps in (replayed.steps, recorded.steps)]
     assert chosen[0] == chosen[1]
     (episode,) = read_episodes(path)
     again = [decision.features for decision in decisions_anew(episode, FEATURE_SETS['dt_task_env'])]
@@ -117,7 +117,7 @@ def test_bags_tell_what_was_not_recorded(tmp_path: Path) -> None:
 def test_the_way_is_told_to_a_pipe_too(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
-    """Minutes would pass without a sign of life in the log of a batch job."""
+    """Otherwise minutes would pass without a sign of life in the log of a batch job."""
 
     def train(demonstrations: object, settings: object, watch: Callable[[int, Iteration], None]) -> None:
         for number in range(1, 13):
@@ -137,7 +137,7 @@ def test_the_way_is_told_to_a_pipe_too(
 
 @pytest.mark.slow
 def test_rollouts_train_the_same_twice(tmp_path: Path) -> None:
-    """A seed that does not determine the result is no seed."""
+    """The seed determines the result."""
     short = ['--iterations', 2, '--rollouts', 2]
     for name, jobs in (('a', 1), ('b', 2)):
         assert run(BAGS[0], *short, '--jobs', jobs, '--out', tmp_path / f'{name}.yaml') == 0
@@ -152,7 +152,7 @@ def test_rollouts_train_the_same_twice(tmp_path: Path) -> None:
     reason='the weights were learnt on tables that OpenCV 5 drew, see docs/explanation/simulation.md',
 )
 def test_the_shipped_weights_are_learnt_from_the_shipped_bags(tmp_path: Path) -> None:
-    """Nobody could tell where the default questioner comes from."""
+    """Otherwise nobody could tell where the default questioner comes from."""
     assert run(*BAGS, '--out', tmp_path / 'w.yaml') == 0
     found = yaml.safe_load((tmp_path / 'w.yaml').read_text())
     assert found['training']['bags'] == SHIPPED['training']['bags']
@@ -174,7 +174,7 @@ def truncated(bag: Path) -> None:
     ('damage', 'reason'), [(no_metadata, r'metadata\.yaml is missing'), (truncated, r'cannot be read \(')]
 )
 def test_broken_bags_end_with_status_2_and_one_line(tmp_path: Path, refusal, damage, reason: str) -> None:
-    """A user must learn which bag is broken and what to do; repaired, it trains."""
+    """The line says which bag is broken and what to do; repaired, it trains."""
     bag = tmp_path / 'expert_0'
     shutil.copytree(BAGS[0], bag)
     damage(bag)
@@ -187,7 +187,7 @@ def test_broken_bags_end_with_status_2_and_one_line(tmp_path: Path, refusal, dam
 
 
 def test_unusable_arguments_end_with_status_2_and_one_line(tmp_path: Path, refusal) -> None:
-    """A typing error would cost minutes, or a traceback be all that comes of it."""
+    """Otherwise a typing error would cost minutes, or a traceback be all that comes of it."""
     empty = tmp_path / 'empty'
     empty.mkdir()
     out, old = tmp_path / 'w.yaml', tmp_path / 'old.bag'
@@ -219,10 +219,10 @@ def test_unusable_arguments_end_with_status_2_and_one_line(tmp_path: Path, refus
         lambda bag, made: write_anew(bag, made, 'mcap', namespace='/elsewhere', later=3600 * 10**9),
         lambda bag, made: write_anew(bag, made, 'mcap', end=100),
     ],
-    ids=['copy', 'link', 'anew', 'other storage', 'other names and times', 'ended earlier'],
+    ids=['copy', 'link', 'written again', 'other storage', 'other names and times', 'ended earlier'],
 )
 def test_the_same_episode_twice_is_refused(tmp_path: Path, refusal, again) -> None:
-    """It would count as two demonstrations, and judge what was learnt from itself."""
+    """Otherwise it would count as two demonstrations, and judge what was learnt from itself."""
     made = tmp_path / 'again'
     again(Path(BAGS[0]), made)
     for bags in ([BAGS[0], made], [made, BAGS[1], BAGS[0]]):
@@ -244,7 +244,7 @@ def write_anew(
 
 
 def test_a_recording_that_is_cut_short_says_so(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
-    """Half of an episode would be taken for the whole of it, by who checks it and by who learns from it."""
+    """Otherwise half of an episode would be taken for the whole of it, by who checks it and by who learns from it."""
     recorded = read_bag(Path(BAGS[0])).messages
     ends = [at for at, message in enumerate(recorded) if message.topic.endswith('/turn')]
     write_anew(Path(BAGS[0]), tmp_path / 'b', 'mcap', end=ends[14])
@@ -258,7 +258,7 @@ def test_a_recording_that_is_cut_short_says_so(tmp_path: Path, capsys: pytest.Ca
 
 
 def test_what_is_left_out_of_a_bag_is_said(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
-    """Somebody would believe that both episodes of a bag were learnt from."""
+    """Otherwise somebody would believe that both episodes of a bag were learnt from."""
     messages = [*read_bag(Path(BAGS[0])).messages, *read_bag(Path(BAGS[1])).messages]
     topics = {message.topic: Topic(message.topic, message.type, True) for message in messages}
     lost = next(message for message in messages if message.topic.endswith('/decision'))
@@ -275,7 +275,7 @@ def test_what_is_left_out_of_a_bag_is_said(tmp_path: Path, capsys: pytest.Captur
 
 
 def test_only_weights_are_overwritten_and_by_a_whole_training(tmp_path: Path, refusal) -> None:
-    """A bag would lose its metadata to a mistyped --out; a broken one cost the weights that are in use."""
+    """Otherwise a bag would lose its metadata to a mistyped --out; a broken one cost the weights that are in use."""
     bag = shutil.copytree(BAGS[0], tmp_path / 'bag')
     before = (bag / 'metadata.yaml').read_bytes()
     error = refusal('train_weights', bag, '--method', 'choice', '--out', bag / 'metadata.yaml')
@@ -294,11 +294,11 @@ def test_only_weights_are_overwritten_and_by_a_whole_training(tmp_path: Path, re
     [(15, 30, 11, 26), (25, 40, 18, 36), pytest.param(500, 150, 100, 150, marks=pytest.mark.slow)],
 )
 def test_the_shipped_weights_ask_as_the_documentation_says(budget: int, turns: int, least: int, latest: int) -> None:
-    """The default questioner would spend its budget at once, or be silent where it may ask as much as it likes."""
-    choice = WorldSpec(load_task('prepare_lunch'), 1, 1)
+    """The default questioner does not spend its budget at once, and asks where it may ask as much as it likes."""
+    world_spec = WorldSpec(load_task('prepare_lunch'), 1, 1)
     # Of the demonstrations that they were learnt from.
-    settings = episode_settings(choice.task, 'dt_task_env', budget, turns, amplitude=4.0)
-    result = run_episode(choice, settings, teacher_of(choice))
+    settings = episode_settings(world_spec.task, 'dt_task_env', budget, turns, amplitude=4.0)
+    result = run_episode(world_spec, settings, teacher_of(world_spec))
     assert len(result.queries) >= least
     assert result.spent <= budget
     assert max(query.turn for query in result.queries) >= latest

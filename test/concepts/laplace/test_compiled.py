@@ -14,7 +14,7 @@ from al_questioner.concepts.laplace.compiled import compiled
 def test_a_full_disk_does_not_keep_the_compiled_from_being_used(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    """A robot whose disk is full could no longer decide anything."""
+    """Otherwise a robot whose disk is full could no longer decide anything."""
     (tmp_path / 'doubling.py').write_text('def double(x):\n    return 2 * x\n')
     monkeypatch.syspath_prepend(tmp_path)
     monkeypatch.setattr(sys, 'dont_write_bytecode', True)

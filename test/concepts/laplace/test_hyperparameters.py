@@ -42,7 +42,7 @@ def central_differences(distances, targets, kernel, step=1e-4):
 
 @pytest.mark.parametrize('seed', range(20))
 def test_value_and_gradient_equal_scikit_learn(seed):
-    """The kernel would be tuned to another quantity than the evidence of these classifiers."""
+    """Otherwise the kernel would be tuned to another quantity than the evidence of these classifiers."""
     points, targets, kernel = random_problem(seed)
     theta = np.log([kernel.amplitude, kernel.length_scale])
     covariance = ConstantKernel(kernel.amplitude) * RBF(kernel.length_scale)
@@ -60,7 +60,7 @@ def test_value_and_gradient_equal_scikit_learn(seed):
 @pytest.mark.parametrize('duplicates', [False, True])
 @pytest.mark.parametrize('one_class', [False, True])
 def test_gradient_equals_finite_differences(one_class, duplicates):
-    """The search would stop short; scikit-learn can say nothing on one class."""
+    """Otherwise the search would stop short; scikit-learn can say nothing on one class."""
     for seed in range(10):
         points, targets, kernel = random_problem(seed)
         if one_class:
@@ -85,7 +85,7 @@ def test_value_of_one_example_by_hand():
 
 
 def test_tuning_raises_evidence_times_prior():
-    """The option would make the models worse by its own measure."""
+    """Otherwise the option would make the models worse by its own measure."""
     for seed in range(10):
         points, targets, _ = random_problem(seed)
         configured = Kernel(4.0, float(np.sqrt(points.shape[1])))
@@ -112,7 +112,7 @@ def test_tuning_finds_back_a_kernel_that_made_the_labels():
 @pytest.mark.parametrize('n', [1, 2, 5, 100])
 @pytest.mark.parametrize('kind', ['one class', 'noise', 'separated', 'one place'])
 def test_bounds_hold(kind, n, configured):
-    """A kernel would run off, and with it every probability to 0, 1/2 or 1."""
+    """Otherwise a kernel would run off, and with it every probability to 0, 1/2 or 1."""
     rng = np.random.default_rng(n)
     points = rng.normal(size=(n, 2))
     targets = np.zeros((2, n))
@@ -135,7 +135,7 @@ def test_bounds_hold(kind, n, configured):
 
 @pytest.mark.parametrize('n', [1, 3, 30])
 def test_one_class_leaves_what_is_far_away_open(n):
-    """After a few labels of one kind the robot would be certain of everything, and ask no more."""
+    """Otherwise after a few labels of one kind the robot would be certain of everything, and ask no more."""
     rng = np.random.default_rng(n)
     points = rng.normal(size=(n, 4))
     targets = np.stack([np.ones(n), np.zeros(n)])
@@ -151,7 +151,7 @@ def test_nothing_known_leaves_the_configured_kernel():
 
 
 def test_order_of_examples_and_classes_does_not_matter():
-    """Two robots that were told the same would believe different things."""
+    """Otherwise two robots that were told the same would believe different things."""
     points, targets, _ = random_problem(3)
     rng = np.random.default_rng(1)
     examples, classes = rng.permutation(len(points)), rng.permutation(len(targets))

@@ -13,7 +13,7 @@ from al_questioner.concepts.laplace import look_ahead
 from al_questioner.domain import NO_SYMBOL, InputError, Scene
 
 TOLERANCE = 1e-6
-"""What the look-ahead promises."""
+"""Error that the look-ahead promises not to exceed."""
 
 AMPLITUDES = [1.0, 4.0, 25.0, 100.0, 300.0]
 
@@ -259,7 +259,7 @@ def test_stacks_of_refits_stay_within_their_bound(learning_state, monkeypatch):
 
 
 def test_models_with_another_kernel_do_not_say_it_again(learning_state, monkeypatch, caplog):
-    """A learner that tunes its kernel every few turns would repeat the warning each time."""
+    """Otherwise a learner that tunes its kernel every few turns would repeat the warning each time."""
     state = learning_state(44, n=10, n_things=5, n_symbols=3, amplitude=4.0)
     monkeypatch.setattr(concept_models, 'EXACT_OPERATIONS', 0)
     with caplog.at_level(logging.WARNING, logger=concept_models.__name__):
@@ -293,7 +293,7 @@ def test_no_warning_escapes_at_amplitude_100(learning_state, exact, length_scale
 
 @pytest.mark.parametrize('exact', [True, False])
 def test_no_warning_escapes_in_ordinary_states(learning_state, exact):
-    """Warnings of numpy would reach a robot's log at every turn."""
+    """Otherwise warnings of numpy would reach a robot's log at every turn."""
     for seed in range(30):
         state = learning_state(seed, amplitude=4.0, duplicates=seed % 2 == 0)
         with warnings.catch_warnings():
@@ -303,7 +303,7 @@ def test_no_warning_escapes_in_ordinary_states(learning_state, exact):
 
 
 def test_result_belongs_to_the_caller(learning_state):
-    """Whoever writes into a table must not change the next one."""
+    """A caller that writes into a table does not change the next one."""
     state = learning_state(43, n=8)
     fitted = state.fitted()
     first = fitted.look_ahead(state.scene)
@@ -337,7 +337,7 @@ def test_models_that_were_never_fitted(learning_state):
 @pytest.mark.parametrize('numbers', [1, 10**9])
 @pytest.mark.parametrize('n', [0, 7])
 def test_other_things_than_the_examples_can_be_asked_about(learning_state, monkeypatch, numbers, n):
-    """The oracle would judge labels by what other ones lead to, or differently in a large scene."""
+    """Otherwise the oracle would judge labels by what other ones lead to, or differently in a large scene."""
     monkeypatch.setattr(concept_models, 'CHUNK_NUMBERS', numbers)
     state = learning_state(3, n=n)
     fitted = state.fitted()

@@ -66,7 +66,7 @@ def test_variances_are_those_of_the_changed_curvatures(problem, curvature, ampli
 
 @pytest.mark.parametrize('steps', [1, 2])
 def test_a_search_that_is_cut_short_says_so(problem, curvature, steps):
-    """What is wrong must not be taken for right."""
+    """Nothing that is wrong may be taken for right."""
     case = problem(4, 40, 100.0)
     relative = changes(case, -0.9, 2.0)
     weights, found, error = searched(case, relative, steps)

@@ -34,7 +34,7 @@ def test_asks_once_and_early_which_features_matter(toy, seed):
 
 
 def test_when_it_asks_for_the_features_depends_on_the_seed(toy):
-    """All demonstrations would show the same."""
+    """Otherwise all demonstrations would show the same."""
     first = [
         next(r.turn for r in demonstration(toy, seed, turns=6)[0].records if r.kind is QueryKind.FEATURE_SUBSET)
         for seed in range(12)
@@ -44,7 +44,7 @@ def test_when_it_asks_for_the_features_depends_on_the_seed(toy):
 
 @pytest.mark.parametrize('seed', range(8))
 def test_spends_the_budget_evenly_so_that_each_scene_finds_some_left(toy, seed):
-    """The paper: spreading the budget over the time gives a more diverse sample; a budget spent at once would not."""
+    """The paper: spreading the budget over the time gives a more diverse sample than spending it at once."""
     episode, _ = demonstration(toy, seed)
     by_turn = np.zeros(31)
     for record in episode.records:
@@ -64,7 +64,7 @@ def test_asks_mostly_for_labels_and_covers_the_classes(toy, seed):
 
 
 def test_a_large_budget_is_asked_from_at_every_turn(toy):
-    """Frugality where nothing is scarce would be no expertise; nothing is asked once all views are labelled."""
+    """An expert is not frugal where nothing is scarce; nothing is asked once all views are labelled."""
     episode, decisions = demonstration(toy, 0, budget=500.0, turns=16, change_interval=4)
     idle = [d for d in decisions if d.query is None]
     assert len(episode.records) >= 15
@@ -72,7 +72,7 @@ def test_a_large_budget_is_asked_from_at_every_turn(toy):
 
 
 def test_every_decision_shows_what_was_weighed(toy):
-    """Nobody could learn from decisions whose candidates have no features."""
+    """Otherwise nobody could learn from decisions whose candidates have no features."""
     for decision in demonstration(toy, 1)[1]:
         assert np.isfinite(decision.features).all()
         assert np.nanmax(decision.utilities) == decision.utilities[decision.chosen]
@@ -82,7 +82,7 @@ SUBSET = QueryRecord(1, QueryKind.FEATURE_SUBSET, None, None, 2.0, Outcome.UNKNO
 
 
 def test_the_rarest_class_is_what_it_asks_about(toy):
-    """By hand: two examples of snack and of fruit, one of main_dish: the likeliest main_dish is asked about."""
+    """There are two examples of snack and of fruit, one of main_dish: the likeliest main_dish is asked about."""
     table = np.zeros((8, 5))
     table[:, 0] = [0, 5, 5, 10, 10, 0.2, 5.2, 10.2]
     labels = ['main_dish', 'snack', 'snack', 'fruit', 'fruit']
@@ -93,7 +93,7 @@ def test_the_rarest_class_is_what_it_asks_about(toy):
 
 
 def test_asks_for_a_demonstration_of_a_class_that_stays_without_example(toy):
-    """Waiting for chance would leave a class untaught; what is not here is not asked for again."""
+    """Otherwise waiting for chance would leave a class untaught; what is not here is not asked for again."""
     labels, turn = ['snack', 'snack', 'fruit', NO_SYMBOL], {'turn': 10, 'spent': 4.0, 'scene_turn': 5}
     not_here = QueryRecord(6, QueryKind.DEMONSTRATION, None, 'main_dish', 2.0, Outcome.ANSWERED)
     for history, kind in (((SUBSET,), QueryKind.DEMONSTRATION), ((SUBSET, not_here), QueryKind.LABEL)):

@@ -20,9 +20,9 @@ import pytest
 from al_questioner.cli import main
 from al_questioner.domain import QueryKind, SettingsError, random_stream
 from al_questioner.messages.documents import read, settings_members, settings_of, write
-from al_questioner.questioning import STRATEGIES, Choice, Episode, TurnContext, known_strategies, make_strategy
+from al_questioner.questioning import STRATEGIES, Choice, Episode, TurnContext, make_strategy
 from al_questioner.questioning.strategies import names as strategy_names
-from al_questioner.questioning.strategies.names import SHIPPED, check_strategy
+from al_questioner.questioning.strategies.names import SHIPPED, check_strategy, contributions
 from al_questioner.simulation import episode_settings
 from shared.checkout import ROOT
 from shared.lunches import TASK
@@ -67,7 +67,7 @@ def contribute(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Contribute:
 
 
 def refusal(make: Callable[..., object], *arguments: object, **options: object) -> str:
-    """Why something is refused, in one line."""
+    """Return the reason why something is refused, in one line."""
     with pytest.raises(SettingsError) as error:
         make(*arguments, **options)
     text = str(error.value)
@@ -76,15 +76,15 @@ def refusal(make: Callable[..., object], *arguments: object, **options: object) 
 
 
 def test_a_contributed_strategy_is_made_by_its_name(contribute: Contribute) -> None:
-    """Nobody could try an idea without editing this package."""
+    """Otherwise nobody could try an idea without editing this package."""
     contribute('pack', mine='contributed_module:Weighted')
-    assert known_strategies() == (*STRATEGIES, 'mine')
+    assert list(contributions()) == ['mine']
     strategy = make_strategy('mine', {'discriminability': 2.0})
     assert (type(strategy).__name__, strategy.weights) == ('Weighted', {'discriminability': 2.0})
 
 
 def test_a_weights_file_reaches_a_contributed_strategy(contribute: Contribute, tmp_path: Path) -> None:
-    """Trained weights would be of use to our own strategies alone."""
+    """Otherwise trained weights would be of use to our own strategies alone."""
     contribute('pack', mine='contributed_module:Weighted')
     path = tmp_path / 'weights.yaml'
     path.write_text('weights: {class_uniformity: 0.5}', encoding='utf-8')
@@ -93,7 +93,7 @@ def test_a_weights_file_reaches_a_contributed_strategy(contribute: Contribute, t
 
 
 def test_a_contributed_strategy_declares_weights_of_its_own(contribute: Contribute, tmp_path: Path) -> None:
-    """An idea that weighs something else than the paper could not be tuned, nor told of on a topic or in a log."""
+    """Weights that the paper does not have can be tuned, and are on the topics and in the log."""
     contribute('pack', mine='contributed_module:Declaring')
     path = tmp_path / 'weights.yaml'
     path.write_text('weights: {margin: 0.5}', encoding='utf-8')
@@ -108,28 +108,28 @@ def test_a_contributed_strategy_declares_weights_of_its_own(contribute: Contribu
 
 
 def test_our_own_strategies_do_not_wait_for_a_search(monkeypatch: pytest.MonkeyPatch, toy: SimpleNamespace) -> None:
-    """Every start would read the metadata of all installed packages."""
+    """Otherwise every start would read the metadata of all installed packages."""
     monkeypatch.setattr(strategy_names, 'contributions', lambda: pytest.fail('searched'))
     for name in STRATEGIES:
-        make_strategy(check_strategy(name), toy.weights.get(name, {}))
+        make_strategy(check_strategy(name), toy.weights.get(name, {}), lambda _: 0)
 
 
 def test_the_names_of_our_own_strategies_are_known_without_them() -> None:
-    """A task file that names one of ours would be refused."""
+    """Otherwise a task file that names one of ours would be refused."""
     assert tuple(STRATEGIES) == SHIPPED
 
 
 def test_a_name_of_ours_cannot_be_taken(contribute: Contribute, caplog: pytest.LogCaptureFixture) -> None:
-    """Results under the name of a strategy of the paper would be those of another one."""
+    """Otherwise results under the name of a strategy of the paper would be those of another one."""
     contribute('pack', random_fsq='contributed_module:Weighted', mine='contributed_module:Weighted')
     assert type(make_strategy('random_fsq', {})).__name__ == 'RandomLabel'
     assert type(make_strategy('mine', {})).__name__ == 'Weighted'
-    assert known_strategies().count('random_fsq') == 1
+    assert 'random_fsq' not in contributions()
     assert 'entry point "random_fsq = contributed_module:Weighted" of package pack is ignored' in caplog.text
 
 
 def test_of_two_with_one_name_it_is_always_the_same(contribute: Contribute, caplog: pytest.LogCaptureFixture) -> None:
-    """The processes of one experiment could play different strategies under one name."""
+    """Otherwise the processes of one experiment could play different strategies under one name."""
     contribute('first', mine='contributed_module:Weighted')
     contribute('second', mine='contributed_module:Another')
     assert type(make_strategy('mine', {})).__name__ == 'Another'
@@ -148,13 +148,13 @@ def test_of_two_with_one_name_it_is_always_the_same(contribute: Contribute, capl
     ],
 )
 def test_a_broken_strategy_is_refused_in_one_line(contribute: Contribute, value: str, reason: str) -> None:
-    """A traceback through our code would leave its user to find out whose fault it is."""
+    """Otherwise a traceback through our code would leave its user to find out whose fault it is."""
     contribute('pack', mine=value)
     assert refusal(make_strategy, 'mine', {}).startswith(f'entry point "mine = {value}" of package pack {reason}')
 
 
 def test_an_unknown_name_is_answered_with_the_contributed_ones_too(contribute: Contribute) -> None:
-    """Whoever mistypes the name of an own strategy would believe that it is not installed."""
+    """The message shows that a contributed strategy of another name is installed."""
     contribute('pack', mine='no_such_module:Strategy')
     known = ', '.join((*STRATEGIES, 'mine'))
     assert refusal(make_strategy, 'mien', {}) == f"unknown strategy 'mien'; known: {known}; did you mean mine?"
@@ -164,7 +164,7 @@ def test_an_unknown_name_is_answered_with_the_contributed_ones_too(contribute: C
 def test_executables_refuse_a_broken_strategy_before_they_begin(
     command: list[str], contribute: Contribute, tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
-    """An experiment would fail episode by episode."""
+    """Otherwise an experiment would fail episode by episode."""
     contribute('pack', mine='no_such_module:Strategy')
     assert main([*command, '--strategy', 'mine', '--out', str(tmp_path / 'out')]) == 2
     error = capsys.readouterr().err
@@ -194,7 +194,7 @@ def run(*command: str | Path, environment: dict[str, str], cwd: Path) -> None:
 
 @pytest.mark.slow
 def test_the_example_plays_a_demo(installed_example: dict[str, str], tmp_path: Path) -> None:
-    """The first thing that people copy would not run."""
+    """Otherwise the first thing that people copy would not run."""
     executable = (sys.executable, '-m', 'al_questioner', 'demo', '--offline', '--task', 'prepare_lunch')
     limits = ('--strategy', 'smallest_margin', '--budget', '6', '--turns', '8')
     files = ('--out', tmp_path / 'out', '--json', tmp_path / 'episode.json')
@@ -207,7 +207,7 @@ def test_the_example_plays_a_demo(installed_example: dict[str, str], tmp_path: P
 
 @pytest.mark.slow
 def test_the_example_is_compared_in_an_experiment(installed_example: dict[str, str], tmp_path: Path) -> None:
-    """The worker processes would not know a strategy that the first process knows."""
+    """Otherwise the worker processes would not know a strategy that the first process knows."""
     executable = (sys.executable, '-m', 'al_questioner', 'experiment', '--task', 'prepare_lunch')
     cells = ('--condition', '6/8', '--strategy', 'smallest_margin', 'random_fsq', '--samples', '1', '--jobs', '2')
     run(*executable, *cells, '--out', tmp_path / 'out', environment=installed_example, cwd=tmp_path)
@@ -219,7 +219,7 @@ def test_the_example_is_compared_in_an_experiment(installed_example: dict[str, s
 
 
 def test_the_example_asks_about_the_smallest_margin(toy: SimpleNamespace) -> None:
-    """People would start from a class that does something else than it says."""
+    """Otherwise people would start from a class that does something else than it says."""
     example = runpy.run_path(str(EXAMPLE / 'smallest_margin.py'))['SmallestMargin']({})
     asked = []
 
@@ -244,14 +244,14 @@ def test_the_example_asks_about_the_smallest_margin(toy: SimpleNamespace) -> Non
 
 
 def test_the_example_refuses_weights() -> None:
-    """A user would believe that the weights had an effect."""
+    """Otherwise a user would believe that the weights had an effect."""
     make = runpy.run_path(str(EXAMPLE / 'smallest_margin.py'))['SmallestMargin']
     with pytest.raises(ValueError, match='uses no weights'):
         make({'discriminability': 1.0})
 
 
 def test_the_page_shows_the_example_as_it_is() -> None:
-    """What people copy from the page would be older than what is tested."""
+    """The code on the page, which people copy, is the code that is tested."""
     page = (ROOT / 'docs' / 'how_to' / 'add_a_strategy.md').read_text(encoding='utf-8')
     for language, name in (('python', 'smallest_margin.py'), ('ini', 'setup.cfg')):
         (shown,) = re.findall(f'```{language}\n(.*?)```', page, flags=re.DOTALL)

@@ -1,4 +1,4 @@
-"""What each strategy chooses."""
+"""Choices of each strategy."""
 
 import dataclasses
 
@@ -75,7 +75,7 @@ def test_controls_never_ask_about_a_labelled_view(toy, name):
 
 @pytest.mark.parametrize('name', ['u_sampling_fsq', 'random_fsq', 'farthest_fsq'])
 def test_controls_do_not_insist_when_the_teacher_does_not_know(toy, name):
-    """Until the scene changes; a teacher who did not know would be asked the same for ever."""
+    """A teacher who did not know is not asked the same again until the scene changes."""
     asked = tuple(QueryRecord(2, QueryKind.LABEL, i, None, 1.0, Outcome.UNKNOWN) for i in range(5))
     context = context_of(toy, history=(SUBSET_ASKED, *asked))
     assert chosen(name, context).object_id == 5
@@ -116,7 +116,7 @@ def test_rarest_demonstration_asks_for_the_fewest_examples(toy):
 
 
 def test_rarest_demonstration_moves_on_when_there_is_none(toy):
-    """What is not here, or was only shown again, is not asked for again until the scene changes."""
+    """A symbol that is not here, or was only shown again, is not asked for again until the scene changes."""
     in_vain = QueryRecord(2, QueryKind.DEMONSTRATION, None, 'main_dish', 2.0, Outcome.ANSWERED)
     history = (SUBSET_ASKED, in_vain)
     labels = ['fruit', 'fruit', 'snack']
@@ -176,7 +176,7 @@ def test_what_is_settled_is_not_asked_again(toy):
 
 
 def test_what_is_known_not_to_be_here_is_not_to_be_shown(toy):
-    """Where each view was named, as something else, the answer is sure to be that there is none."""
+    """Each view was named as something else: the answer is sure to be that there is none."""
     demonstrations = [Action(QueryKind.DEMONSTRATION, symbol=symbol) for symbol in toy.symbols]
     labels = ['snack', NO_SYMBOL, 'snack', 'fruit', NO_SYMBOL, 'fruit']
     known = context_of(toy, labels, history=())
@@ -189,7 +189,7 @@ def test_what_is_known_not_to_be_here_is_not_to_be_shown(toy):
 
 @pytest.mark.parametrize('outcome', [Outcome.UNKNOWN, Outcome.SKIP])
 def test_the_relevant_features_are_asked_for_a_second_time_if_there_was_no_answer(toy, outcome):
-    """They are worth more than any other answer, but whoever does not know them is not to be asked in every scene."""
+    """The answer is worth more than any other, but a teacher who does not know it is not asked in every scene."""
     subset = Action(QueryKind.FEATURE_SUBSET)
     first, second = (QueryRecord(turn, subset.kind, None, None, 2.0, outcome) for turn in (1, 6))
     unheard = dataclasses.replace(first, outcome=Outcome.UNANSWERED)
@@ -208,7 +208,7 @@ def test_the_relevant_features_are_asked_for_a_second_time_if_there_was_no_answe
 
 @pytest.mark.parametrize('strategy', ['u_sampling', 'dt_iros', 'dt_task', 'dt_task_env'])
 def test_no_strategy_repeats_a_question_that_got_no_answer(toy, strategy):
-    """It leaves the state as it was, so without a rule the same question would be the best for ever."""
+    """Otherwise it leaves the state as it was, so without a rule the same question would be the best for ever."""
     weights = toy.weights.get(strategy, {})
     first = chosen(strategy, context_of(toy, ['snack', 'fruit']), weights=weights)
     record = QueryRecord(2, first.kind, first.object_id, first.symbol, 1.0, Outcome.UNKNOWN)
@@ -240,7 +240,7 @@ def test_weights_that_do_not_fit(name, weights, reason):
 
 
 def test_uncertainty_sampling_can_be_kept_from_asking_again(toy):
-    """The study of whether it may ask again would vary nothing."""
+    """Otherwise the study of whether it may ask again would vary nothing."""
     context = context_of(toy, ['snack'] * 5)
     again = UncertaintySampling().choose(context, np.random.default_rng(0))
     never = UncertaintySampling(repeats=False).choose(context, np.random.default_rng(0))

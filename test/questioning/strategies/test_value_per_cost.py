@@ -1,4 +1,4 @@
-"""What a question is worth: cases solved by hand, the formula written out, and what must never happen."""
+"""Worth of a question: cases solved by hand, the formula written out, and what must never happen."""
 
 import dataclasses
 
@@ -142,7 +142,7 @@ def test_the_relevant_features_come_first_unless_they_leave_no_answer(toy):
     ],
 )
 def test_how_short_the_budget_is_by_hand(toy, budget, costs, expected):
-    """Labels for a penny would hide that demonstrations use up the budget, if theirs were the only price."""
+    """Otherwise labels for a penny would hide that demonstrations use up the budget, if theirs were the only price."""
     context = context_of(toy, ['snack'], budget=budget, costs=costs)
     assert scarcity(context) == pytest.approx(expected)
     assert (lead(context, 0.5) == 0) == (expected == 0)
@@ -174,7 +174,7 @@ def test_the_relevant_features_first_at_the_default_costs_alone(toy):
 
 
 def test_the_unit_of_the_budget_does_not_matter(toy):
-    """Somebody who counts in thousandths would be asked other questions."""
+    """Otherwise somebody who counts in thousandths would be asked other questions."""
     for unit in (1e-3, 1e3):
         costs = Costs(unit, 2 * unit, 2 * unit)
         plain = decide(context_of(toy, ['snack']))[1]
@@ -183,7 +183,7 @@ def test_the_unit_of_the_budget_does_not_matter(toy):
 
 
 def test_a_short_budget_is_paced(toy):
-    """By a quarter of the turns half of the budget is gone, and no more."""
+    """Half of the budget is gone by a quarter of the turns, and no more."""
     for spent, waits in ((9.0, False), (10.0, False), (10.01, True)):
         action, _ = decide(context_of(toy, ['snack'], turn=10, spent=spent))
         assert (action.kind is QueryKind.NO_QUERY) is waits
@@ -215,7 +215,7 @@ def test_a_teacher_who_does_not_know_lowers_the_chance_of_an_answer_to_such_ques
 
 
 def test_a_question_that_nobody_heard_does_not_lower_the_chance_of_an_answer(toy):
-    """A teacher who went for coffee would be asked other questions on coming back."""
+    """Otherwise a teacher who went for coffee would be asked other questions on coming back."""
     unheard = label_record(None, outcome=Outcome.UNANSWERED)
     before, after = (value_features(context_of(toy, history=(SUBSET_ASKED, *more))) for more in ((), (unheard,)))
     np.testing.assert_array_equal(before, after)
@@ -282,7 +282,7 @@ def test_two_symbols_are_enough(toy):
 
 
 def test_its_constants_can_be_set_beside_its_weights(toy):
-    """A user whose things look less alike would have no say."""
+    """Otherwise a user whose things look less alike would have no say."""
     strategy = make_strategy('value_per_cost', {'reach': 0.5, 'pace': 2.0, 'price': -0.5})
     assert strategy.constants == Constants(reach=0.5, pace=2.0)
     assert strategy.weights.tolist() == [1, 1, -0.5, 1e6, -10]
@@ -292,7 +292,7 @@ def test_its_constants_can_be_set_beside_its_weights(toy):
 
 
 def test_defaults_and_shipped_weights_are_those_of_the_documentation():
-    """The page would derive another questioner than the one that ships."""
+    """Otherwise the page would derive another questioner than the one that ships."""
     page = (ROOT / 'docs' / 'explanation' / 'value_per_cost.md').read_text()
     for name in ('reach', 'doubt', 'decline', 'pace'):
         assert f'| `{name}` | {getattr(DEFAULTS, name):g} |' in page
@@ -308,7 +308,7 @@ def test_defaults_and_shipped_weights_are_those_of_the_documentation():
 @pytest.mark.parametrize('constants', [Constants(reach=1e-6, doubt=1e-6), Constants(1e6, 1e6, 1e6, 1e6)])
 @pytest.mark.parametrize('labels', [[], [NO_SYMBOL] * 5, ['snack'] * 6])
 def test_features_stay_finite(toy, labels, constants):
-    """A strategy whose values are no numbers would never ask again, and nobody would know why."""
+    """Otherwise the strategy would never ask again, and nobody would know why."""
     in_vain = [QueryRecord(2, QueryKind.DEMONSTRATION, None, symbol, 2.0, Outcome.ANSWERED) for symbol in toy.symbols]
     for history in ((), tuple(in_vain)):
         features = value_features(context_of(toy, labels, history=history), constants)
@@ -316,12 +316,12 @@ def test_features_stay_finite(toy, labels, constants):
 
 
 def test_zero_weights_of_others_do_not_matter():
-    """Weights that were learnt for one strategy could not be cut down to those of another."""
+    """Otherwise weights that were learnt for one strategy could not be cut down to those of another."""
     make_strategy('value_per_cost', {'gain': 1, 'discriminability': 0})
 
 
 def test_a_demonstration_shows_what_is_worthless_as_not_considered(toy):
-    """Whoever learns from it would weigh candidates that the learner will never take."""
+    """A learner from it does not weigh candidates that the strategy never takes."""
     context = context_of(toy, ['snack', NO_SYMBOL, 'fruit'])
     feature_set = FEATURE_SETS['value_per_cost']
     worthless = feature_set.is_worthless(feature_set.of(context))

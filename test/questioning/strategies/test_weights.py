@@ -54,7 +54,7 @@ def test_files_that_are_no_weights(tmp_path, text, reason):
 
 @pytest.mark.parametrize('name', ['dt_iros', 'dt_task', 'dt_task_env'])
 def test_a_strategy_without_weights_says_how_to_load_them(name: str) -> None:
-    """Whoever writes the strategy's name in Python would have to look for the file that ships."""
+    """The message names the file that ships, for a user who makes the strategy in Python."""
     settings = EpisodeSettings(['cup', 'plate'], 10, 10, name)
     with pytest.raises(InputError, match=rf"weights=load_weights\('{name}'\)"):
         Episode(settings, random_stream(0, 'learner'))
@@ -63,6 +63,6 @@ def test_a_strategy_without_weights_says_how_to_load_them(name: str) -> None:
 
 
 def test_unknown_weights_list_the_known() -> None:
-    """A slip in a strategy's name would be met with silence."""
+    """Otherwise a slip in a strategy's name would be met with silence."""
     with pytest.raises(InputError, match=r"unknown weights 'dt_task_evn'; known: dt_iros, dt_task, dt_task_env"):
         load_weights('dt_task_evn')

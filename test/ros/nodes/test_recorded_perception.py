@@ -26,7 +26,7 @@ def stand_in(graph: Any) -> RecordedPerceptionNode:
 
 
 def test_a_second_learner_asks_what_it_would_have_asked_in_the_recorded_world(graph: Any) -> None:
-    """It would miss scenes, or the teacher would answer about other things."""
+    """Otherwise it would miss scenes, or the teacher would answer about other things."""
     states = graph.listen('learner_state', profile=qos.RECORDED_LATCHED)
     world = {'task': 'prepare_lunch', 'seed': 0}
     stand_in(graph)
@@ -38,7 +38,7 @@ def test_a_second_learner_asks_what_it_would_have_asked_in_the_recorded_world(gr
 
 
 def test_two_perceptions_are_one_too_many(graph: Any) -> None:
-    """A learner would see the recorded scene in one turn and another one in the next."""
+    """Otherwise a learner would see the recorded scene in one turn and another one in the next."""
     node = stand_in(graph)
     graph.start(PerceptionNode, **graph.world)
     graph.start(LearnerNode, **graph.episode)
@@ -47,7 +47,7 @@ def test_two_perceptions_are_one_too_many(graph: Any) -> None:
 
 
 def test_other_turns_than_the_recorded_ones_are_refused_with_their_number(graph: Any) -> None:
-    """A learner with more turns than the bag would wait without a word."""
+    """Otherwise a learner with more turns than the bag would wait without a word."""
     node = stand_in(graph)
     clouds = graph.listen('objects', PointCloud2)
     turns = node.create_publisher(String, 'turn', qos.LATCHED)
@@ -64,7 +64,7 @@ def test_other_turns_than_the_recorded_ones_are_refused_with_their_number(graph:
 
 
 def test_a_learner_of_another_world_is_warned_of_and_shown_the_scenes(graph: Any) -> None:
-    """The scripted teacher would answer about things that are not there, and nobody would know why."""
+    """Otherwise the scripted teacher would answer about things that are not there, and nobody would know why."""
     warnings = graph.listen('/rosout', Log, 100)
     node = stand_in(graph)
     clouds = graph.listen('objects', PointCloud2)

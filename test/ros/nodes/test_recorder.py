@@ -57,11 +57,11 @@ def test_a_recording_holds_the_whole_episode(graph: Any, tmp_path: Path, storage
     assert [turn.record.turn for turn in episode.turns if turn.record] == [
         query['turn'] for query in documents(bag, 'learner_state')[-1]['queries']
     ]
-    assert first_divergence(episode.begun, episode.events) is None
+    assert first_divergence(episode.started, episode.events) is None
 
 
 def test_a_correction_is_replayed_in_the_turn_in_which_it_was_made(graph: Any, tmp_path: Path) -> None:
-    """The bag of a person who was wrong once would lead to other decisions than those in it."""
+    """Otherwise the bag of a person who was wrong once would lead to other decisions than those in it."""
     person = graph.ears.create_publisher(String, 'answer', qos.EVENTS)
     queries, states = graph.listen('query'), graph.listen('learner_state')
     graph.start(PerceptionNode, **graph.world, wait_for_recorder=True)
@@ -90,11 +90,11 @@ def test_a_correction_is_replayed_in_the_turn_in_which_it_was_made(graph: Any, t
     assert [event.turn if isinstance(event, ActionChosen) else event.answer.query_id for event in answered] == [
         *(1, 'q1', 2, 'q2', 3, 'q1', 'q3', 4, 'q4')
     ]
-    assert first_divergence(episode.begun, episode.events) is None
+    assert first_divergence(episode.started, episode.events) is None
 
 
 def test_what_was_missed_is_said(graph: Any, tmp_path: Path) -> None:
-    """A user would find out after the person has gone that the beginning is missing."""
+    """Otherwise a user would find out after the person has gone that the beginning is missing."""
     person = graph.ears.create_publisher(String, 'answer', qos.EVENTS)
     queries = graph.listen('query')
     graph.start_robot(**{**EPISODE, 'strategy': 'u_sampling'})
@@ -112,7 +112,7 @@ def test_what_was_missed_is_said(graph: Any, tmp_path: Path) -> None:
 
 
 def test_counts_are_told_and_a_late_end_keeps_everything(graph: Any, diagnostics: Any, tmp_path: Path) -> None:
-    """Whoever ends the recording by hand would lose what still waits to be written."""
+    """A recording that is ended by hand holds all that still waited to be written."""
     recorder = graph.start(RecorderNode, bag=str(tmp_path / 'b'))
     turns = graph.listen('turn')
     graph.start_robot(**EPISODE)
@@ -127,7 +127,7 @@ def test_counts_are_told_and_a_late_end_keeps_everything(graph: Any, diagnostics
     ('wanted', 'expected'), [('', None), ('robot', '/robot'), ('/lab/robot/', '/lab/robot'), ('/', '')]
 )
 def test_the_bag_names_its_topics_as_wanted(graph: Any, tmp_path: Path, wanted: str, expected: str | None) -> None:
-    """A recording that is handed on would name a namespace that was made up for one process."""
+    """Otherwise a recording that is handed on would name a namespace that was made up for one process."""
     recorder = graph.start(RecorderNode, bag=str(tmp_path / 'b'), namespace_in_bag=wanted)
     publisher = graph.ears.create_publisher(String, 'answer', qos.EVENTS)
     graph.wait_for(publisher.get_subscription_count, 'the recorder')
@@ -139,7 +139,7 @@ def test_the_bag_names_its_topics_as_wanted(graph: Any, tmp_path: Path, wanted: 
 
 
 def test_a_bag_that_cannot_be_begun_is_refused(graph: Any, tmp_path: Path) -> None:
-    """It would hold names that no tool takes; or a demonstration be lost, which cannot be given twice."""
+    """Otherwise it would hold names that no tool takes; or a demonstration be lost, which cannot be given twice."""
     with pytest.raises(InputError, match='parameter namespace_in_bag'):
         graph.start(RecorderNode, bag=str(tmp_path / 'b'), namespace_in_bag='my robot')
     assert not (tmp_path / 'b').exists()
@@ -149,7 +149,7 @@ def test_a_bag_that_cannot_be_begun_is_refused(graph: Any, tmp_path: Path) -> No
 
 
 def test_repairing_says_what_was_kept(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
-    """A user would not know whether the repair was worth anything."""
+    """Otherwise a user would not know whether the repair was worth anything."""
     bag = BagWriter(tmp_path / 'b', TOPICS)
     bag.write('/x/turn', text('a'), 5)
     bag.sync()
@@ -160,7 +160,7 @@ def test_repairing_says_what_was_kept(tmp_path: Path, capsys: pytest.CaptureFixt
 
 
 def test_a_recording_that_began_late_says_so(graph: Any, tmp_path: Path) -> None:
-    """The user would find out when it cannot be learnt from, long after the demonstration."""
+    """Otherwise the user would find out when it cannot be learnt from, long after the demonstration."""
     publisher = graph.ears.create_publisher(String, 'turn', qos.LATCHED)
     members = {'turn': 4, 'stamp': {'sec': 1, 'nanosec': 0}, 'world': None}
     publisher.publish(String(data=write_document('turn', 'e1', members)))
@@ -169,7 +169,7 @@ def test_a_recording_that_began_late_says_so(graph: Any, tmp_path: Path) -> None
 
 
 def test_what_is_no_document_is_recorded_too(graph: Any, tmp_path: Path) -> None:
-    """What a robot really said would not be in its recording, just when it went wrong."""
+    """The recording holds what a robot really sent, also when it went wrong."""
     publisher = graph.ears.create_publisher(String, 'turn', qos.LATCHED)
     publisher.publish(String(data='no document'))
     recorder = graph.start(RecorderNode, bag=str(tmp_path / 'b'))
@@ -181,7 +181,7 @@ def test_what_is_no_document_is_recorded_too(graph: Any, tmp_path: Path) -> None
 def test_a_full_disk_ends_the_recording_and_is_on_the_diagnostics(
     graph: Any, diagnostics: Any, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    """A robot would go on for hours without being recorded."""
+    """Otherwise a robot would go on for hours without being recorded."""
     path = tmp_path / 'b'
     publisher = graph.ears.create_publisher(String, 'answer', qos.EVENTS)
     recorder = graph.start(RecorderNode, bag=str(path))

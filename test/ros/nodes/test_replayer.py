@@ -1,4 +1,4 @@
-"""A replayed bag is the recorded episode again, on its topics, for whoever listens."""
+"""A replayed bag is the recorded episode again, on its topics, for all who listen."""
 
 from __future__ import annotations
 
@@ -45,7 +45,7 @@ def replay(graph: Any, *, paused: bool = False, rate: float = 1.0, clock_hz: flo
 
 
 def test_everything_is_published_as_it_was_recorded(graph: Any) -> None:
-    """A page or a second learner would see another demonstration."""
+    """Otherwise a page or a second learner would see another demonstration."""
     heard = {
         'turn': graph.listen('turn', profile=qos.RECORDED_LATCHED),
         'objects': graph.listen('objects', PointCloud2, qos.RECORDED_LATCHED),
@@ -70,7 +70,7 @@ def test_everything_is_published_as_it_was_recorded(graph: Any) -> None:
 
 
 def test_a_step_is_a_turn_of_the_learner(graph: Any) -> None:
-    """A person could not look at one turn after the other."""
+    """Otherwise a person could not look at one turn after the other."""
     turns = graph.listen('turn', profile=qos.RECORDED_LATCHED)
     node = replay(graph, paused=True)
     for turn, key in enumerate(('right', 'n', 'n'), start=1):
@@ -80,7 +80,7 @@ def test_a_step_is_a_turn_of_the_learner(graph: Any) -> None:
 
 
 def test_the_scenes_of_a_replay_are_the_recorded_ones(graph: Any) -> None:
-    """A learner that listens would see other things, or in another order."""
+    """Otherwise a learner that listens would see other things, or in another order."""
     clouds = graph.listen('objects', PointCloud2, qos.RECORDED_LATCHED)
     node = replay(graph, rate=2.0)
     graph.wait_for(lambda: node.over, 'the end of the replay')
@@ -96,7 +96,7 @@ def test_the_scenes_of_a_replay_are_the_recorded_ones(graph: Any) -> None:
 
 
 def test_latched_topics_stay_for_late_listeners(graph: Any) -> None:
-    """RViz, started after the replay, would stay empty."""
+    """Otherwise RViz, started after the replay, would stay empty."""
     states = graph.listen('learner_state', profile=qos.RECORDED_LATCHED)
     replay(graph, rate=5.0)
     graph.wait_for(lambda: states and states[-1]['done'], 'the end of the replay')
@@ -106,7 +106,7 @@ def test_latched_topics_stay_for_late_listeners(graph: Any) -> None:
 
 
 def test_nothing_is_played_before_somebody_listens(graph: Any, diagnostics: Any) -> None:
-    """The first decisions would be lost to whoever was started together with the replay."""
+    """A subscriber that is started together with the replay gets the first decisions."""
     node = replay(graph)
 
     def waiting() -> int:
@@ -114,14 +114,14 @@ def test_nothing_is_played_before_somebody_listens(graph: Any, diagnostics: Any)
         return ours.count('waiting for listeners')
 
     graph.wait_for(lambda: waiting() >= 2, 'two signs of life')
-    assert not node.begun
+    assert not node.started
     decisions = graph.listen('decision', PointCloud2, qos.RECORDED_EVENTS)
     graph.wait_for(lambda: decisions, 'a decision')
     assert stamp_in(decisions[0]) == stamp_in(deserialize(recorded('decision')[0]))
 
 
 def test_a_key_begins_without_listeners(graph: Any) -> None:
-    """A person would have to wait for listeners that are not to come."""
+    """Otherwise a person would have to wait for listeners that are not to come."""
     node = replay(graph)
     node.press('s')
     graph.wait_for(lambda: node.playback.position == 1, 'the first message')
@@ -136,7 +136,7 @@ def test_a_key_begins_without_listeners(graph: Any) -> None:
 
 
 def test_a_replay_does_not_begin_on_the_names_of_a_live_learner(graph: Any) -> None:
-    """A recorded turn could replace a live one before perception sees it, and the robot would wait for ever."""
+    """Otherwise a recorded turn could replace a live one before perception sees it: the robot waits for ever."""
     turns = graph.listen('turn', profile=qos.RECORDED_LATCHED)
     graph.start(LearnerNode, **graph.episode)
     node = replay(graph)
@@ -144,12 +144,12 @@ def test_a_replay_does_not_begin_on_the_names_of_a_live_learner(graph: Any) -> N
     assert f'/{graph.namespace}/learner publishes on /{graph.namespace}/turn, too' in str(node.failure)
     node.press('n')
     graph.wait_for(lambda: turns, 'the turn of the live learner')
-    assert not node.begun
+    assert not node.started
     assert {document['episode_id'].rsplit('-', 1)[0] for document in turns} == {'prepare_lunch-4'}
 
 
 def test_a_replay_ends_when_a_learner_takes_its_names(graph: Any) -> None:
-    """A robot that is started beside a paused replay would be disturbed as soon as the replay goes on."""
+    """Otherwise a robot that is started beside a paused replay would be disturbed as soon as the replay goes on."""
     states = graph.listen('learner_state', profile=qos.RECORDED_LATCHED)
     node = replay(graph, paused=True)
     node.press('n')
@@ -166,7 +166,7 @@ def test_a_replay_ends_when_a_learner_takes_its_names(graph: Any) -> None:
 
 @pytest.mark.parametrize('clock_hz', [50.0, 0.001])
 def test_the_recorded_time_is_told_and_the_last_stamp_however_rarely_it_is(graph: Any, clock_hz: float) -> None:
-    """use_sim_time would stand still, or whoever waits for the end by the recorded time wait for ever."""
+    """The clock runs to the recorded end, so that use_sim_time does not stand still and no one waits for ever."""
     clocks = graph.listen('/clock', Clock, 10)
     node = replay(graph, clock_hz=clock_hz)
     node.press(' ')
@@ -183,7 +183,7 @@ def test_the_recorded_time_is_told_and_the_last_stamp_however_rarely_it_is(graph
 def test_a_replay_is_not_over_before_its_last_messages_have_arrived(
     graph: Any, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    """They would be lost with the process that published them."""
+    """Otherwise they would be lost with the process that published them."""
     nodes: list[ReplayNode] = []
     waited: list[tuple[str, bool]] = []
 
@@ -199,7 +199,7 @@ def test_a_replay_is_not_over_before_its_last_messages_have_arrived(
 
 
 def test_names_follow_the_namespace_that_is_given(graph: Any, tmp_path: Path) -> None:
-    """Two replays, or a replay beside the robot, could not be kept apart."""
+    """Otherwise two replays, or a replay beside the robot, could not be kept apart."""
     names = ('/fleet/a/turn', '/fleet/b/turn', '/diagnostics', '/clock')
     types = (STRING, STRING, 'diagnostic_msgs/msg/DiagnosticArray', 'rosgraph_msgs/msg/Clock')
     topics = [Topic(name, type_, False) for name, type_ in zip(names, types, strict=True)]
@@ -239,19 +239,19 @@ def test_names_follow_the_namespace_that_is_given(graph: Any, tmp_path: Path) ->
     ],
 )
 def test_the_common_namespace(topics: list[str], namespace: str) -> None:
-    """Two namespaces in one bag would be mixed, or one would not follow a new namespace."""
+    """Otherwise two namespaces in one bag would be mixed, or one would not follow a new namespace."""
     assert common_namespace(topics) == namespace
 
 
 @pytest.mark.parametrize('name', ['robot_msgs/msg/Pose', 'std_msgs/msg/Nothing'])
 def test_a_message_type_that_is_not_installed_is_named(name: str) -> None:
-    """The replay would end with a traceback."""
+    """Otherwise the replay would end with a traceback."""
     with pytest.raises(InputError, match=f'message type {name} of the bag is not installed'):
         message_class(name)
 
 
 def test_what_is_not_installed_is_passed_over() -> None:
-    """A recording of the whole robot could not be played, for one topic of a type that nobody listens to."""
+    """Otherwise a recording of the whole robot could not be played, for one topic of a type that nobody listens to."""
     bag = read_bag(SHIPPED)
     others = (Topic('/events/write_split', 'rosbag2_interfaces/msg/WriteSplitEvent', False), Topic('/a', '', False))
     foreign = [BagMessage(topic.name, topic.type, bag.messages[0].stamp, b'') for topic in others]
@@ -265,7 +265,7 @@ def test_what_is_not_installed_is_passed_over() -> None:
 
 
 def test_a_replay_yields_to_no_other_topic_of_that_name(graph: Any, tmp_path: Path) -> None:
-    """A bag of the whole robot could not be played beside one that speaks."""
+    """Otherwise a bag of the whole robot could not be played beside one that speaks."""
     with BagWriter(tmp_path / 'b', [Topic('/robot/turn', STRING, True), Topic('/chat/turn', STRING, False)]) as writer:
         writer.write('/robot/turn', recorded('turn')[0].data, 1)
         writer.write('/chat/turn', text(''), 2)

@@ -25,7 +25,7 @@ SCENE = Scene((7, 9), np.eye(2, 3, dtype=np.float32), np.ones((2, 1), np.float32
 
 
 class Robot:
-    """What the teacher hears, and what it says."""
+    """The teacher under test, with what it hears and says."""
 
     def __init__(self, graph: Any) -> None:
         self.graph = graph
@@ -77,18 +77,18 @@ class Robot:
         self.says('answer_ack', **ids, accepted=accepted, reason=reason)
 
     def hears(self, count: int) -> dict[str, Any]:
-        """The last of at least so many messages."""
+        """Wait for at least `count` messages, and return the last."""
         self.graph.wait_for(lambda: len(self.answers) >= count, f'{count} answers')
         return self.answers[-1]
 
     def until(self, is_true: Any, what: str) -> Any:
-        """The board, once something holds of it."""
+        """Wait until a condition on the view state is true, and return the view state."""
 
-        def board_if_true() -> Any:
-            view_state = self.dialogue.board()
+        def view_state_if_true() -> Any:
+            view_state = self.dialogue.view_state()
             return view_state if is_true(view_state) else None
 
-        return self.graph.wait_for(board_if_true, what)
+        return self.graph.wait_for(view_state_if_true, what)
 
 
 @pytest.fixture
@@ -97,7 +97,7 @@ def robot(graph: Any) -> Robot:
 
 
 def test_an_answer_is_repeated_until_it_is_taken(robot: Robot) -> None:
-    """One lost message would lose what a person said."""
+    """Otherwise one lost message would lose what a person said."""
     robot.is_told_fruit(teacher_id='anna')
     first = robot.hears(3)
     assert len({answer['answer_id'] for answer in robot.answers}) == 1
@@ -110,7 +110,7 @@ def test_an_answer_is_repeated_until_it_is_taken(robot: Robot) -> None:
 
 
 def test_a_refusal_is_shown_and_the_question_asked_again(robot: Robot) -> None:
-    """The robot would wait for ever."""
+    """Otherwise the robot would wait for ever."""
     robot.is_told_fruit()
     robot.takes(robot.hears(1), accepted=False, reason='it has gone')
     # On a busy machine there may be a notice before: that the robot does not reply.
@@ -119,7 +119,7 @@ def test_a_refusal_is_shown_and_the_question_asked_again(robot: Robot) -> None:
 
 
 def test_a_correction_names_the_answer_that_it_replaces(robot: Robot) -> None:
-    """The learner could not find what to take back."""
+    """Otherwise the learner could not find what to take back."""
     robot.is_told_fruit()
     first = robot.hears(1)
     robot.takes(first)
@@ -137,7 +137,7 @@ def test_a_correction_names_the_answer_that_it_replaces(robot: Robot) -> None:
 
 
 def test_who_comes_late_or_back_sees_the_question_the_table_and_what_was_answered(robot: Robot) -> None:
-    """A person who quits could not go on."""
+    """Otherwise a person who quits could not go on."""
     stamp = header(5, 'table')
     robot.topics['objects'].publish(cloud_of_scene(SCENE, stamp, CLOUD_TYPES))
     robot.topics['scene_image'].publish(image(np.ones((4, 6, 3), np.uint8), stamp, Image, octets))
@@ -160,7 +160,7 @@ def test_who_comes_late_or_back_sees_the_question_the_table_and_what_was_answere
 
 @pytest.mark.parametrize('tells_fields', [True, False])
 def test_a_table_that_was_cleared_is_shown_as_such(robot: Robot, tells_fields: bool) -> None:
-    """The person would go on to see what is there no more."""
+    """Otherwise the person would go on to see what is there no more."""
     robot.start()
     robot.asks(1)
     robot.topics['objects'].publish(cloud_of_scene(SCENE, header(5, 'table'), CLOUD_TYPES))
@@ -174,7 +174,7 @@ def test_a_table_that_was_cleared_is_shown_as_such(robot: Robot, tells_fields: b
 
 
 def test_an_answer_is_not_carried_into_another_episode(robot: Robot) -> None:
-    """What was said of one thing would be learnt of another."""
+    """The answer to a question of one episode is not learnt of a thing in another."""
     robot.is_told_fruit()
     robot.hears(1)
     robot.asks(1, episode_id='another')
@@ -184,7 +184,7 @@ def test_an_answer_is_not_carried_into_another_episode(robot: Robot) -> None:
 
 
 def test_messages_that_cannot_be_used_are_refused_and_counted(robot: Robot, diagnostics: Any) -> None:
-    """Any node on the network could end a person's session."""
+    """Otherwise any node on the network could end a person's session."""
     robot.start()
     robot.asks(1)
     robot.topics['query'].publish(String(data='{"query_id"'))
@@ -193,7 +193,7 @@ def test_messages_that_cannot_be_used_are_refused_and_counted(robot: Robot, diag
     robot.topics['scene_image'].publish(Image(width=1000, height=1000, step=3000, encoding='rgb8'))
     refused = {f'refused on {name}' for name in ('query', 'learner_state', 'objects', 'scene_image')}
     robot.graph.wait_for(lambda: refused <= diagnostics.values.keys(), 'four refusals on /diagnostics')
-    assert robot.dialogue.board().phase is Phase.ASKED
+    assert robot.dialogue.view_state().phase is Phase.ASKED
 
 
 @pytest.mark.parametrize(
@@ -201,13 +201,13 @@ def test_messages_that_cannot_be_used_are_refused_and_counted(robot: Robot, diag
     [({'mode': 'telepathy'}, 'unknown mode .*; known: scripted, terminal'), ({'teacher_id': 'x' * 101}, 'at most 100')],
 )
 def test_parameters_of_the_teacher_that_cannot_be_used_are_named(graph: Any, parameters: Any, reason: str) -> None:
-    """A person would wait at a terminal where nobody asks."""
+    """Otherwise a person would wait at a terminal where nobody asks."""
     with pytest.raises(InputError, match=reason):
         graph.start(TeacherNode, **parameters)
 
 
 def test_a_person_needs_no_world(robot: Robot) -> None:
-    """Whoever teaches a real robot would need its things drawn, or crops of them."""
+    """A person can teach a real robot, without drawings or crops of its things."""
     robot.start(task='uw_lunchbox', dataset='/no/such/place')
     robot.asks(1)
-    assert robot.dialogue.board().teacher_id
+    assert robot.dialogue.view_state().teacher_id

@@ -50,7 +50,7 @@ def test_noise_is_gaussian_with_the_given_deviation(name: str, truth: float) -> 
 
 
 def test_only_the_weight_depends_on_the_weight() -> None:
-    """A sensor that gave the class away by another route would make the feature subset query worthless."""
+    """No other sensor gives the class away, which would make the feature subset query worthless."""
     light = read_sensors(random_stream(4, 'test'), PLACE, 0.1, SensorParameters())
     heavy = read_sensors(random_stream(4, 'test'), PLACE, 2.0, SensorParameters())
     assert {name for name in light if light[name] != heavy[name]} == {'weight_kg'}

@@ -67,7 +67,7 @@ def test_things_are_drawn_to_scale() -> None:
 
 
 def test_a_line_leads_from_a_number_to_a_thing_that_lies_aslant() -> None:
-    """In clutter, the number of a spoon would seem to belong to what lies beside it."""
+    """Otherwise in clutter, the number of a spoon would seem to belong to what lies beside it."""
     lengths = []
     for view in (flat_view(100, 100, 800), flat_view(100, 100, 800)):
         if lengths:
@@ -89,7 +89,7 @@ def test_a_wide_picture_is_wide(small: Task) -> None:
 
 
 def test_the_text_of_a_mark_hides_no_number() -> None:
-    """An answer would cover the number of what stands before the thing that it is about: what is that one called?"""
+    """Otherwise an answer would cover the number of what stands before the thing that it is about."""
     # Its number begins where the text would be; the second one's, where the text would be above.
     before, behind = thing(22, 0.75, 0.25), thing(33, 0.73, 0.44)
     for scene in ([thing(), before], [thing(), before, behind]):
@@ -103,7 +103,7 @@ def test_the_text_of_a_mark_hides_no_number() -> None:
 
 
 def test_a_text_with_numbers_all_around_is_below() -> None:
-    """It would be missing where things stand close together."""
+    """Otherwise it would be missing where things stand close together."""
     places = [(float(x), float(y)) for x in np.arange(0.55, 0.9, 0.03) for y in np.arange(0.2, 0.6, 0.04)]
     scene = [thing(), *(thing(10 + i, *place) for i, place in enumerate(places))]
     changed = draw_scene(scene, {1: Mark(RED, 'snack')}).image != draw_scene(scene, {1: Mark(RED)}).image

@@ -32,7 +32,7 @@ class Tree:
         return crop
 
     def add_category(self, category: str, objects: int, views: int) -> list[CropFiles]:
-        """Write a category with so many objects, and so many views of each."""
+        """Write a category with these numbers of objects and of views of each."""
         return [self.add(category, n, frame) for n in range(1, objects + 1) for frame in range(1, views + 1)]
 
     @staticmethod

@@ -49,7 +49,7 @@ def contents(observations: tuple[Observation, ...]) -> list[tuple[object, ...]]:
 
 
 def pixels(observations: tuple[Observation, ...]) -> set[tuple[tuple[int, int], bytes]]:
-    """What identifies a crop of a `Tree`: its place in the frame and its colour."""
+    """Return what identifies a crop of a `Tree`: its place in the frame and its colour."""
     return {(o.view.origin, o.view.color.tobytes()) for o in observations}
 
 

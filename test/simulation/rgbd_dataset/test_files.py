@@ -41,7 +41,7 @@ def test_only_wanted_categories_are_listed_and_absent_ones_named(tree: Tree) -> 
 
 @pytest.mark.parametrize('folder', ['Fru\u0308chte', 'früchte', 'FRÜCHTE'])
 def test_a_folder_whose_name_only_looks_other_is_found(tree: Tree, folder: str) -> None:
-    """A quarter of the data would be left out, as a Mac writes names in another form of Unicode."""
+    """Otherwise a quarter of the data would be left out, as a Mac writes names in another form of Unicode."""
     tree.add(folder)
     tree.add('apple')
     index = index_crops(tree.root, ['apple', 'Früchte'])
@@ -50,7 +50,7 @@ def test_a_folder_whose_name_only_looks_other_is_found(tree: Tree, folder: str) 
 
 
 def test_a_folder_of_the_very_name_comes_first_and_of_two_others_neither_is_guessed(tree: Tree) -> None:
-    """The crops of one category would be taken for those of another."""
+    """Otherwise the crops of one category would be taken for those of another."""
     for folder in ('apple', 'Apple', 'Pear', 'PEAR', 'plum'):
         tree.add(folder)
     index = index_crops(tree.root, ['apple', 'pear', 'Plum', 'plum'])
@@ -138,7 +138,7 @@ def test_mask_of_ones_counts_as_well_as_one_of_255(tree: Tree) -> None:
 
 @pytest.mark.parametrize('tail', [b'\n', b'\0' * 1000, b'trailing IEND\xaeB`\x82', b'\x89PNG\r\n\x1a\n'])
 def test_bytes_after_the_end_of_an_image_do_not_matter(tree: Tree, tail: bytes) -> None:
-    """Cameras and tools append what they like; the views of such a dataset would all be passed over."""
+    """Cameras and tools append what they like; the views of such a dataset are read all the same."""
     crop = tree.add('apple')
     before = read_view(crop, CAMERA)
     for name in ('crop.png', 'depthcrop.png', 'maskcrop.png'):

@@ -8,7 +8,7 @@ from al_questioner.simulation.kitchen.drawing.geometry import Solid, resample
 
 
 def test_resampled_points_lie_on_the_polyline_close_together() -> None:
-    """A solid would have gaps between its slices."""
+    """Otherwise a solid would have gaps between its slices."""
     corners = np.array([[0, 0], [0.03, 0.04], [0.03, 0.1]])
     points = resample(corners, 0.004)
     np.testing.assert_allclose(points[[0, -1]], corners[[0, -1]], atol=1e-7)
@@ -20,12 +20,12 @@ def test_resampled_points_lie_on_the_polyline_close_together() -> None:
 
 
 def test_nothing_to_resample_keeps_both_ends() -> None:
-    """A flat lid, of no height, would vanish."""
+    """Otherwise a flat lid, of no height, would vanish."""
     np.testing.assert_array_equal(resample([(1, 2), (1, 2)]), [[1, 2], [1, 2]])
 
 
 def test_tube_ends_where_it_is_too_thin_for_the_level() -> None:
-    """A banana would have ends as blunt as its middle is thick."""
+    """Otherwise a banana would have ends as blunt as its middle is thick."""
     path = np.stack([np.linspace(-0.05, 0.05, 11), np.zeros(11)], axis=1)
     radii = 0.02 * np.sqrt(1 - np.linspace(-0.95, 0.95, 11) ** 2)
     solid = Solid()

@@ -23,7 +23,7 @@ def mug() -> Solid:
 
 
 def test_crop_shows_the_solid_with_its_margin() -> None:
-    """A thing would be cut off, and measured too small."""
+    """Otherwise a thing would be cut off, and measured too small."""
     projection, _, polygons = Projection.around(mug(), POSE, CAMERA, MARGIN)
     # On the fine grid a crop's pixel is two, its middle a quarter further on.
     pixels = np.concatenate([some.reshape(-1, 2) for some in polygons]) / (FINE << SHIFT) - 0.25
@@ -33,7 +33,7 @@ def test_crop_shows_the_solid_with_its_margin() -> None:
 
 
 def test_polygons_lie_where_their_points_do() -> None:
-    """A thing would be painted beside its shadow and its depth."""
+    """Otherwise a thing would be painted beside its shadow and its depth."""
     solid = mug()
     projection, placed, polygons = Projection.around(solid, POSE, CAMERA, MARGIN)
     for stack, points, pixels in zip(solid.stacks, placed, polygons, strict=True):

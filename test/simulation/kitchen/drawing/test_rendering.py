@@ -78,7 +78,7 @@ def test_size_factor_scales_the_thing() -> None:
 
 @pytest.mark.parametrize('kind', KINDS, ids=lambda kind: kind.name)
 def test_every_kind_can_be_seen_in_each_state(kind: Kind) -> None:
-    """An empty or cut-off mask, or a thing without depth, would stop perception in the middle of an episode."""
+    """No mask is empty or cut off and no thing lacks depth, which would stop perception in an episode."""
     camera = CameraParameters()
     rng = random_stream(1, f'test/{kind.name}')
     for state in kind.states:
@@ -135,7 +135,7 @@ def test_depth_noise_and_steps_grow_with_the_square_of_the_distance() -> None:
 
 
 def test_light_from_the_left_brightens_the_left() -> None:
-    """Shading that ignored the light would leave flat, cartoon-like things."""
+    """Otherwise things would look flat, like in a cartoon."""
     ball = Solid()
     ball.ball(0.05, 0.1, ball.material(Material((0.7, 0.7, 0.7), shine=0, grain=0)))
     left = replace(LIGHT, toward=np.array([-0.8, 0, 0.6], dtype=np.float32))

@@ -1,4 +1,4 @@
-"""What a declared setting says of itself, and which numbers it takes."""
+"""Description of a declared setting, and the numbers that it takes."""
 
 from __future__ import annotations
 
@@ -21,7 +21,7 @@ DELAY = Setting('delay', 0.0, 'time to answer', 's', 0, 3600)
     ],
 )
 def test_unit_and_range_are_told(setting: Setting[object], explained: str) -> None:
-    """A parameter file would not say in what its numbers are, or how large they may be."""
+    """Otherwise a parameter file would not say in what its numbers are, or how large they may be."""
     assert setting.explained == explained
 
 
@@ -37,7 +37,7 @@ def test_unit_and_range_are_told(setting: Setting[object], explained: str) -> No
     ],
 )
 def test_numbers_outside_the_range_are_refused(setting: Setting[float], value: float, reason: str) -> None:
-    """Sums would overflow, or ROS not be able to hold them."""
+    """Otherwise sums would overflow, or ROS not be able to hold them."""
     with pytest.raises(SettingsError) as error:
         setting.check(value)
     assert str(error.value) == reason

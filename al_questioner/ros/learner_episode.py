@@ -11,7 +11,8 @@ from al_questioner.domain import COSTS, Costs, EpisodeSettings, InputError
 from al_questioner.event_log.durable_episode import DurableEpisode
 from al_questioner.event_log.events import EpisodeStarted
 from al_questioner.event_log.log import SessionLog
-from al_questioner.event_log.storage import SqliteStorage, StorageFactory
+from al_questioner.event_log.storage import StorageFactory
+from al_questioner.questioning import Strategy
 from al_questioner.ros.worlds import new_episode_id, world_members
 from al_questioner.simulation import Task, WorldSpec, episode_settings
 
@@ -36,8 +37,8 @@ def settings_of(task: Task, given: Mapping[str, Any]) -> EpisodeSettings:
     )
 
 
-def session_of(
-    settings: EpisodeSettings, world: WorldSpec, given: Mapping[str, Any], storage: StorageFactory = SqliteStorage
+def durable_episode_of(
+    settings: EpisodeSettings, strategy: Strategy, world: WorldSpec, given: Mapping[str, Any], storage: StorageFactory
 ) -> DurableEpisode:
     """Return the episode of these parameters, new or as far as its log goes, not yet started.
 
@@ -56,7 +57,7 @@ def session_of(
         version=__version__,
     )
     try:
-        return DurableEpisode(wanted, log)
+        return DurableEpisode(wanted, strategy, log)
     except InputError:
         if log is not None:
             log.close()

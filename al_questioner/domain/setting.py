@@ -25,6 +25,7 @@ class Setting(Generic[Value]):
         description: one line.
         unit: of a number, empty for a mere count or name.
         word: if not empty, what can be given in the place of a number; the default is one of the two.
+        choices: all texts that can be given; empty: any.
     """
 
     name: str
@@ -34,6 +35,7 @@ class Setting(Generic[Value]):
     lower: float = -math.inf
     upper: float = math.inf
     word: str = ''
+    choices: tuple[str, ...] = ()
 
     @property
     def described(self) -> str:
