@@ -58,6 +58,8 @@ class KernelShape:
 
 RBF = KernelShape()
 GROUPED = KernelShape(saturation=2.0, group_exponent=0.5)
+KERNEL_SHAPES = {'grouped': GROUPED, 'rbf': RBF}
+"""Kernel shapes by the names that settings give them."""
 
 
 def rbf_kernel(first: FloatArray, second: FloatArray, amplitude: float, length_scale: float) -> Array:

@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
-from typing import Final, Literal
+from typing import Final, Literal, NamedTuple
 
 from al_questioner.domain.errors import SettingsError
 from al_questioner.domain.names import listed
@@ -27,6 +27,15 @@ Beyond the limits all things look alike, or none do, and numbers overflow.
 """
 _OF_LENGTH_SCALE = 'of the kernel, 0.001 or more; 0: root of the number of features'
 LENGTH_SCALE: Setting[float | None] = Setting('length_scale', None, _OF_LENGTH_SCALE, 'standard deviations', 1e-3, 1e3)
+KERNEL_SHAPE = Setting(
+    'kernel_shape',
+    'grouped',
+    'kernel of the classifiers: grouped: large groups of features and large differences count less; rbf: all alike',
+    choices=('grouped', 'rbf'),
+)
+CLASS_BALANCE = Setting(
+    'class_balance', 0.5, 'share of the effect of the counts of examples that is taken from the beliefs', '', 0, 1
+)
 TUNE_EVERY = Setting(
     'tune_every', 0, 'time between re-optimisations of amplitude and length scale; 0: never', 'turns', 0, LARGEST_TURN
 )
@@ -78,6 +87,20 @@ class Costs:
         return 1.0 if outcome is Outcome.ANSWERED else float(getattr(self, outcome.value))
 
 
+class Classifiers(NamedTuple):
+    """Settings of the classifiers that decide what weights, learnt with them, are worth elsewhere."""
+
+    amplitude: float = AMPLITUDE.default
+    kernel_shape: str = KERNEL_SHAPE.default
+    class_balance: float = CLASS_BALANCE.default
+
+    def __str__(self) -> str:
+        return f'amplitude {self.amplitude:g}, kernel {self.kernel_shape}, class balance {self.class_balance:g}'
+
+
+DEFAULT_CLASSIFIERS = Classifiers()
+
+
 @dataclass(frozen=True)
 class EpisodeSettings:
     """Settings of an episode, fixed before it begins.
@@ -92,6 +115,8 @@ class EpisodeSettings:
         amplitude: variance of the Gaussian processes' kernel.
         length_scale: length scale of the kernel in standard deviations of a feature; None for the square root of
             the number of features in use.
+        kernel_shape: how the kernel treats groups of features and large differences: `grouped` or `rbf`.
+        class_balance: how much of the effect of the counts of examples is taken from the beliefs, 0 to 1.
         tune_every: turns from one re-optimisation of amplitude and length scale to the next; 0 for never.
 
     Raises:
@@ -107,6 +132,8 @@ class EpisodeSettings:
     costs: Costs = Costs()
     amplitude: float = AMPLITUDE.default
     length_scale: float | None = LENGTH_SCALE.default
+    kernel_shape: str = KERNEL_SHAPE.default
+    class_balance: float = CLASS_BALANCE.default
     tune_every: int = TUNE_EVERY.default
 
     def __post_init__(self) -> None:
@@ -120,17 +147,25 @@ class EpisodeSettings:
             raise SettingsError(f'a symbol must not be blank, as one of {list(self.symbols)} is')
         if NO_SYMBOL in self.symbols:
             raise SettingsError(f'{NO_SYMBOL!r} cannot be a symbol: it stands for things that belong to no symbol')
-        for setting in (BUDGET, AMPLITUDE):
+        for setting in (BUDGET, AMPLITUDE, CLASS_BALANCE):
             setting.check(getattr(self, setting.name))
         for number_of_turns in (TURNS, CHANGE_INTERVAL, TUNE_EVERY):
             # Their upper limits are for nodes and commands; a program may give more, and so may an old log.
             replace(number_of_turns, upper=math.inf).check(getattr(self, number_of_turns.name))
+        if self.kernel_shape not in KERNEL_SHAPE.choices:
+            known = ', '.join(KERNEL_SHAPE.choices)
+            raise SettingsError(f'unknown kernel_shape {self.kernel_shape!r}; known: {known}')
         if self.length_scale is not None:
             LENGTH_SCALE.check(self.length_scale)
         for name, price in COSTS.items():
             price.check(getattr(self.costs, name), f'costs.{name}')
         for name, weight in self.weights.items():
             WEIGHT.check(weight, f'the weight of {name}')
+
+    @property
+    def classifiers(self) -> Classifiers:
+        """Settings of the classifiers."""
+        return Classifiers(self.amplitude, self.kernel_shape, self.class_balance)
 
     def tunes_after(self, turn: int) -> bool:
         """Return whether amplitude and length scale are re-optimised at the end of this turn."""

@@ -7,8 +7,7 @@ from collections.abc import Callable, Mapping
 import numpy as np
 from numpy.typing import NDArray
 
-from al_questioner.concepts import ConceptLearner
-from al_questioner.questioning import Teacher, TurnContext, UnlabelledFirst, symbol_given_object
+from al_questioner.questioning import Teacher, TurnContext, UnlabelledFirst, new_concept_learner, symbol_given_object
 from al_questioner.simulation import EpisodeResult, Evaluation, PerceivedWorld, Task, accuracy, play
 
 CEILING_SETTINGS = 'random_fsq'
@@ -60,7 +59,7 @@ def follow_all_labels(evaluation: Evaluation, task: Task, teacher: Teacher) -> E
     can be more accurate.
     """
     settings, world = evaluation.settings, evaluation.world
-    concepts = ConceptLearner(settings.symbols, settings.amplitude, settings.length_scale)
+    concepts = new_concept_learner(settings, None)
     for turn in range(1, settings.turns + 1):
         scene = world.scene(turn)
         concepts.observe(scene)

@@ -12,7 +12,7 @@ from pathlib import Path
 from typing import Any
 
 from al_questioner.concepts import Selector, rank_p_values, select_features
-from al_questioner.domain import AMPLITUDE, SettingsError
+from al_questioner.domain import DEFAULT_CLASSIFIERS, Classifiers, SettingsError
 from al_questioner.experiments.ceilings import CEILINGS
 from al_questioner.questioning import (
     STRATEGIES,
@@ -72,7 +72,7 @@ class Variation:
         weights: by strategy, weights of its features; other strategies have the shipped ones.
         selector: selector of u_sampling, a key of `SELECTORS`.
         repeats: whether u_sampling may ask about a view that has been labelled.
-        amplitude: amplitude of the kernel.
+        classifiers: settings of the classifiers.
         repeat_shown: whether the teacher may show a known object when there are unknown ones of the symbol.
     """
 
@@ -83,7 +83,7 @@ class Variation:
     selector: str = 'anova'
     repeats: bool = True
     unknown_rate: float = 0.0
-    amplitude: float = AMPLITUDE.default
+    classifiers: Classifiers = DEFAULT_CLASSIFIERS
     repeat_shown: bool = False
 
     def strategy(self, name: str) -> Strategy | None:

@@ -78,9 +78,9 @@ def play_episode(cell: Cell, variation: Variation, dataset: str = '') -> Episode
     )
     world = _open_world(cell.task, cell.sample, variation.change_interval, variation.synchrony, dataset)
     if cell.strategy in CEILINGS:
-        settings = episode_settings(task, CEILING_SETTINGS, cell.budget, cell.turns, amplitude=variation.amplitude)
+        settings = episode_settings(task, CEILING_SETTINGS, cell.budget, cell.turns, **variation.classifiers._asdict())
         return CEILINGS[cell.strategy](Evaluation(world_spec, settings, None, world), task, teacher)
-    settings = episode_settings(task, cell.strategy, cell.budget, cell.turns, amplitude=variation.amplitude)
+    settings = episode_settings(task, cell.strategy, cell.budget, cell.turns, **variation.classifiers._asdict())
     if cell.strategy in variation.weights:
         settings = dataclasses.replace(settings, weights=variation.weights[cell.strategy])
     return run_episode(world_spec, settings, teacher, world=world, strategy=variation.strategy(cell.strategy))

@@ -10,7 +10,7 @@ from itertools import islice
 import numpy as np
 from scipy.special import log_softmax
 
-from al_questioner.domain import Outcome, QueryKind, QueryRecord, random_stream
+from al_questioner.domain import Classifiers, Outcome, QueryKind, QueryRecord, random_stream
 from al_questioner.imitation.demonstration import Demonstration, Step, all_steps, teacher_of
 from al_questioner.questioning import Episode, FeatureRecorder, make_strategy
 from al_questioner.questioning.strategies.choice import TIE
@@ -61,11 +61,11 @@ class Imitation:
 
 
 def imitate(
-    weights: Array, demonstration: Demonstration, world: PerceivedWorld, amplitude: float | None = None
+    weights: Array, demonstration: Demonstration, world: PerceivedWorld, classifiers: Classifiers | None = None
 ) -> Imitation:
     """Play the demonstration's episode, as far as it goes, with the strategy that is trained and these weights (F,).
 
-    The amplitude is that of the learner's classifiers; the demonstration's if not given.
+    The learner has these classifiers, or those of the demonstration if none are given.
 
     Raises:
         InputError: the demonstration took place in no world that can be played in.
@@ -74,8 +74,8 @@ def imitate(
     feature_set = demonstration.feature_set
     named = dict(zip(feature_set.names, map(float, weights), strict=True))
     settings = dataclasses.replace(demonstration.settings, strategy=feature_set.strategy, weights=named)
-    if amplitude is not None:
-        settings = dataclasses.replace(settings, amplitude=amplitude)
+    if classifiers is not None:
+        settings = dataclasses.replace(settings, **classifiers._asdict())
     learner = FeatureRecorder(make_strategy(settings.strategy, named), feature_set)
     episode = Episode(settings, random_stream(world_spec.seed, 'learner'), demonstration.view_tolerance, learner)
     played = [decision for decision, _ in islice(turns(episode, world, teacher_of(world_spec)), demonstration.turns)]

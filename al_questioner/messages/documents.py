@@ -41,8 +41,8 @@ _LATER = ('known', 'replaces', 'answered_in')
 """Members that documents of earlier versions do not have, and that are left out where they are None."""
 _OPTIONAL = ('content', *_LATER)
 
-EARLIER_AMPLITUDE = 4.0
-"""Amplitude of learners whose `episode` documents do not tell it."""
+EARLIER_KERNEL = {'amplitude': 4.0, 'kernel_shape': 'rbf', 'class_balance': 0.0}
+"""Classifiers of learners whose `episode` documents do not tell of them."""
 
 MAXIMAL_LENGTH = 4_000_000
 """Characters; a longer text is refused unread."""
@@ -139,7 +139,7 @@ def settings_of(document: Document) -> EpisodeSettings:
     told['budget'] = float(document['budget'])
     told['weights'] = {name: float(weight) for name, weight in document['weights'].items()}
     told['costs'] = Costs(**{name: float(document['costs'][name]) for name in COSTS if name in document['costs']})
-    return EpisodeSettings(**{'amplitude': EARLIER_AMPLITUDE, **told})
+    return EpisodeSettings(**{**EARLIER_KERNEL, **told})
 
 
 def query_members(query: Query) -> Document:

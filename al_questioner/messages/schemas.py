@@ -8,7 +8,9 @@ from typing import Any
 from al_questioner.domain import (
     BUDGET,
     CHANGE_INTERVAL,
+    CLASS_BALANCE,
     COSTS,
+    KERNEL_SHAPE,
     LARGEST_TURN,
     SAME_VIEW,
     SAYABLE_OUTCOMES,
@@ -42,6 +44,8 @@ def _record(required: JsonSchema, optional: JsonSchema | None = None) -> JsonSch
 
 def _member(setting: Setting[Any]) -> JsonSchema:
     """Return the schema of the member that holds a setting."""
+    if setting.choices:
+        return {'enum': list(setting.choices)}
     limits = {'minimum': setting.lower, 'maximum': setting.upper}
     number = {
         'type': 'integer' if type(setting.default) is int else 'number',
@@ -103,6 +107,8 @@ SCHEMAS: dict[str, JsonSchema] = {
             # Wider than the settings, as it has always been.
             'tune_every': _COUNT,
             'amplitude': _POSITIVE,
+            'kernel_shape': _member(KERNEL_SHAPE),
+            'class_balance': _member(CLASS_BALANCE),
             'length_scale': {'anyOf': [_POSITIVE, {'type': 'null'}]},
             'view_tolerance': _member(SAME_VIEW),
         },

@@ -32,6 +32,8 @@ def settings_of(task: Task, given: Mapping[str, Any]) -> EpisodeSettings:
         weights_file=given['weights_file'] or None,
         costs=Costs(**{name: given[price.name] for name, price in COSTS.items()}),
         amplitude=given['amplitude'],
+        kernel_shape=given['kernel_shape'],
+        class_balance=given['class_balance'],
         length_scale=given['length_scale'] or None,
         tune_every=given['tune_every'],
     )

@@ -11,7 +11,9 @@ from al_questioner.domain import (
     AMPLITUDE,
     BUDGET,
     CHANGE_INTERVAL,
+    CLASS_BALANCE,
     COSTS,
+    KERNEL_SHAPE,
     LENGTH_SCALE,
     SAME_VIEW,
     TUNE_EVERY,
@@ -58,6 +60,8 @@ LEARNER_SETTINGS: Settings = (
     *COSTS.values(),
     Setting('answer_timeout', 120.0, _ABOUT_TIMEOUT, 's', 0, 86400),
     AMPLITUDE,
+    KERNEL_SHAPE,
+    CLASS_BALANCE,
     # No parameter can be None.
     replace(LENGTH_SCALE, default=0.0, lower=0.0),
     TUNE_EVERY,

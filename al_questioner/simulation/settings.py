@@ -5,7 +5,16 @@ from __future__ import annotations
 from collections.abc import Mapping
 from pathlib import Path
 
-from al_questioner.domain import AMPLITUDE, LENGTH_SCALE, TUNE_EVERY, Costs, EpisodeSettings, SettingsError
+from al_questioner.domain import (
+    AMPLITUDE,
+    CLASS_BALANCE,
+    KERNEL_SHAPE,
+    LENGTH_SCALE,
+    TUNE_EVERY,
+    Costs,
+    EpisodeSettings,
+    SettingsError,
+)
 from al_questioner.questioning import STRATEGIES, make_strategy, read_weights, shipped_file
 from al_questioner.simulation.task import Task
 
@@ -20,6 +29,8 @@ def episode_settings(
     costs: Costs | None = None,
     amplitude: float = AMPLITUDE.default,
     length_scale: float | None = LENGTH_SCALE.default,
+    kernel_shape: str = KERNEL_SHAPE.default,
+    class_balance: float = CLASS_BALANCE.default,
     tune_every: int = TUNE_EVERY.default,
 ) -> EpisodeSettings:
     """Settings of an episode; what is not given comes from the task, and the weights from `config/weights`.
@@ -51,5 +62,7 @@ def episode_settings(
         costs=task.episode.costs if costs is None else costs,
         amplitude=amplitude,
         length_scale=length_scale,
+        kernel_shape=kernel_shape,
+        class_balance=class_balance,
         tune_every=tune_every,
     )

@@ -13,7 +13,7 @@ from pathlib import Path
 
 import pytest
 
-from al_questioner.domain import EpisodeError, InputError, SettingsError
+from al_questioner.domain import Classifiers, EpisodeError, InputError, SettingsError
 from al_questioner.experiments import forecast, playing, running, storing
 from al_questioner.experiments.plan import Cell, Condition, Plan, Variation
 from al_questioner.experiments.playing import Played, play_cells, play_episode
@@ -232,7 +232,7 @@ def test_variations_change_what_is_played(tmp_path: Path) -> None:
         Variation(change_interval=3),
         Variation(synchrony=1.0, change_interval=3),
         Variation(wrong_rate=1.0),
-        Variation(amplitude=4.0),
+        Variation(classifiers=Classifiers(4.0, 'rbf', 0.0)),
     ):
         assert play_episode(cell, variation).accuracy != plain.accuracy
     demonstrations = Cell('prepare_lunch', 40, 20, 'rarest_demo', 0)

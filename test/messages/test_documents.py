@@ -139,10 +139,12 @@ def test_unknown_members_are_let_through() -> None:
     assert documents.read('answer', answer_text(mood='good'))['mood'] == 'good'
 
 
-def test_documents_that_tell_no_amplitude_are_of_learners_that_had_four() -> None:
+def test_documents_that_tell_of_no_classifiers_are_of_earlier_learners() -> None:
     """Otherwise an older recording would be replayed with other models than it was made with."""
     settings = EpisodeSettings(('cup', 'plate'), 5.0, 10, 'random_fsq', amplitude=9.0, length_scale=2.0)
     told = documents.settings_members(settings)
     assert documents.settings_of(told) == settings
-    silent = {name: value for name, value in told.items() if name not in ('amplitude', 'length_scale')}
-    assert documents.settings_of(silent) == dataclasses.replace(settings, amplitude=4.0, length_scale=None)
+    later = ('amplitude', 'length_scale', 'kernel_shape', 'class_balance')
+    silent = {name: value for name, value in told.items() if name not in later}
+    earlier = {'amplitude': 4.0, 'kernel_shape': 'rbf', 'class_balance': 0.0}
+    assert documents.settings_of(silent) == dataclasses.replace(settings, **earlier, length_scale=None)

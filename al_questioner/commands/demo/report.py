@@ -39,7 +39,7 @@ def episode_document(result: EpisodeResult, teacher: ScriptedTeacher, world: Per
         'weights': dict(settings.weights),
         'costs': asdict(settings.costs),
         'change_interval': settings.change_interval,
-        'amplitude': settings.amplitude,
+        **settings.classifiers._asdict(),
         'length_scale': settings.length_scale,
         'tune_every': settings.tune_every,
         'kernel': asdict(result.kernel),

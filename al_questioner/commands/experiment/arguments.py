@@ -7,7 +7,16 @@ import os
 from collections.abc import Mapping, Sequence
 from pathlib import Path
 
-from al_questioner.domain import AMPLITUDE, BUDGET, TURNS, Setting, SettingsError
+from al_questioner.domain import (
+    AMPLITUDE,
+    BUDGET,
+    CLASS_BALANCE,
+    KERNEL_SHAPE,
+    TURNS,
+    Classifiers,
+    Setting,
+    SettingsError,
+)
 from al_questioner.experiments.ceilings import CEILINGS
 from al_questioner.experiments.plan import (
     CONTROLS,
@@ -75,7 +84,8 @@ def parser() -> Parser:
     add_option(result, WRONG_RATE)
     add_option(result, UNKNOWN_RATE)
     add_option(result, REPEAT_SHOWN)
-    add_option(result, AMPLITUDE)
+    for setting in (AMPLITUDE, KERNEL_SHAPE, CLASS_BALANCE):
+        add_option(result, setting)
     add_option(result, DATASET, help=DATASET.description)
     add_option(result, JOBS, 'one for each processor')
     backend_help = 'who does the work: processes here, or a dask cluster (%(default)s)'
@@ -122,7 +132,7 @@ def plan_of(given: argparse.Namespace, weights: Mapping[str, Mapping[str, float]
             given.wrong_rate,
             weights,
             unknown_rate=given.unknown_rate,
-            amplitude=given.amplitude,
+            classifiers=Classifiers(given.amplitude, given.kernel_shape, given.class_balance),
             repeat_shown=given.repeat_shown,
         ),
     )

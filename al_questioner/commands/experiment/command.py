@@ -15,7 +15,7 @@ from rich.table import Table
 
 from al_questioner.commands.experiment.arguments import plan_of
 from al_questioner.concepts import compile_models
-from al_questioner.domain import AMPLITUDE, EpisodeError, SettingsError
+from al_questioner.domain import AMPLITUDE, CLASS_BALANCE, KERNEL_SHAPE, EpisodeError, SettingsError
 from al_questioner.experiments.figures import condition_name, draw_figures
 from al_questioner.experiments.plan import PROPOSED, Cell, Plan, shipped_weights
 from al_questioner.experiments.playing import Played
@@ -131,7 +131,11 @@ def _varied(given: argparse.Namespace) -> str:
         'share of wrong answers {}': given.wrong_rate or None,
         'share of questions without an answer {}': given.unknown_rate or None,
         'the teacher shows also what is known': given.repeat_shown or None,
-        'amplitude {:g}': given.amplitude if given.amplitude != AMPLITUDE.default else None,
+        **{
+            f'{setting.name} {{}}': value
+            for setting in (AMPLITUDE, KERNEL_SHAPE, CLASS_BALANCE)
+            if (value := getattr(given, setting.name)) != setting.default
+        },
     }
     return ', '.join(text.format(value) for text, value in parts.items() if value is not None)
 

@@ -13,7 +13,7 @@ from rich.table import Table
 
 from al_questioner.bags import digest
 from al_questioner.bags.settings import STORAGE_SUFFIXES
-from al_questioner.commands.train_weights.query_counts import FreePlay, tell_eagerness, warn_of_amplitudes
+from al_questioner.commands.train_weights.query_counts import FreePlay, tell_eagerness, warn_of_classifiers
 from al_questioner.domain import InputError
 from al_questioner.imitation.assessment import predict_queries
 from al_questioner.imitation.bags import read_demonstrations
@@ -68,7 +68,7 @@ def main(given: argparse.Namespace) -> int:
     # Only now, as it is no use to anybody whose bags cannot be learnt from.
     for path in (path for path in given.bags if path not in paths):
         console.print(f'{path} is passed over: it is no bag', highlight=False, soft_wrap=True)
-    for line in [*left_out, *filter(None, [warn_of_amplitudes(demonstrations)])]:
+    for line in [*left_out, *filter(None, [warn_of_classifiers(demonstrations)])]:
         console.print(f'WARNING: {line}', style='yellow', markup=False, highlight=False, soft_wrap=True)
     recorded, of = (sum(turns) for turns in zip(*((d.turns, d.settings.turns) for d in demonstrations), strict=True))
     played = f'{"" if recorded == of else f"{recorded} of "}{number_of(of, "turn")}'

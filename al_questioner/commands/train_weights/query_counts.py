@@ -2,11 +2,11 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterable, Iterator, Sequence
 
 from rich.markup import escape
 
-from al_questioner.domain import AMPLITUDE, InputError, QueryRecord
+from al_questioner.domain import DEFAULT_CLASSIFIERS, Classifiers, InputError, QueryRecord
 from al_questioner.imitation.assessment import imitate
 from al_questioner.imitation.demonstration import Demonstration
 from al_questioner.imitation.training import Training
@@ -20,16 +20,16 @@ Queries = list[tuple[QueryRecord, ...]]
 """Numbers of queries, one for each episode."""
 
 
-def warn_of_amplitudes(demonstrations: Sequence[Demonstration]) -> str:
-    """Return a warning of demonstrations recorded with another amplitude than the default; empty if there are none."""
-    found = sorted({demonstration.settings.amplitude for demonstration in demonstrations} - {AMPLITUDE.default})
+def warn_of_classifiers(demonstrations: Sequence[Demonstration]) -> str:
+    """Return a warning of demonstrations recorded with other classifiers than the default; empty if there are none."""
+    found = {demonstration.settings.classifiers for demonstration in demonstrations} - {DEFAULT_CLASSIFIERS}
     if not found:
         return ''
-    count = sum(demonstration.settings.amplitude != AMPLITUDE.default for demonstration in demonstrations)
+    count = sum(demonstration.settings.classifiers != DEFAULT_CLASSIFIERS for demonstration in demonstrations)
     of = f'{count} of {number_of(len(demonstrations), "demonstration")}'
     return (
-        f'{of} recorded with amplitude {_listed(found)}; learners have {AMPLITUDE.default:g} unless told otherwise'
-        ' (parameter amplitude), and the weights need not suit both'
+        f'{of} recorded with {_listed(found)}; learners have {DEFAULT_CLASSIFIERS} unless told otherwise'
+        ' (parameters amplitude, kernel_shape, class_balance), and the weights need not suit both'
     )
 
 
@@ -44,19 +44,19 @@ class FreePlay:
         self._weights = training.weights
         self._demonstrations = demonstrations
         self._worlds: list[PerceivedWorld] = []
-        self._played: dict[float | None, Queries] = {}
+        self._played: dict[Classifiers | None, Queries] = {}
         self.hindrance = ''
         try:
             self._worlds = [demonstration.open_world() for demonstration in demonstrations]
         except InputError as error:
             self.hindrance = str(error)
 
-    def play(self, amplitude: float | None = None) -> Queries:
-        """Play with classifiers of this amplitude, or of that of each demonstration, and count the queries."""
-        if amplitude not in self._played:
+    def play(self, classifiers: Classifiers | None = None) -> Queries:
+        """Play with these classifiers, or with those of each demonstration, and return the queries."""
+        if classifiers not in self._played:
             pairs = zip(self._demonstrations, self._worlds, strict=True)
-            self._played[amplitude] = [imitate(self._weights, *pair, amplitude).queries for pair in pairs]
-        return self._played[amplitude]
+            self._played[classifiers] = [imitate(self._weights, *pair, classifiers).queries for pair in pairs]
+        return self._played[classifiers]
 
 
 def tell_eagerness(demonstrations: Sequence[Demonstration], in_place: Queries | None, free: FreePlay) -> Iterator[str]:
@@ -73,11 +73,11 @@ def tell_eagerness(demonstrations: Sequence[Demonstration], in_place: Queries | 
     if free.hindrance:
         yield f'what the learner asks by itself is not known: {escape(free.hindrance)}'
     else:
-        amplitudes = {demonstration.settings.amplitude for demonstration in demonstrations}
-        asked = {f'with amplitude {_listed(amplitudes)}, as in the demonstrations': _count(free.play())}
-        if amplitudes != {AMPLITUDE.default}:
-            usual = f'with {AMPLITUDE.default:g}, as learners have unless told otherwise'
-            asked[usual] = _count(free.play(AMPLITUDE.default))
+        found = {demonstration.settings.classifiers for demonstration in demonstrations}
+        asked = {f'with {_listed(found)}, as in the demonstrations': _count(free.play())}
+        if found != {DEFAULT_CLASSIFIERS}:
+            usual = f'with {DEFAULT_CLASSIFIERS}, as learners have unless told otherwise'
+            asked[usual] = _count(free.play(DEFAULT_CLASSIFIERS))
         told = ', and '.join(f'{number_of(count, "question")} {how}' for how, count in asked.items())
         yield f'by itself, taking the best candidate, the learner asks {told}; the expert asked {by_expert}'
     timid = [how for how, count in asked.items() if count < TIMID * by_expert]
@@ -90,5 +90,5 @@ def _count(queries: Queries) -> int:
     return sum(map(len, queries))
 
 
-def _listed(amplitudes: Sequence[float] | set[float]) -> str:
-    return ' and '.join(f'{amplitude:g}' for amplitude in sorted(amplitudes))
+def _listed(found: Iterable[Classifiers]) -> str:
+    return ' and '.join(map(str, sorted(found)))
