@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import dataclasses
 import json
+import os
 import subprocess
 import sys
 from pathlib import Path
@@ -40,13 +41,11 @@ from shared.durable_sessions import (
     start_durable,
 )
 
-DRIVER = ROOT / 'test' / 'shared' / 'session_driver.py'
-
 
 def drive(*arguments: object) -> dict[str, object]:
-    done = subprocess.run(
-        [sys.executable, str(DRIVER), *map(str, arguments)], capture_output=True, text=True, timeout=280, check=False
-    )
+    command = [sys.executable, '-m', 'shared.session_driver', *map(str, arguments)]
+    environment = {**os.environ, 'PYTHONPATH': str(ROOT / 'test')}
+    done = subprocess.run(command, env=environment, capture_output=True, text=True, timeout=280, check=False)
     assert done.returncode == 0, done.stderr
     return json.loads(done.stdout)
 
