@@ -25,7 +25,7 @@ def test_episode_snippets_ask_learn_and_recognise(capsys) -> None:
     known: dict[str, object] = {}
     exec(SNIPPETS[1], known)
     asked = capsys.readouterr().out.splitlines()
-    assert len(asked) == len(set(asked)) == 4
+    assert len(asked) == len(set(asked)) == 5
     assert all(line.endswith('?') for line in asked)
     exec(SNIPPETS[2], known)
     recognised = [line.split() for line in capsys.readouterr().out.splitlines()]

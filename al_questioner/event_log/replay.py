@@ -21,8 +21,11 @@ from al_questioner.event_log.events import (
 )
 from al_questioner.questioning import Episode, Human, Strategy, TurnContext, make_strategy
 
-ROUNDING = 1e-8
-"""Difference, absolute or relative, up to which numbers are equal: processors differ in their last digits."""
+ROUNDING = 1e-5
+"""Difference, absolute or relative, up to which numbers are equal.
+
+A look-ahead is exact to 1e-6, and which error is left depends on the version and on the processor's last digits.
+"""
 
 
 class ReplayError(InputError):

@@ -1,7 +1,7 @@
 """Probability that an object is of each symbol, or of none, judged by the labels so far.
 
 The classifiers distinguish symbols, but do not recognise objects of no symbol: far from their labels they return 1/2.
-The value of a question depends on that, so here the labels vote directly. The derivation is in
+The value of a question depends on that, so here the labels vote, beside the classifiers. The derivation is in
 docs/explanation/value_per_cost.md.
 """
 
@@ -18,11 +18,11 @@ def class_beliefs(context: TurnContext, reach: float, doubt: float) -> Array:
     """Return (|X|, |Y| + 1) probability that an object is of each symbol, or, last, of none.
 
     For each symbol, the nearest labelled view votes with exp(-d^2 / (2 reach^2)), and `doubt` votes are shared among
-    all as they were among the answers so far (docs/explanation/value_per_cost.md). If a symbol was asked for
+    all as in `prior_beliefs` (docs/explanation/value_per_cost.md). If a symbol was asked for
     in this scene and the teacher showed nothing, no object of the scene is of that symbol. The reach is in standard
     deviations of a feature, root mean square; the doubt is above 0.
     """
-    votes = doubt * np.tile(class_shares(context), (len(context.scene), 1))
+    votes = doubt * prior_beliefs(context)
     labels = np.array([view.label for view in context.concepts.labelled_views], dtype=object)
     nearness = np.exp(-((context.concepts.distances_to_labelled(context.scene) / reach) ** 2) / 2)
     for column, name in enumerate((*context.symbols, NO_SYMBOL)):
@@ -30,6 +30,18 @@ def class_beliefs(context: TurnContext, reach: float, doubt: float) -> Array:
     votes[:, [context.symbols.index(symbol) for symbol in context.absent_symbols]] = 0.0
     beliefs: Array = votes / votes.sum(axis=1, keepdims=True)
     return beliefs
+
+
+def prior_beliefs(context: TurnContext) -> Array:
+    """Return the (|X|, |Y| + 1) beliefs where no label is near: none as in `class_shares`, the rest by the classifiers.
+
+    If each q_y(x) is the probability that x is of y, apart from the others, then x, known to be of exactly one symbol,
+    is of y with a probability proportional to the odds q_y(x) / (1 - q_y(x)).
+    """
+    odds = context.probabilities / (1 - context.probabilities)
+    none = class_shares(context)[-1]
+    symbols = (1 - none) * odds / odds.sum(axis=1, keepdims=True)
+    return np.column_stack([symbols, np.full(len(odds), none)])
 
 
 def class_shares(context: TurnContext) -> Array:

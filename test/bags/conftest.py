@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import dataclasses
 from types import SimpleNamespace
 
 import numpy as np
@@ -90,13 +89,9 @@ def write_episode(path, storage='mcap', n_turns=8, missing=(), close=True, strat
 
 
 def episode_members(settings, scene, members):
-    names = ('budget', 'turns', 'change_interval', 'strategy', 'tune_every', 'amplitude', 'length_scale')
     return {
-        **{name: getattr(settings, name) for name in names},
-        'symbols': list(settings.symbols),
+        **documents.settings_members(settings),
         'feature_names': list(scene.feature_names),
-        'costs': dataclasses.asdict(settings.costs),
-        'weights': dict(settings.weights),
         'seed': 3,
         'world': members,
     }

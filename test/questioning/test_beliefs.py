@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from al_questioner.domain import NO_SYMBOL, Outcome, QueryKind, QueryRecord
-from al_questioner.questioning.beliefs import class_beliefs, class_shares, with_labels
+from al_questioner.questioning.beliefs import class_beliefs, class_shares, prior_beliefs, with_labels
 
 REACH, DOUBT = 0.5, 0.1
 
@@ -39,9 +39,11 @@ def test_beliefs_are_the_formula_written_out(toy):
     labels = ['snack', NO_SYMBOL, 'fruit', 'snack']
     context = context_of(toy, labels, history=[named(label) for label in labels])
     points = context.concepts._standardiser.transform(context.scene.features)
-    share = dict(zip((*toy.symbols, NO_SYMBOL), class_shares(context), strict=True))
+    none = class_shares(context)[-1]
     found = class_beliefs(context, REACH, DOUBT)
     for row in range(6):
+        odds = {name: q / (1 - q) for name, q in zip(toy.symbols, context.probabilities[row], strict=True)}
+        share = {name: (1 - none) * each / sum(odds.values()) for name, each in odds.items()} | {NO_SYMBOL: none}
         votes = {}
         for name in (*toy.symbols, NO_SYMBOL):
             squared = [np.mean((points[row] - points[i]) ** 2) for i, label in enumerate(labels) if label == name]
@@ -53,10 +55,20 @@ def test_beliefs_are_the_formula_written_out(toy):
 def test_a_label_tells_of_what_is_near_and_not_of_what_is_far(toy):
     table = np.zeros((6, 5))
     table[:, 2] = [0, 0.01, 9, 10, 11, 12]
-    beliefs = class_beliefs(context_of(toy, ['snack'], table, history=[named('snack')]), 0.05, DOUBT)
+    context = context_of(toy, ['snack'], table, history=[named('snack')])
+    beliefs = class_beliefs(context, 0.05, DOUBT)
     snack = toy.symbols.index('snack')
     assert beliefs[1, snack] > 0.9
-    assert beliefs[5] == pytest.approx([0.25] * 4, abs=1e-6)
+    assert beliefs[5] == pytest.approx(prior_beliefs(context)[5], abs=1e-6)
+
+
+def test_where_no_label_is_near_the_classifiers_tell_the_symbols_apart(toy):
+    """By their odds, and none has its share; before any label the symbols are equally probable."""
+    context = context_of(toy, ['snack', 'fruit'], history=[named('snack'), named('fruit')])
+    odds = context.probabilities / (1 - context.probabilities)
+    prior = prior_beliefs(context)
+    assert prior[:, -1] == pytest.approx(np.full(6, 0.5 / 3))
+    assert prior[:, :-1] == pytest.approx((1 - 0.5 / 3) * odds / odds.sum(axis=1, keepdims=True))
 
 
 def test_what_was_asked_for_in_vain_is_not_here_until_the_scene_changes(toy):

@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 
 from al_questioner.concepts import ConceptLearner
+from al_questioner.concepts.kernel import GROUPED
 from al_questioner.domain import NO_SYMBOL, Answer, EpisodeSettings, Outcome, QueryKind, random_stream
 from al_questioner.questioning import make_strategy, new_concept_learner
 from al_questioner.questioning.strategies.choice import ask_nothing
@@ -85,7 +86,7 @@ def make_context(labels=(), scene=None, concepts=None, symbols=SYMBOLS, **change
     """Turn 3 of 20 in a scene of six objects, of which the first ones carry the labels given."""
     scene = make_scene(np.random.default_rng(0).normal(size=(6, 5))) if scene is None else scene
     if concepts is None:
-        concepts = ConceptLearner(symbols, 4.0)
+        concepts = ConceptLearner(symbols, 100.0, shape=GROUPED, class_balance=0.5)
         concepts.observe(scene)
         for row, label in enumerate(labels):
             concepts.label(scene.object_ids[row], scene.features[row], label, 1)
