@@ -31,14 +31,14 @@ def test_a_strategy_stands_beside_the_best_control() -> None:
     from other_data import rows_of
 
     accuracies = {
-        'value_per_cost': np.array([0.6, 0.9]),
-        'random_fsq': np.array([0.5, 0.7]),
-        'farthest_fsq': np.array([0.6, 0.7]),
+        'value_per_cost': np.array([0.8, 0.9]),
+        'random_fsq': np.array([0.5, 0.74]),
+        'farthest_fsq': np.array([0.6, 0.8]),
     }
     assert rows_of(accuracies) == [
-        ['value_per_cost', '0.750 ± 0.150', '+0.100 ± 0.100', '0.5000'],
-        ['random_fsq', '0.600 ± 0.100', '-0.050 ± 0.050', '1.0000'],
-        ['farthest_fsq', '0.650 ± 0.050', '', ''],
+        ['value_per_cost', '0.850 ± 0.050', '+0.150 ± 0.050', '0.2500'],
+        ['random_fsq', '0.620 ± 0.120', '-0.080 ± 0.020', '1.0000'],
+        ['farthest_fsq', '0.700 ± 0.100', '', ''],
     ]
     assert rows_of({'value_per_cost': np.array([0.6])}) == [['value_per_cost', '0.600 ± 0.000', '', '']]
 
