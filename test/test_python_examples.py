@@ -31,3 +31,11 @@ def test_episode_snippets_ask_learn_and_recognise(capsys) -> None:
     recognised = [line.split() for line in capsys.readouterr().out.splitlines()]
     assert len(recognised) == 3
     assert all(name in ('cup', 'plate', 'none') and 0 <= float(p) <= 1 for name, p in recognised)
+
+
+def test_own_data_snippet_compares_strategies(capsys) -> None:
+    """Otherwise nobody could try strategies on a table of theirs."""
+    exec(SNIPPETS[3], {})
+    rows = [line.split() for line in capsys.readouterr().out.splitlines()]
+    assert [name for name, _ in rows] == ['value_per_cost', 'random_fsq']
+    assert all(0.5 < float(accuracy) <= 1 for _, accuracy in rows)

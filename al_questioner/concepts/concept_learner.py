@@ -13,6 +13,7 @@ from al_questioner.concepts.concept_models import ConceptModels
 from al_questioner.concepts.feature_selection import Selector, select_features
 from al_questioner.concepts.kernel import RBF, KernelShape
 from al_questioner.concepts.laplace.hyperparameters import Kernel, tuned_kernel
+from al_questioner.concepts.seen_views import SeenViews
 from al_questioner.concepts.standardiser import Standardiser
 from al_questioner.domain import (
     NO_SYMBOL,
@@ -61,6 +62,9 @@ class ConceptLearner:
             standard deviations. The default allows rounding only.
         shape: how the kernel treats groups of features and single large differences.
         class_balance: how much of the effect of the counts of examples is taken from the degrees, 0 to 1.
+
+    Attributes:
+        seen: the distinct views that were observed.
     """
 
     def __init__(
@@ -79,6 +83,7 @@ class ConceptLearner:
         self.feature_names: tuple[str, ...] = ()
         self.groups: tuple[str, ...] = ()
         self.labelled_views: list[LabelledView] = []
+        self.seen = SeenViews()
         self._unnamed_views: list[tuple[int, NDArray[np.float32]]] = []
         self._models = ConceptModels(self.symbols, amplitude, length_scale, shape=shape, class_balance=class_balance)
         self._configured = (amplitude, length_scale)
@@ -184,6 +189,8 @@ class ConceptLearner:
         if any(new):
             self._standardiser.update(scene.features[new])
             self._last_views.update(zip(scene.object_ids, views, strict=True))
+            for row in np.flatnonzero(new):
+                self.seen.add(scene.object_ids[row], scene.features[row], self._same_views)
             self._fit_models()
 
     def label(self, object_id: int, features: FloatArray, symbol: str, turn: int) -> None:
@@ -261,7 +268,11 @@ class ConceptLearner:
         models = self._models.refitted(table[:, chosen], self._groups_of(chosen))
         return models.predict_proba(self._standardiser.transform(scene.features)[:, chosen])
 
-    def is_labelled(self, scene: Scene) -> NDArray[np.bool_]:
+    def points_of(self, features: FloatArray) -> Array:
+        """Return (k, number in use) features in use, in standard deviations, of (k, m) raw features."""
+        return self._standardiser.transform(features)[:, self._active]
+
+    def is_labelled(self, scene: Scene | SeenViews) -> NDArray[np.bool_]:
         """Return (n,) booleans: whether this view of each object has been labelled already, as a symbol or as none."""
         return self.times_labelled(scene) > 0
 
@@ -269,7 +280,7 @@ class ConceptLearner:
         """Return the ids of the objects of which this view has been labelled already."""
         return tuple(scene.object_ids[row] for row in np.flatnonzero(self.is_labelled(scene)))
 
-    def times_labelled(self, scene: Scene) -> NDArray[np.intp]:
+    def times_labelled(self, scene: Scene | SeenViews) -> NDArray[np.intp]:
         """Return (n,) counts: how often this view of each object has been labelled."""
         rows, _ = self._views_among([(view.object_id, view.features) for view in self.labelled_views], scene)
         return np.bincount(rows, minlength=len(scene))
@@ -353,7 +364,7 @@ class ConceptLearner:
         return np.array(rows, dtype=np.float64).reshape(len(rows), len(self.feature_names))
 
     def _views_among(
-        self, views: Sequence[tuple[int, NDArray[np.float32]]], scene: Scene
+        self, views: Sequence[tuple[int, NDArray[np.float32]]], scene: Scene | SeenViews
     ) -> tuple[NDArray[np.intp], NDArray[np.intp]]:
         """Return the rows of the scene that show one of the views, and for each the index of that view.
 

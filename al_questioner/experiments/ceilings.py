@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from al_questioner.questioning import Teacher, TurnContext, UnlabelledFirst, new_concept_learner, symbol_given_object
-from al_questioner.simulation import EpisodeResult, Evaluation, PerceivedWorld, Task, accuracy, play
+from al_questioner.simulation import EpisodeResult, Evaluation, SeenWorld, Task, accuracy, play
 
 CEILING_SETTINGS = 'random_fsq'
 """Strategy whose settings the ceilings use: a learner that selects no features computationally."""
@@ -22,7 +22,7 @@ class GreedyOracle(UnlabelledFirst):
     true symbols decides. As the budget is spread evenly over the scenes, some is left at each change.
     """
 
-    def __init__(self, world: PerceivedWorld) -> None:
+    def __init__(self, world: SeenWorld) -> None:
         self._world = world
         self._features, self._labels = world.validation_set
 

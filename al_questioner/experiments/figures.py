@@ -39,6 +39,8 @@ COLOURS = {
     'random_fsq': '#b8860b',
     'farthest_fsq': '#8e44ad',
     'rarest_demo': '#d1622b',
+    'typiclust': '#1f9e9e',
+    'probcover': '#7a5230',
     'all_labels': '#9a9a9a',
     'greedy_oracle': '#00838f',
 }

@@ -47,7 +47,7 @@ PAPER_CONDITIONS = {
 PAPER_STRATEGIES = ('u_sampling', 'dt_iros', 'dt_task', 'dt_task_env')
 PROPOSED = ('value_per_cost',)
 """Strategies that we propose, in addition to those of the paper."""
-CONTROLS = ('u_sampling_fsq', 'random_fsq', 'farthest_fsq', 'rarest_demo')
+CONTROLS = ('u_sampling_fsq', 'random_fsq', 'farthest_fsq', 'rarest_demo', 'typiclust', 'probcover')
 PAPER_TASKS = ('prepare_lunch', 'pack_lunchbox')
 
 SELECTORS: Mapping[str, Selector | None] = {

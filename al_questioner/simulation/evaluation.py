@@ -17,6 +17,7 @@ from al_questioner.concepts import ConceptLearner, Kernel, Selector
 from al_questioner.domain import EpisodeSettings, QueryRecord
 from al_questioner.questioning import new_concept_learner
 from al_questioner.simulation.perceived_world import PerceivedWorld
+from al_questioner.simulation.world import SeenWorld
 from al_questioner.simulation.world_spec import WorldSpec
 
 
@@ -86,11 +87,11 @@ class Evaluation:
         world_spec: WorldSpec,
         settings: EpisodeSettings,
         selector: Selector | None,
-        world: PerceivedWorld | None = None,
+        world: SeenWorld | None = None,
     ) -> None:
         self.world_spec = world_spec
         self.settings = settings
-        self.world = PerceivedWorld(world_spec.open()) if world is None else world
+        self.world: SeenWorld = PerceivedWorld(world_spec.open()) if world is None else world
         self._selector = selector
         self._concepts = new_concept_learner(settings, selector)
         self._features, self._labels = self.world.test_set

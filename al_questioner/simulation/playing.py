@@ -7,7 +7,7 @@ from collections.abc import Callable, Iterator
 from al_questioner.domain import Decision, EpisodeSettings, QueryRecord, random_stream
 from al_questioner.questioning import Episode, Strategy, Teacher, make_strategy
 from al_questioner.simulation.evaluation import EpisodeResult, Evaluation
-from al_questioner.simulation.perceived_world import PerceivedWorld
+from al_questioner.simulation.world import SeenWorld
 from al_questioner.simulation.world_spec import WorldSpec
 
 TurnWatcher = Callable[[int, QueryRecord | None, float], None]
@@ -19,7 +19,7 @@ def run_episode(
     settings: EpisodeSettings,
     teacher: Teacher,
     watch: TurnWatcher | None = None,
-    world: PerceivedWorld | None = None,
+    world: SeenWorld | None = None,
     strategy: Strategy | None = None,
 ) -> EpisodeResult:
     """Play an episode in one process, as the three nodes do, without ROS.
@@ -47,7 +47,7 @@ def play(evaluation: Evaluation, strategy: Strategy, teacher: Teacher, watch: Tu
             watch(decision.turn, record, accuracy_now)
 
 
-def turns(episode: Episode, world: PerceivedWorld, teacher: Teacher) -> Iterator[tuple[Decision, QueryRecord | None]]:
+def turns(episode: Episode, world: SeenWorld, teacher: Teacher) -> Iterator[tuple[Decision, QueryRecord | None]]:
     """Play an episode turn by turn.
 
     Yields:

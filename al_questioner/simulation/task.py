@@ -197,7 +197,7 @@ class Task:
     Attributes:
         name: the file's name without its suffix.
         description: one sentence; may be empty.
-        source: 'simulated' or 'dataset'.
+        source: 'simulated' or 'dataset'; 'arrays' for that of a `PoolWorld`.
         symbols: the concepts to ground.
         relevant_groups: what the scripted teacher answers to the feature subset query; if empty, that it does not know.
         episode: defaults of an episode.

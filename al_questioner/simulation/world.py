@@ -1,11 +1,14 @@
-"""Protocol of a world: scenes that change over time, and held-out test observations."""
+"""Protocols of a world: scenes that change over time, and held-out test observations."""
 
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from typing import Protocol
 
-from al_questioner.domain import Observation
+import numpy as np
+from numpy.typing import NDArray
+
+from al_questioner.domain import Observation, Scene
 
 
 class World(Protocol):
@@ -67,6 +70,40 @@ class World(Protocol):
 
         Raises:
             InputError: this world has no second draw.
+        """
+        ...
+
+    def report(self) -> str:
+        """Return a text for the user about the source of the observations; empty if there is nothing to say."""
+        ...
+
+
+class SeenWorld(Protocol):
+    """Interface of a world as feature vectors, for an episode in one process, its scripted teacher and evaluation."""
+
+    def scene(self, turn: int) -> Scene:
+        """Return the scene of a turn (1-based); the same object as long as nothing changes."""
+        ...
+
+    def truth(self, turn: int) -> Mapping[int, str]:
+        """Return symbol, or 'none', by object id: for the scripted teacher only."""
+        ...
+
+    def change_turns(self, turns: int) -> list[int]:
+        """Return the turns up to `turns` that begin with a scene change; the first turn is not one."""
+        ...
+
+    @property
+    def test_set(self) -> tuple[NDArray[np.float32], tuple[str, ...]]:
+        """Features of the held-out observations, (k, m), and their k symbols."""
+        ...
+
+    @property
+    def validation_set(self) -> tuple[NDArray[np.float32], tuple[str, ...]]:
+        """Features of a second draw of held-out observations, and their symbols: for the greedy oracle.
+
+        Raises:
+            InputError: the world has no second draw.
         """
         ...
 

@@ -18,8 +18,11 @@ def make_world(task: Task, seed: int, sample: int | None = None, dataset: Path |
     of Washington RGB-D Object Dataset.
 
     Raises:
-        InputError: a dataset task without a dataset, a simulated task with one, or an unusable dataset.
+        InputError: a dataset task without a dataset, a simulated task with one, an unusable dataset, or a task of
+            arrays, which does not hold them.
     """
+    if task.source == 'arrays':
+        raise InputError(f'the things of task {task.name} are arrays in a program: its world must be given')
     if task.source == 'simulated':
         if dataset is not None:
             raise InputError(f'task {task.name} is simulated: it takes no dataset')

@@ -53,6 +53,8 @@ def test_a_corrected_episode_is_that_of_the_right_answer(toy, data, strategy):
         assert episode.concepts.model_version == oracle.model_version
         assert episode.concepts.kernel == oracle.kernel
         assert episode.positives == oracle.positives
+        assert episode.concepts.seen.object_ids == oracle.seen.object_ids
+        np.testing.assert_array_equal(episode.concepts.seen.features, oracle.seen.features)
 
     while not episode.done:
         scenes.append(world.scene(episode.turn + 1))

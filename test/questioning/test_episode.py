@@ -80,7 +80,9 @@ def test_published_utilities_are_weights_times_features(toy, strategy):
         }
 
 
-@pytest.mark.parametrize('strategy', ['u_sampling_fsq', 'random_fsq', 'farthest_fsq', 'rarest_demo'])
+@pytest.mark.parametrize(
+    'strategy', ['u_sampling_fsq', 'random_fsq', 'farthest_fsq', 'rarest_demo', 'typiclust', 'probcover']
+)
 @pytest.mark.parametrize('seed', range(3))
 def test_controls_never_repeat_themselves(toy, strategy, seed):
     """No label query about a labelled view, at most one FSQ, no DQ for what the scene was said not to hold."""

@@ -54,8 +54,8 @@ def main(given: argparse.Namespace) -> int:
         given.unknown_rate,
         repeat_shown=given.repeat_shown,
     )
-    world = None if made_up is None else PerceivedWorld(made_up, made_up_scene)
     strategy = make_strategy(settings.strategy, settings.weights, make_picker())
+    world = PerceivedWorld(world_spec.open()) if made_up is None else PerceivedWorld(made_up, made_up_scene)
     evaluation = Evaluation(world_spec, settings, strategy.selector, world)
     make_folder(given.out)
     if given.json is not None:
@@ -63,7 +63,7 @@ def main(given: argparse.Namespace) -> int:
     if not given.offline:
         _import_ros()
     console = Console()
-    _tell(console, evaluation.world.report())
+    _tell(console, world.report())
     with console.status('preparing the models (compiling them, if need be, takes some ten seconds)'):
         compile_models()
     with ProgressView(console, world_spec.task, settings) as progress:
@@ -74,14 +74,14 @@ def main(given: argparse.Namespace) -> int:
     result = evaluation.result()
     # The numbers first: a disk may be full by now.
     console.print(summary(result, views))
-    _tell(console, evaluation.world.report())
+    _tell(console, world.report())
     if given.json is not None:
-        document = {**episode_document(result, teacher, evaluation.world), 'dry_run': given.dry_run}
+        document = {**episode_document(result, teacher, world), 'dry_run': given.dry_run}
         write_text(given.json, json.dumps(document, indent=1) + '\n')
     # Only now, as matplotlib takes long to import.
     from al_questioner.commands.demo.pictures import draw_pictures
 
-    pictures = draw_pictures(result, evaluation.world, given.out, views)
+    pictures = draw_pictures(result, world, given.out, views)
     for path in (*pictures, *(path for path in (given.json, given.record) if path)):
         console.print(f'  {path}', highlight=False, soft_wrap=True)
     return 0

@@ -21,6 +21,8 @@ SHIPPED = (
     'random_fsq',
     'farthest_fsq',
     'rarest_demo',
+    'typiclust',
+    'probcover',
     'expert',
     'human',
 )

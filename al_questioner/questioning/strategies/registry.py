@@ -15,8 +15,10 @@ from al_questioner.questioning.strategies.farthest import Farthest
 from al_questioner.questioning.strategies.human import Human, Picker
 from al_questioner.questioning.strategies.names import contribution
 from al_questioner.questioning.strategies.plug_ins import ContributedFactory
+from al_questioner.questioning.strategies.probcover import ProbCover
 from al_questioner.questioning.strategies.random_label import RandomLabel
 from al_questioner.questioning.strategies.rarest_demonstration import RarestDemonstration
+from al_questioner.questioning.strategies.typiclust import TypiClust
 from al_questioner.questioning.strategies.uncertain_unlabelled import UncertainUnlabelled
 from al_questioner.questioning.strategies.uncertainty_sampling import UncertaintySampling
 from al_questioner.questioning.strategies.value_per_cost import ValuePerCost
@@ -41,6 +43,8 @@ STRATEGIES: Mapping[str, StrategyFactory] = {
     'random_fsq': _unweighted(RandomLabel),
     'farthest_fsq': _unweighted(Farthest),
     'rarest_demo': _unweighted(RarestDemonstration),
+    'typiclust': _unweighted(TypiClust),
+    'probcover': _unweighted(ProbCover),
     'expert': _unweighted(ScriptedExpert),
     'human': _refuse_human,
 }

@@ -36,7 +36,9 @@ class SubsetFirst(ABC):
             utilities[rows_of(context, QueryKind.FEATURE_SUBSET)] = 1.0
         else:
             rows = rows_of(context, self.kind)
-            utilities[rows] = self.values(context)[: len(rows)]
+            # Values may take long to find, and are not needed once the budget is gone.
+            if len(rows):
+                utilities[rows] = self.values(context)
         return choose_best(context, utilities, rng)
 
     @abstractmethod

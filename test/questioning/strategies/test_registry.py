@@ -12,7 +12,8 @@ from al_questioner.questioning.strategies.value_per_cost import VALUE_FEATURES
 
 AUTOMATIC = [name for name in STRATEGIES if name != 'human']
 CONSTANTS = ('reach', 'doubt', 'decline', 'pace')
-CONTROLS = ('u_sampling_fsq', 'random_fsq', 'farthest_fsq', 'rarest_demo')
+LABELLING = ('u_sampling_fsq', 'random_fsq', 'farthest_fsq', 'typiclust', 'probcover')
+CONTROLS = (*LABELLING, 'rarest_demo')
 SUBSET_ASKED = QueryRecord(1, QueryKind.FEATURE_SUBSET, None, None, 2.0, Outcome.ANSWERED, ('size',))
 
 
@@ -65,7 +66,7 @@ def test_controls_start_with_one_subset_query(toy, name):
     assert chosen(name, context_of(toy, **fresh, budget=2.0)).kind is not QueryKind.FEATURE_SUBSET
 
 
-@pytest.mark.parametrize('name', ['u_sampling_fsq', 'random_fsq', 'farthest_fsq'])
+@pytest.mark.parametrize('name', LABELLING)
 def test_controls_never_ask_about_a_labelled_view(toy, name):
     """Not even when the label was none; and they rest when all is known."""
     context = context_of(toy, ['snack', NO_SYMBOL, 'fruit'])
@@ -73,7 +74,7 @@ def test_controls_never_ask_about_a_labelled_view(toy, name):
     assert chosen(name, context_of(toy, ['snack'] * 6)).kind is QueryKind.NO_QUERY
 
 
-@pytest.mark.parametrize('name', ['u_sampling_fsq', 'random_fsq', 'farthest_fsq'])
+@pytest.mark.parametrize('name', LABELLING)
 def test_controls_do_not_insist_when_the_teacher_does_not_know(toy, name):
     """A teacher who did not know is not asked the same again until the scene changes."""
     asked = tuple(QueryRecord(2, QueryKind.LABEL, i, None, 1.0, Outcome.UNKNOWN) for i in range(5))
@@ -202,7 +203,7 @@ def test_the_relevant_features_are_asked_for_a_second_time_if_there_was_no_answe
     ):
         context = context_of(toy, turn=12, history=history, scene_turn=scene_turn)
         assert (subset in settled_actions(context)) is settled
-        for name in ('u_sampling_fsq', 'random_fsq', 'farthest_fsq', 'rarest_demo', 'value_per_cost'):
+        for name in (*CONTROLS, 'value_per_cost'):
             assert (chosen(name, context) == subset) is not settled
 
 
