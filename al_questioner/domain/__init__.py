@@ -27,15 +27,18 @@ from al_questioner.domain.settings import (
     AUTO,
     BUDGET,
     CHANGE_INTERVAL,
+    COST_RELEVANCE,
     COSTS,
     LARGEST_TURN,
     LENGTH_SCALE,
+    NEVER,
     SAME_VIEW,
     TUNE_EVERY,
     TURNS,
     Costs,
     EpisodeSettings,
     ViewTolerance,
+    price_of,
 )
 
 __all__ = [
@@ -44,9 +47,11 @@ __all__ = [
     'BUDGET',
     'CHANGE_INTERVAL',
     'COSTS',
+    'COST_RELEVANCE',
     'DECISION_FEATURES',
     'LARGEST_TURN',
     'LENGTH_SCALE',
+    'NEVER',
     'NO_SYMBOL',
     'SAME_VIEW',
     'SAYABLE_OUTCOMES',
@@ -75,5 +80,6 @@ __all__ = [
     'View',
     'ViewTolerance',
     'group_of',
+    'price_of',
     'random_stream',
 ]

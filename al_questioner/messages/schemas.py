@@ -8,6 +8,7 @@ from typing import Any
 from al_questioner.domain import (
     BUDGET,
     CHANGE_INTERVAL,
+    COST_RELEVANCE,
     COSTS,
     LARGEST_TURN,
     SAME_VIEW,
@@ -55,7 +56,7 @@ _STAMP = _record({'sec': {**_COUNT, 'maximum': 2**31 - 1}, 'nanosec': {**_COUNT,
 _ACTION: JsonSchema = {'kind': {'enum': _QUERIES}, 'object_id': _OBJECT_ID, 'symbol': _OPTIONAL_TEXT}
 _QUERY_RECORD = _record(
     {'turn': _TURN, **_ACTION, 'cost': _AMOUNT, 'outcome': {'enum': _OUTCOMES}, 'groups': _NAMES},
-    {'answered_in': _TURN},
+    {'answered_in': _TURN, 'objects': _OBJECT_IDS},
 )
 _TEACHER_COUNTS = ('answered', 'unknown', 'skipped', 'corrected', 'late')
 _TEACHER = _record({**dict.fromkeys(_TEACHER_COUNTS, _COUNT), 'reliability': _SHARE})
@@ -77,7 +78,10 @@ _QUERY = _record(
 _ANSWER = _record(
     {'query_id': _TEXT, 'answer_id': _TEXT, 'teacher_id': _TEXT, 'outcome': {'enum': _SAYABLE}},
     {
-        'content': {'type': ['string', 'integer', 'array', 'null'], 'items': _TEXT},
+        'content': {
+            'type': ['string', 'integer', 'array', 'null'],
+            'anyOf': [{'items': _TEXT}, {'items': _OBJECT_IDS['items']}],
+        },
         'replaces': {'anyOf': [_TEXT, {'type': 'null'}]},
     },
 )
@@ -92,7 +96,12 @@ SCHEMAS: dict[str, JsonSchema] = {
             'change_interval': _member(CHANGE_INTERVAL),
             'costs': _record(
                 {name: _member(price) for name, price in COSTS.items() if name in _QUERIES},
-                {name: _member(share) for name, share in COSTS.items() if name not in _QUERIES},
+                {name: _member(share) for name, share in COSTS.items() if name not in _QUERIES}
+                | {
+                    QueryKind.RELEVANCE.value: {
+                        'anyOf': [{**_AMOUNT, 'minimum': COST_RELEVANCE.lower}, {'type': 'null'}]
+                    }
+                },
             ),
             'strategy': _TEXT,
             'weights': {'type': 'object', 'additionalProperties': {'type': 'number'}},

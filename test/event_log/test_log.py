@@ -284,11 +284,12 @@ SCENES = FLOATS.map(lambda table: Scene(tuple(range(len(table))), table[:, :3], 
 WORDS = st.text(max_size=8)
 WORLDS = st.none() | st.just({'task': 'x'})
 NAMED = st.text(min_size=1, max_size=8)
+IDS = st.lists(st.integers(0, 2**32 - 2), max_size=3).map(tuple)
 ANSWERS = st.builds(
     Answer,
     *(NAMED, NAMED, NAMED),
     st.sampled_from(Outcome),
-    st.none() | NAMED | st.integers(0, 2**32 - 2) | st.lists(NAMED, max_size=3).map(tuple),
+    st.none() | NAMED | st.integers(0, 2**32 - 2) | st.lists(NAMED, max_size=3).map(tuple) | IDS,
     st.none() | NAMED,
 )
 AMOUNTS = st.floats(0, 1e9)
@@ -307,7 +308,7 @@ SETTINGS = st.builds(
     turns=st.integers(1, 99),
     strategy=NAMED,
     weights=st.dictionaries(st.sampled_from(['discriminability', 'class_uniformity']), st.floats(-9, 9)),
-    costs=st.builds(Costs, AMOUNTS, AMOUNTS, AMOUNTS),
+    costs=st.builds(Costs, AMOUNTS, AMOUNTS, AMOUNTS, relevance=st.none() | AMOUNTS),
     length_scale=st.none() | st.floats(0.1, 9),
 )
 EVENTS = st.one_of(

@@ -86,7 +86,7 @@ def test_a_slip_in_a_task_has_a_suggestion(tmp_path: Path) -> None:
     for more, hint in (
         ({'episode': {'strategy': 'u_samplng'}}, 'human; did you mean u_sampling?'),
         ({'scens': {}}, 'variety; did you mean scenes?'),
-        ({'costs': {'lable': 1}}, 'unanswered; did you mean label?'),
+        ({'costs': {'lable': 1}}, 'relevance; did you mean label?'),
         ({'scenes': {'turnover': 'objects'}}, "unknown 'objects'; known: state, object; did you mean object?"),
     ):
         with pytest.raises(InputError, match=re.escape(hint)):

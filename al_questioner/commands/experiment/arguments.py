@@ -7,7 +7,7 @@ import os
 from collections.abc import Mapping, Sequence
 from pathlib import Path
 
-from al_questioner.domain import AMPLITUDE, BUDGET, TURNS, Setting, SettingsError
+from al_questioner.domain import AMPLITUDE, BUDGET, COST_RELEVANCE, TURNS, Setting, SettingsError
 from al_questioner.experiments.ceilings import CEILINGS
 from al_questioner.experiments.plan import (
     CONTROLS,
@@ -20,7 +20,13 @@ from al_questioner.experiments.plan import (
 )
 from al_questioner.experiments.studies import STUDIES
 from al_questioner.questioning import FEATURE_SETS
-from al_questioner.simulation.scripted_teacher import REPEAT_SHOWN, UNKNOWN_RATE, WRONG_RATE
+from al_questioner.simulation.scripted_teacher import (
+    RELEVANCE_FALSE_ALARM,
+    RELEVANCE_OMISSION,
+    REPEAT_SHOWN,
+    UNKNOWN_RATE,
+    WRONG_RATE,
+)
 from al_questioner.simulation.task import SCENE_INTERVAL, SYNCHRONY
 from al_questioner.simulation.world_spec import DATASET
 from al_questioner.support.arguments import JOBS, Parser, add_option
@@ -72,9 +78,9 @@ def parser() -> Parser:
     result.add_argument('--weights-file', help=f'weights of {" or ".join(FEATURE_SETS)}; those that ship if not given')
     add_option(result, SCENE_INTERVAL, "the task's")
     add_option(result, SYNCHRONY, "the task's")
-    add_option(result, WRONG_RATE)
-    add_option(result, UNKNOWN_RATE)
-    add_option(result, REPEAT_SHOWN)
+    add_option(result, COST_RELEVANCE, "the task's")
+    for setting in (WRONG_RATE, UNKNOWN_RATE, RELEVANCE_OMISSION, RELEVANCE_FALSE_ALARM, REPEAT_SHOWN):
+        add_option(result, setting)
     add_option(result, AMPLITUDE)
     add_option(result, DATASET, help=DATASET.description)
     add_option(result, JOBS, 'one for each processor')
@@ -124,5 +130,8 @@ def plan_of(given: argparse.Namespace, weights: Mapping[str, Mapping[str, float]
             unknown_rate=given.unknown_rate,
             amplitude=given.amplitude,
             repeat_shown=given.repeat_shown,
+            cost_relevance=given.cost_relevance,
+            relevance_omission=given.relevance_omission,
+            relevance_false_alarm=given.relevance_false_alarm,
         ),
     )

@@ -87,7 +87,10 @@ class ValuePerCost:
     def choose(self, context: TurnContext, rng: np.random.Generator) -> Choice:
         """Choose the best of the candidates that are worth anything; the utility is the logarithm of the value."""
         features = value_features(context, self.constants)
-        return choose_best(context, np.where(is_worthless(features), np.nan, features @ self.weights), rng)
+        utilities = np.where(is_worthless(features), np.nan, features @ self.weights)
+        # Its value is not derived.
+        utilities[rows_of(context, QueryKind.RELEVANCE)] = np.nan
+        return choose_best(context, utilities, rng)
 
 
 def value_features(context: TurnContext, constants: Constants = DEFAULTS) -> Array:
