@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 import resource
 import shutil
 import subprocess
@@ -342,6 +343,15 @@ def test_events_come_back_to_the_last_bit(tmp_path_factory: pytest.TempPathFacto
             assert (event.turn, event.stamp, event.frame_id) == (original.turn, original.stamp, original.frame_id)
         else:
             assert event == original
+
+
+def test_an_episode_without_the_relevance_query_is_written_as_ever() -> None:
+    """Otherwise a learner could not go on with a log of an earlier version: its parameters would differ."""
+    started = EpisodeStarted('e', EpisodeSettings(('a', 'b'), 1.0, 1, 'u_sampling'), 1, 1e-3, None, '')
+    _, content = Encoder().encode(started)
+    assert json.loads(content)['costs'] == {
+        'label': 1.0, 'demonstration': 2.0, 'feature_subset': 2.0, 'unknown': 1.0, 'skip': 1.0, 'unanswered': 0.0,
+    }  # fmt: skip
 
 
 def test_a_scene_that_stays_is_stored_once(tmp_path: Path) -> None:

@@ -11,7 +11,17 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from al_questioner.domain import Action, Answer, EpisodeSettings, InputError, Outcome, Query, QueryKind, QueryRecord
+from al_questioner.domain import (
+    Action,
+    Answer,
+    Costs,
+    EpisodeSettings,
+    InputError,
+    Outcome,
+    Query,
+    QueryKind,
+    QueryRecord,
+)
 from al_questioner.messages import documents
 from al_questioner.messages.documents import DocumentError
 from al_questioner.messages.schemas import SCHEMAS
@@ -90,6 +100,32 @@ def test_record_survives() -> None:
     """Otherwise the evaluation would replay another episode than was played."""
     record = QueryRecord(3, QueryKind.FEATURE_SUBSET, None, None, 2.0, Outcome.ANSWERED, ('colour',))
     assert documents.record_of(json.loads(json.dumps(documents.record_members(record)))) == record
+
+
+@pytest.mark.parametrize('objects', [None, (), (10, 3)])
+def test_the_record_of_a_relevance_query_survives(objects: tuple[int, ...] | None) -> None:
+    """That nothing matters is an answer, and other records have no such member."""
+    record = QueryRecord(3, QueryKind.RELEVANCE, None, None, 4.0, Outcome.ANSWERED, objects=objects)
+    members = json.loads(json.dumps(documents.record_members(record)))
+    assert documents.record_of(members) == record
+    assert ('objects' in members) is (objects is not None)
+
+
+@pytest.mark.parametrize('content', [(), (10, 3)])
+def test_things_that_matter_are_a_list_of_numbers(content: tuple[int, ...]) -> None:
+    answer = Answer('q1', 'a1', 'anna', Outcome.ANSWERED, content)
+    assert documents.answer_of(sent('answer', documents.answer_members(answer))) == answer
+
+
+@pytest.mark.parametrize('relevance', [None, 0.0, 4.0])
+def test_the_cost_of_a_relevance_query_is_told_where_there_is_one(relevance: float | None) -> None:
+    """Documents of those who do not use it stay as they are."""
+    settings = EpisodeSettings(('a', 'b'), 9.0, 9, 'u_sampling', costs=Costs(relevance=relevance))
+    told = documents.settings_members(settings)
+    assert ('relevance' in told['costs']) is (relevance is not None)
+    assert documents.settings_of(told) == settings
+    assert documents.settings_of({**told, 'costs': {**told['costs'], 'relevance': relevance}}) == settings
+    assert documents.settings_of(sent('episode', {**told, 'feature_names': [], 'seed': 0, 'world': None})) == settings
 
 
 @pytest.mark.parametrize(

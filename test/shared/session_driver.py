@@ -1,12 +1,14 @@
 """A session of a learner in one process, which is killed at its write points or at any time, and goes on.
 
-    python session_driver.py points FOLDER | random FOLDER KILLS SEED
+    python session_driver.py points FOLDER | relevance FOLDER | random FOLDER KILLS SEED
 
-writes one JSON object to the standard output. A script, so that it forks before anything has threads.
+writes one JSON object to the standard output; `relevance` is `points` with a person who asks which things matter. A
+script, so that it forks before anything has threads.
 """
 
 from __future__ import annotations
 
+import dataclasses
 import json
 import os
 import random
@@ -17,7 +19,7 @@ from collections.abc import Callable
 from functools import cache, lru_cache, partial
 from pathlib import Path
 
-from durable_sessions import TASK, TEACHER, durable_of
+from durable_sessions import TASK, TEACHER, WITH_RELEVANCE, ask_what_matters, durable_of
 from storages import WatchedStorage, killer
 
 from al_questioner.domain import Answer, Outcome, Query, Scene
@@ -60,7 +62,9 @@ def is_away(query: Query, turn: int) -> bool:
 def play(folder: Path, acknowledge: Callable[[Answer], None], at_write_point: Callable[[str], None]) -> None:
     """The episode to its end, from wherever its log is; the rules are those of the learner node."""
     log = SessionLog(folder, partial(WatchedStorage, reached=at_write_point))
-    durable = durable_of(BEGUN, log)
+    is_person = sys.argv[1] == 'relevance'
+    begun = dataclasses.replace(BEGUN, settings=WITH_RELEVANCE) if is_person else BEGUN
+    durable = durable_of(begun, log, ask_what_matters if is_person else None)
     durable.start()
     episode = durable.episode
     while True:
@@ -131,7 +135,7 @@ def main() -> None:
     duration = time.monotonic() - began
     whole = lines(root / 'whole')
     problems, kills = faults(root / 'whole', whole, True), 0
-    if mode == 'points':
+    if mode in ('points', 'relevance'):
         for point in range(1, 1000):
             folder = root / f'point-{point}'
             if run(folder, kill_at=point):
