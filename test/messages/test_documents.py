@@ -104,7 +104,7 @@ def test_record_survives() -> None:
 
 @pytest.mark.parametrize('objects', [None, (), (10, 3)])
 def test_the_record_of_a_relevance_query_survives(objects: tuple[int, ...] | None) -> None:
-    """That nothing matters is an answer, and other records have no such member."""
+    """Otherwise an answer that nothing matters would be taken for none, or other records would have such a member."""
     record = QueryRecord(3, QueryKind.RELEVANCE, None, None, 4.0, Outcome.ANSWERED, objects=objects)
     members = json.loads(json.dumps(documents.record_members(record)))
     assert documents.record_of(members) == record
