@@ -35,7 +35,7 @@ class FeatureSet:
     names: tuple[str, ...]
     of: Callable[[TurnContext], NDArray[np.float64]]
     is_worthless: Callable[[NDArray[np.float64]], NDArray[np.bool_]] = _never
-    passed_over: tuple[QueryKind, ...] = (QueryKind.RELEVANCE,)
+    passed_over: tuple[QueryKind, ...] = ()
 
     def left_out(self, context: TurnContext, features: NDArray[np.float64]) -> NDArray[np.bool_]:
         """Return (C,) whether the strategy does not consider candidates with these (C, F) features."""
@@ -43,8 +43,10 @@ class FeatureSet:
 
 
 FEATURE_SETS: Mapping[str, FeatureSet] = {
-    'dt_task_env': FeatureSet('dt_task_env', DECISION_FEATURES, expected_features),
-    'value_per_cost': FeatureSet('value_per_cost', VALUE_FEATURES, value_features, is_worthless),
+    'dt_task_env': FeatureSet('dt_task_env', DECISION_FEATURES, expected_features, passed_over=(QueryKind.RELEVANCE,)),
+    'value_per_cost': FeatureSet(
+        'value_per_cost', VALUE_FEATURES, value_features, is_worthless, passed_over=(QueryKind.RELEVANCE,)
+    ),
 }
 """Feature sets by the name of the strategy."""
 
