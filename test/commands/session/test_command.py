@@ -44,6 +44,7 @@ from shared.durable_sessions import (
     ask,
     ask_what_matters,
     durable_of,
+    play_turns,
     start_durable,
 )
 from shared.little_room import little_room
@@ -405,3 +406,18 @@ def test_what_was_said_to_matter_is_exported(
     ]  # fmt: skip
     (turn,) = csv.DictReader((tmp_path / 'csv' / 'turns.csv').open())
     assert (turn['kind'], turn['groups'], turn['objects'], turn['outcome']) == ('relevance', '', '3,1', 'answered')
+
+
+def test_a_bag_in_which_it_was_asked_what_matters_is_checked_and_learnt_from(
+    tmp_path: Path, world: PerceivedWorld, capsys: pytest.CaptureFixture[str]
+) -> None:
+    """Otherwise a person's demonstration would be lost as soon as they used the question."""
+    durable = start_durable(tmp_path / 'log', ask_what_matters, settings=WITH_RELEVANCE)
+    play_turns(durable, world, WITH_RELEVANCE.turns)
+    durable.close()
+    bag, weights = tmp_path / 'bag', tmp_path / 'weights.yaml'
+    assert main(['session', str(tmp_path / 'log'), '--bag', str(bag)]) == 0
+    assert main(['replay', str(bag), '--check']) == 0
+    assert main(['train_weights', str(bag), '--method', 'choice', '--out', str(weights)]) == 0
+    assert weights.is_file()
+    assert '6 turns' in ' '.join(capsys.readouterr().out.split())
