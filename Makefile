@@ -68,11 +68,11 @@ $(NOBLE)/pyvenv.cfg:
 	$(NOBLE_PYTHON) -m venv $(NOBLE) || { rm -rf $(NOBLE); exit 1; }
 
 # All of docs/results/reproduction.md: the weights from the demonstrations, then the comparison and what stands beside it. The paper
-# does not say that its teacher shows other things than before, hence --repeat-shown.
+# does not say that its teacher shows other things than before, hence --repeat-shown, and has no relevance query.
 reproduction: setup
 	$(RUN) al_questioner train_weights bags/expert_0 bags/expert_1 bags/expert_2 --out out/reproduction/weights.yaml
 	$(RUN) al_questioner experiment --out out/reproduction --weights-file out/reproduction/weights.yaml --samples 20 \
-		--task prepare_lunch pack_lunchbox kitchen_table --amplitude 4 --repeat-shown --ceilings --studies --page docs/results/reproduction.md
+		--task prepare_lunch pack_lunchbox kitchen_table --amplitude 4 --cost-relevance never --repeat-shown --ceilings --studies --page docs/results/reproduction.md
 
 # The site, in out/site; a link that leads nowhere is an error.
 docs: $(DOCUMENTED)

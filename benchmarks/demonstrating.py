@@ -23,7 +23,7 @@ def demonstrate(
     seen = PerceivedWorld(world_spec.open()) if world is None else world
     expert = FeatureRecorder(make_strategy(settings.strategy, settings.weights), feature_set)
     episode = Episode(settings, random_stream(world_spec.seed, 'learner'), strategy=expert)
-    steps = steps_of(decision for decision, _ in turns(episode, seen, teacher))
+    steps = steps_of((decision for decision, _ in turns(episode, seen, teacher)), feature_set.passed_over)
     return Demonstration(
         name=f'{settings.strategy} {world_spec.task.name} {world_spec.seed}',
         settings=settings,

@@ -156,7 +156,7 @@ def test_an_interrupt_that_is_ignored_in_the_background_stays_ignored() -> None:
 def test_a_full_disk_under_a_demo_is_one_line(tmp_path: Path) -> None:
     """Otherwise its result would be lost, and empty files left."""
     out = tmp_path / 'out'
-    limited = f'ulimit -f 2; exec {sys.executable} -m al_questioner demo --offline --turns 1 --strategy random_fsq'
+    limited = f'ulimit -f 4; exec {sys.executable} -m al_questioner demo --offline --turns 1 --strategy random_fsq'
     done = subprocess.run(
         ['bash', '-c', f'{limited} --out {out} --json {out}/episode.json'], capture_output=True, text=True, check=False
     )

@@ -206,4 +206,4 @@ def _content(record: QueryRecord) -> Content:
         return record.symbol
     if record.kind is QueryKind.DEMONSTRATION:
         return NO_SYMBOL if record.object_id is None else record.object_id
-    return record.groups
+    return record.groups if record.objects is None else record.objects

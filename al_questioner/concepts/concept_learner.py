@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import itertools
-from collections.abc import Iterable, Iterator, Mapping, Sequence
+from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -42,6 +42,16 @@ class LabelledView:
     object_id: int
     features: NDArray[np.float32]
     label: str
+    turn: int
+
+
+@dataclass(frozen=True, eq=False)
+class JudgedView:
+    """One object of which the teacher said whether it matters, that is, is of some symbol, and in which turn."""
+
+    object_id: int
+    features: NDArray[np.float32]
+    matters: bool
     turn: int
 
 
@@ -84,6 +94,7 @@ class ConceptLearner:
         self.groups: tuple[str, ...] = ()
         self.labelled_views: list[LabelledView] = []
         self.seen = SeenViews()
+        self.judged_views: list[JudgedView] = []
         self._unnamed_views: list[tuple[int, NDArray[np.float32]]] = []
         self._models = ConceptModels(self.symbols, amplitude, length_scale, shape=shape, class_balance=class_balance)
         self._configured = (amplitude, length_scale)
@@ -220,10 +231,32 @@ class ConceptLearner:
         """
         if record.groups:
             self.restrict_to_groups(record.groups)
+        elif record.objects is not None:
+            self.judge_scene(scene, record.objects, record.turn)
         elif record.kind is QueryKind.LABEL and record.outcome is Outcome.UNKNOWN and record.object_id is not None:
             self._unnamed_views.append((record.object_id, _row(scene, record.object_id)))
         elif record.object_id is not None and record.symbol is not None:
             self.label(record.object_id, _row(scene, record.object_id), record.symbol, record.turn)
+
+    def judge_scene(self, scene: Scene, mattering: Collection[int], turn: int) -> None:
+        """Learn which objects of a scene matter, by their ids: these are of some symbol, all others of none.
+
+        The others are examples of `NO_SYMBOL` from now on, unless their views have a label. It is kept which view was
+        judged how.
+
+        Raises:
+            InputError: an object is not in the scene.
+        """
+        for object_id in mattering:
+            _row(scene, object_id)
+        labelled = self.is_labelled(scene)
+        self.judged_views += [
+            JudgedView(object_id, np.array(row, dtype=np.float32), object_id in mattering, turn)
+            for object_id, row in zip(scene.object_ids, scene.features, strict=True)
+        ]
+        left_out = [i for i, known in zip(scene.object_ids, labelled, strict=True) if not known and i not in mattering]
+        if left_out:
+            self.label_scene(scene, dict.fromkeys(left_out, NO_SYMBOL), turn)
 
     def restrict_to_groups(self, groups: Iterable[str]) -> None:
         """Use the features of these groups only, as the answer to a feature subset query.
@@ -293,6 +326,14 @@ class ConceptLearner:
             found[row] = self.labelled_views[label].label
         return tuple(found)
 
+    def matters(self, scene: Scene) -> NDArray[np.bool_]:
+        """Return (n,) booleans: whether this view of each object was last said to matter, and has no label so far."""
+        found = np.zeros(len(scene), dtype=bool)
+        rows, judged = self._views_among([(view.object_id, view.features) for view in self.judged_views], scene)
+        for row, view in zip(rows, judged, strict=True):
+            found[row] = self.judged_views[view].matters
+        return found & ~self.is_labelled(scene)
+
     def is_unnameable(self, scene: Scene) -> NDArray[np.bool_]:
         """Return (n,) booleans: whether a teacher was asked to name this view of each object and did not know."""
         rows, _ = self._views_among(self._unnamed_views, scene)
@@ -323,9 +364,16 @@ class ConceptLearner:
 
         In standard deviations, as root mean square over the features.
         """
-        points = self._standardiser.transform(scene.features)[:, self._active]
-        labelled = self._standardiser.transform(self._labelled_features())[:, self._active]
-        squared: Array = np.mean((points[:, None] - labelled[None]) ** 2, axis=2)
+        return self._distances(scene, self._labelled_features())
+
+    def distances_to_mattering(self, scene: Scene) -> Array:
+        """Return (n, k) distances of each object to each of the k views that were said to matter, likewise."""
+        return self._distances(scene, self._table([view.features for view in self.judged_views if view.matters]))
+
+    def _distances(self, scene: Scene, views: Array) -> Array:
+        """Return (n, k) distances of each object to each of (k, m) raw features, in the features in use."""
+        points, others = (self._standardiser.transform(table)[:, self._active] for table in (scene.features, views))
+        squared: Array = np.mean((points[:, None] - others[None]) ** 2, axis=2)
         return np.sqrt(squared)
 
     def _labelled_view(self, object_id: int, features: FloatArray, symbol: str, turn: int) -> LabelledView:
@@ -360,7 +408,9 @@ class ConceptLearner:
         return [view.label for view in self.labelled_views]
 
     def _labelled_features(self) -> Array:
-        rows = [view.features for view in self.labelled_views]
+        return self._table([view.features for view in self.labelled_views])
+
+    def _table(self, rows: Sequence[NDArray[np.float32]]) -> Array:
         return np.array(rows, dtype=np.float64).reshape(len(rows), len(self.feature_names))
 
     def _views_among(

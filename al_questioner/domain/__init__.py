@@ -28,11 +28,13 @@ from al_questioner.domain.settings import (
     BUDGET,
     CHANGE_INTERVAL,
     CLASS_BALANCE,
+    COST_RELEVANCE,
     COSTS,
     DEFAULT_CLASSIFIERS,
     KERNEL_SHAPE,
     LARGEST_TURN,
     LENGTH_SCALE,
+    NEVER,
     SAME_VIEW,
     TUNE_EVERY,
     TURNS,
@@ -40,6 +42,7 @@ from al_questioner.domain.settings import (
     Costs,
     EpisodeSettings,
     ViewTolerance,
+    price_of,
 )
 
 __all__ = [
@@ -49,11 +52,13 @@ __all__ = [
     'CHANGE_INTERVAL',
     'CLASS_BALANCE',
     'COSTS',
+    'COST_RELEVANCE',
     'DECISION_FEATURES',
     'DEFAULT_CLASSIFIERS',
     'KERNEL_SHAPE',
     'LARGEST_TURN',
     'LENGTH_SCALE',
+    'NEVER',
     'NO_SYMBOL',
     'SAME_VIEW',
     'SAYABLE_OUTCOMES',
@@ -83,5 +88,6 @@ __all__ = [
     'View',
     'ViewTolerance',
     'group_of',
+    'price_of',
     'random_stream',
 ]

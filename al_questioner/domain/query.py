@@ -13,12 +13,14 @@ NO_SYMBOL = 'none'
 
 
 class QueryKind(str, Enum):
-    """The communicative actions of section 2.1 of the paper."""
+    """The communicative actions of section 2.1 of the paper, and the relevance query, which the paper does not have."""
 
     LABEL = 'label'
     DEMONSTRATION = 'demonstration'
     FEATURE_SUBSET = 'feature_subset'
     NO_QUERY = 'no_query'
+    # Last, as recorded decisions hold the positions.
+    RELEVANCE = 'relevance'
 
 
 class Outcome(str, Enum):
@@ -36,7 +38,7 @@ SAYABLE_OUTCOMES = (Outcome.ANSWERED, Outcome.UNKNOWN, Outcome.SKIP)
 
 @dataclass(frozen=True)
 class Action:
-    """A candidate of a turn: LQ(x) names an object, DQ(y) a symbol, FSQ and NQ neither."""
+    """A candidate of a turn: LQ(x) names an object, DQ(y) a symbol, all others neither."""
 
     kind: QueryKind
     object_id: int | None = None
@@ -72,7 +74,7 @@ class Query:
     known: tuple[int, ...] | None = None
 
 
-Content = str | int | tuple[str, ...] | None
+Content = str | int | tuple[str, ...] | tuple[int, ...] | None
 
 
 @dataclass(frozen=True)
@@ -80,8 +82,9 @@ class Answer:
     """Answer of a teacher.
 
     `content` is a symbol or `NO_SYMBOL` for a label query; an object id or `NO_SYMBOL` for a demonstration query;
-    feature groups for a feature subset query; None unless the outcome is `ANSWERED`. `replaces` is None, or the
-    `answer_id` of an answer to the same query that was accepted before and was wrong: this is what is said now.
+    feature groups for a feature subset query; for a relevance query the ids of the objects that are of some symbol, of
+    which there may be none; None unless the outcome is `ANSWERED`. `replaces` is None, or the `answer_id` of an answer
+    to the same query that was accepted before and was wrong: this is what is said now.
     """
 
     query_id: str
@@ -97,6 +100,7 @@ class QueryRecord:
     """One query of an episode and what came of it: a line of `queries` in the episode's JSON.
 
     `turn` is that of the question; `answered_in` is the turn during which its answer came if that was a later one.
+    `objects` are the ids that the answer to a relevance query names; None of other queries, and without an answer.
     """
 
     turn: int
@@ -107,6 +111,7 @@ class QueryRecord:
     outcome: Outcome
     groups: tuple[str, ...] = ()
     answered_in: int | None = None
+    objects: tuple[int, ...] | None = None
 
 
 DECISION_FEATURES = (

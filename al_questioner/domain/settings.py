@@ -49,8 +49,12 @@ COSTS: Mapping[str, Setting[float]] = {
     'skip': Setting('charge_skip', 1.0, 'share that is charged if the teacher skips the query', '', 0, 1),
     'unanswered': Setting('charge_unanswered', 0.0, 'share that is charged if it is withdrawn unanswered', '', 0, 1),
 }
-"""Declarations of the costs, by the names of the attributes of `Costs`."""
-
+"""Declarations of the costs, by the names of the attributes of `Costs`; that of the relevance query is apart."""
+NEVER: Final = 'never'
+"""The word for the cost of a question that cannot be asked."""
+COST_RELEVANCE: Setting[float | str] = Setting(
+    'cost_relevance', NEVER, 'cost of a relevance query; never: it is not asked', 'budget', lower=0, word=NEVER
+)
 
 AUTO: Final = 'auto'
 """The view tolerance that is found from the looks themselves."""
@@ -66,6 +70,7 @@ class Costs:
     """Prices of queries, as parts of the budget; asking nothing is free (section 4.2 of the paper).
 
     Attributes:
+        relevance: price of a relevance query; None if it cannot be asked, as in the paper.
         unknown: share of the price that is charged, 0 to 1, if the teacher does not know.
         skip: share if the teacher skips the question.
         unanswered: share if it is withdrawn since nobody has answered.
@@ -77,14 +82,23 @@ class Costs:
     unknown: float = COSTS['unknown'].default
     skip: float = COSTS['skip'].default
     unanswered: float = COSTS['unanswered'].default
+    relevance: float | None = None
 
     def price(self, kind: QueryKind) -> float:
-        """Price of a query of this kind."""
-        return 0.0 if kind is QueryKind.NO_QUERY else float(getattr(self, kind.value))
+        """Price of a query of this kind; infinite if it cannot be asked."""
+        if kind is QueryKind.NO_QUERY:
+            return 0.0
+        price = getattr(self, kind.value)
+        return math.inf if price is None else float(price)
 
     def charged_fraction(self, outcome: Outcome) -> float:
         """Share of the price that is charged in the end."""
         return 1.0 if outcome is Outcome.ANSWERED else float(getattr(self, outcome.value))
+
+
+def price_of(given: float | str) -> float | None:
+    """Return the price that a setting states: a number, or None for `NEVER`."""
+    return None if given == NEVER else float(given)
 
 
 class Classifiers(NamedTuple):
@@ -159,6 +173,8 @@ class EpisodeSettings:
             LENGTH_SCALE.check(self.length_scale)
         for name, price in COSTS.items():
             price.check(getattr(self.costs, name), f'costs.{name}')
+        if self.costs.relevance is not None:
+            COST_RELEVANCE.check(self.costs.relevance, 'costs.relevance')
         for name, weight in self.weights.items():
             WEIGHT.check(weight, f'the weight of {name}')
 

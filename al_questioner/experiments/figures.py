@@ -26,7 +26,15 @@ from al_questioner.experiments.plan import (
 from al_questioner.experiments.results import Results
 from al_questioner.experiments.statistics import mean_and_error
 from al_questioner.questioning.candidates import BUDGET_ROUNDING
-from al_questioner.support.plotting import KIND_COLOURS, STYLE, kind_name, mark_changes, put_legend_below, save
+from al_questioner.support.plotting import (
+    KIND_COLOURS,
+    STYLE,
+    colours_of,
+    kind_name,
+    mark_changes,
+    put_legend_below,
+    save,
+)
 from al_questioner.support.text import number_of
 
 COLOURS = {
@@ -149,9 +157,16 @@ def _behaviour(results: Results, task: str, change_interval: int, path: Path) ->
         panel.xaxis.set_major_locator(MaxNLocator(integer=True))
         panel.set_title(condition_name(condition), loc='left', fontsize=10)
     figure.suptitle(f'{task}, sample {results.samples[0]}', x=0.01, ha='left', fontsize=11)
-    for kind, colour in KIND_COLOURS.items():
+    shown = _colours(results, task)
+    for kind, colour in shown.items():
         axes.flat[0].scatter([], [], color=colour, s=24, label=f'{kind_name(kind)} query')
-    return _finish(figure, len(KIND_COLOURS), path)
+    return _finish(figure, len(shown), path)
+
+
+def _colours(results: Results, task: str) -> Mapping[QueryKind, str]:
+    """Return the colours of the kinds of queries that the figures of a task show."""
+    cells = [row.cell for row in results.episodes if row.cell.task == task]
+    return colours_of(QueryKind(turn.kind) for cell in cells for turn in results.turns_of(cell))
 
 
 def _draw_queries(axes: Axes, results: Results, cell: Cell, height: float) -> None:
@@ -163,17 +178,17 @@ def _draw_queries(axes: Axes, results: Results, cell: Cell, height: float) -> No
 def _kinds(results: Results, task: str, path: Path) -> Path:
     """Draw the number of queries of each kind, mean over the samples."""
     figure, panels = _panels(results, task, 3.0)
-    strategies = _askers(results)
+    strategies, shown = _askers(results), _colours(results, task)
     positions = -np.arange(len(strategies))
     for panel, condition in panels:
         left = np.zeros(len(strategies))
-        for kind, colour in KIND_COLOURS.items():
+        for kind, colour in shown.items():
             counts = np.array([_mean_count(results, task, condition, name, kind) for name in strategies])
             panel.barh(positions, counts, left=left, color=colour, label=kind_name(kind))
             left += counts
         panel.set_yticks(positions, strategies, fontsize=9)
         panel.set_xlabel('queries')
-    return _finish(figure, 3, path)
+    return _finish(figure, len(shown), path)
 
 
 def _mean_count(results: Results, task: str, condition: Condition, strategy: str, kind: QueryKind) -> float:

@@ -12,7 +12,7 @@ from pathlib import Path
 from typing import Any
 
 from al_questioner.concepts import Selector, rank_p_values, select_features
-from al_questioner.domain import DEFAULT_CLASSIFIERS, Classifiers, SettingsError
+from al_questioner.domain import DEFAULT_CLASSIFIERS, Classifiers, SettingsError, price_of
 from al_questioner.experiments.ceilings import CEILINGS
 from al_questioner.questioning import (
     STRATEGIES,
@@ -24,6 +24,7 @@ from al_questioner.questioning import (
     shipped_file,
 )
 from al_questioner.simulation import Interval, Task, load_task
+from al_questioner.simulation.scripted_teacher import RELEVANCE_FALSE_ALARM, RELEVANCE_OMISSION
 
 
 @dataclass(frozen=True)
@@ -74,6 +75,9 @@ class Variation:
         repeats: whether u_sampling may ask about a view that has been labelled.
         classifiers: settings of the classifiers.
         repeat_shown: whether the teacher may show a known object when there are unknown ones of the symbol.
+        cost_relevance: cost of a relevance query, or `NEVER`; None for the task's.
+        relevance_omission: chance that the teacher leaves out a thing that matters.
+        relevance_false_alarm: chance that the teacher names a thing of no symbol among those that matter.
     """
 
     change_interval: int | None = None
@@ -85,6 +89,9 @@ class Variation:
     unknown_rate: float = 0.0
     classifiers: Classifiers = DEFAULT_CLASSIFIERS
     repeat_shown: bool = False
+    cost_relevance: float | str | None = None
+    relevance_omission: float = RELEVANCE_OMISSION.default
+    relevance_false_alarm: float = RELEVANCE_FALSE_ALARM.default
 
     def strategy(self, name: str) -> Strategy | None:
         """Return the varied strategy of this name; None for one that follows its settings."""
@@ -96,7 +103,7 @@ class Variation:
         Raises:
             InputError: no such task.
         """
-        task = load_task(name)
+        task = self._with_costs(load_task(name))
         wanted: dict[str, Any] = {'change_interval': self.change_interval, 'synchrony': self.synchrony}
         changes = {name: value for name, value in wanted.items() if value is not None}
         if not changes:
@@ -105,6 +112,12 @@ class Variation:
         if variety is not None and self.change_interval is not None:
             variety = dataclasses.replace(variety, change_interval=Interval(self.change_interval, self.change_interval))
         return dataclasses.replace(task, scenes=dataclasses.replace(task.scenes, **changes), variety=variety)
+
+    def _with_costs(self, task: Task) -> Task:
+        if self.cost_relevance is None:
+            return task
+        costs = dataclasses.replace(task.episode.costs, relevance=price_of(self.cost_relevance))
+        return dataclasses.replace(task, episode=dataclasses.replace(task.episode, costs=costs))
 
 
 def shipped_weights() -> Mapping[str, Weights]:

@@ -75,6 +75,8 @@ def play_episode(cell: Cell, variation: Variation, dataset: str = '') -> Episode
         variation.wrong_rate,
         variation.unknown_rate,
         repeat_shown=variation.repeat_shown,
+        relevance_omission=variation.relevance_omission,
+        relevance_false_alarm=variation.relevance_false_alarm,
     )
     world = _open_world(cell.task, cell.sample, variation.change_interval, variation.synchrony, dataset)
     if cell.strategy in CEILINGS:

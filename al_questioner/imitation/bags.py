@@ -73,7 +73,7 @@ def demonstration_of(
         # A bag holds the decision features; all others are those of what the learner knew at the time.
         as_recorded = feature_set.names == DECISION_FEATURES
         decisions = [turn.decision for turn in episode.turns] if as_recorded else decisions_anew(episode, feature_set)
-        steps = steps_of(decisions)
+        steps = steps_of(decisions, feature_set.passed_over)
     except InputError as error:
         raise BagError(f'{episode.source}: strategy {started.settings.strategy}: {error}') from error
     return Demonstration(

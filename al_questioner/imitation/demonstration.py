@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Collection, Iterable, Iterator, Sequence
 from dataclasses import dataclass
 from functools import cached_property
 
@@ -124,13 +124,16 @@ class Demonstration:
         return np.asarray(np.mean([step.features[step.chosen] for step in self.steps], axis=0))
 
 
-def steps_of(decisions: Iterable[Decision]) -> tuple[Step, ...]:
+def steps_of(decisions: Iterable[Decision], passed_over: Collection[QueryKind] = ()) -> tuple[Step, ...]:
     """Return the steps of a questioner from its decisions, without the turns in which nothing could be chosen.
+
+    A strategy that passes over a kind of query can learn nothing from a choice of one, nor from its being there.
 
     Raises:
         InputError: see `step_of`; or there was nothing to choose in any turn.
     """
-    found = tuple(step_of(decision) for decision in decisions if not _is_forced(decision))
+    chosen = (decision for decision in decisions if decision.candidates[decision.chosen].kind not in passed_over)
+    found = tuple(step_of(decision, passed_over) for decision in chosen if not _is_forced(decision))
     if not found:
         raise InputError('in no turn was there anything to choose')
     return found
@@ -142,13 +145,14 @@ def _is_forced(decision: Decision) -> bool:
     return considered.tolist() == [len(decision.candidates) - 1] and bool(np.isnan(decision.features).all())
 
 
-def step_of(decision: Decision) -> Step:
-    """Return the step of a questioner from its decision.
+def step_of(decision: Decision, passed_over: Collection[QueryKind] = ()) -> Step:
+    """Return the step of a questioner from its decision, without the kinds of queries that are passed over.
 
     Raises:
         InputError: it carries no decision features, or chose what it did not consider.
     """
-    considered = np.flatnonzero(~np.isnan(decision.utilities))
+    is_known = np.array([action.kind not in passed_over for action in decision.candidates])
+    considered = np.flatnonzero(~np.isnan(decision.utilities) & is_known)
     chosen = np.flatnonzero(considered == decision.chosen)
     if len(chosen) != 1:
         raise InputError(f'turn {decision.turn}: the chosen candidate is marked as not considered')

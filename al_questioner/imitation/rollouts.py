@@ -36,12 +36,12 @@ class SoftmaxQuestioner:
         self.scores: list[Array] = []
 
     def choose(self, context: TurnContext, rng: np.random.Generator) -> Choice:
-        """Draw one of the candidates that are neither settled nor worthless to the strategy."""
+        """Draw one of the candidates that are not settled and that the strategy considers."""
         features = self._feature_set.of(context)
         settled = settled_actions(context)
         utilities = features @ self._weights
         utilities[[action in settled for action in context.candidates]] = -np.inf
-        utilities[self._feature_set.is_worthless(features)] = -np.inf
+        utilities[self._feature_set.left_out(context, features)] = -np.inf
         probabilities = softmax(utilities)
         index = int(rng.choice(len(utilities), p=probabilities))
         self.features.append(features[index])

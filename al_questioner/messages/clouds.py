@@ -100,9 +100,9 @@ def cloud_of_decision(
     """Return the `decision` cloud: one point per candidate.
 
     `x y z` is the position of the candidate's object, NaN if it has none. `kind` is the position in (label,
-    demonstration, feature_subset, no_query), `symbol` the position in the episode's symbols. If a candidate names
-    none, `object_id` is 2^32 - 1 and `symbol` -1. `chosen` is 1 for one point. Without the scene no candidate has a
-    position.
+    demonstration, feature_subset, no_query, relevance), `symbol` the position in the episode's symbols. If a candidate
+    names none, `object_id` is 2^32 - 1 and `symbol` -1. `chosen` is 1 for one point. Without the scene no candidate has
+    a position.
     """
     places = {} if scene is None else dict(zip(scene.object_ids, scene.positions, strict=True))
     nowhere = np.full(3, np.nan, np.float32)

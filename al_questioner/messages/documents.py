@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import json
 from collections.abc import Callable, Mapping
-from dataclasses import asdict, fields
+from dataclasses import fields
 from functools import cache
 from typing import Any, NoReturn, TypeVar
 
@@ -37,7 +37,7 @@ _SETTINGS = [name for name in SCHEMAS['episode']['properties'] if name in Episod
 _ENUMS = {'kind': QueryKind, 'outcome': Outcome}
 _READ: Mapping[str, Callable[[Any], Any]] = {**_ENUMS, 'cost': float, 'budget_left': float}
 """Types of members that JSON does not tell."""
-_LATER = ('known', 'replaces', 'answered_in')
+_LATER = ('known', 'replaces', 'answered_in', 'objects')
 """Members that documents of earlier versions do not have, and that are left out where they are None."""
 _OPTIONAL = ('content', *_LATER)
 
@@ -124,9 +124,14 @@ def settings_members(settings: EpisodeSettings) -> Document:
     """Return what an `episode` document tells of the settings of its episode."""
     return {name: getattr(settings, name) for name in _SETTINGS} | {
         'symbols': list(settings.symbols),
-        'costs': asdict(settings.costs),
+        'costs': costs_members(settings.costs),
         'weights': dict(settings.weights),
     }
+
+
+def costs_members(costs: Costs) -> dict[str, float]:
+    """Return the costs by name, without that of a query that cannot be asked."""
+    return {name: cost for name, cost in vars(costs).items() if cost is not None}
 
 
 def settings_of(document: Document) -> EpisodeSettings:
@@ -138,7 +143,8 @@ def settings_of(document: Document) -> EpisodeSettings:
     told = {name: document[name] for name in _SETTINGS if name in document}
     told['budget'] = float(document['budget'])
     told['weights'] = {name: float(weight) for name, weight in document['weights'].items()}
-    told['costs'] = Costs(**{name: float(document['costs'][name]) for name in COSTS if name in document['costs']})
+    costs = {name: document['costs'].get(name) for name in (*COSTS, QueryKind.RELEVANCE.value)}
+    told['costs'] = Costs(**{name: float(cost) for name, cost in costs.items() if cost is not None})
     return EpisodeSettings(**{**EARLIER_KERNEL, **told})
 
 

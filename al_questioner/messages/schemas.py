@@ -9,6 +9,7 @@ from al_questioner.domain import (
     BUDGET,
     CHANGE_INTERVAL,
     CLASS_BALANCE,
+    COST_RELEVANCE,
     COSTS,
     KERNEL_SHAPE,
     LARGEST_TURN,
@@ -59,7 +60,7 @@ _STAMP = _record({'sec': {**_COUNT, 'maximum': 2**31 - 1}, 'nanosec': {**_COUNT,
 _ACTION: JsonSchema = {'kind': {'enum': _QUERIES}, 'object_id': _OBJECT_ID, 'symbol': _OPTIONAL_TEXT}
 _QUERY_RECORD = _record(
     {'turn': _TURN, **_ACTION, 'cost': _AMOUNT, 'outcome': {'enum': _OUTCOMES}, 'groups': _NAMES},
-    {'answered_in': _TURN},
+    {'answered_in': _TURN, 'objects': _OBJECT_IDS},
 )
 _TEACHER_COUNTS = ('answered', 'unknown', 'skipped', 'corrected', 'late')
 _TEACHER = _record({**dict.fromkeys(_TEACHER_COUNTS, _COUNT), 'reliability': _SHARE})
@@ -81,7 +82,10 @@ _QUERY = _record(
 _ANSWER = _record(
     {'query_id': _TEXT, 'answer_id': _TEXT, 'teacher_id': _TEXT, 'outcome': {'enum': _SAYABLE}},
     {
-        'content': {'type': ['string', 'integer', 'array', 'null'], 'items': _TEXT},
+        'content': {
+            'type': ['string', 'integer', 'array', 'null'],
+            'anyOf': [{'items': _TEXT}, {'items': _OBJECT_IDS['items']}],
+        },
         'replaces': {'anyOf': [_TEXT, {'type': 'null'}]},
     },
 )
@@ -96,7 +100,12 @@ SCHEMAS: dict[str, JsonSchema] = {
             'change_interval': _member(CHANGE_INTERVAL),
             'costs': _record(
                 {name: _member(price) for name, price in COSTS.items() if name in _QUERIES},
-                {name: _member(share) for name, share in COSTS.items() if name not in _QUERIES},
+                {name: _member(share) for name, share in COSTS.items() if name not in _QUERIES}
+                | {
+                    QueryKind.RELEVANCE.value: {
+                        'anyOf': [{**_AMOUNT, 'minimum': COST_RELEVANCE.lower}, {'type': 'null'}]
+                    }
+                },
             ),
             'strategy': _TEXT,
             'weights': {'type': 'object', 'additionalProperties': {'type': 'number'}},

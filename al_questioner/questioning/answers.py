@@ -52,6 +52,16 @@ class PreparedAnswer:
     is_kept: bool = True
 
 
+@dataclass(frozen=True)
+class Told:
+    """Content of a question and its answer: the attributes of these names of a `QueryRecord`."""
+
+    object_id: int | None = None
+    symbol: str | None = None
+    groups: tuple[str, ...] = ()
+    objects: tuple[int, ...] | None = None
+
+
 class AnswerHistory:
     """The answers of an episode, in the order in which they were heard.
 
@@ -116,10 +126,8 @@ class AnswerHistory:
         return 'already taken' if receipt is Receipt.DUPLICATE else ''
 
 
-def content_of(
-    answer: Answer, action: Action, symbols: Sequence[str], groups: Sequence[str], scene: Scene
-) -> tuple[int | None, str | None, tuple[str, ...]]:
-    """Object, symbol and feature groups that a question about a scene and its answer speak of.
+def content_of(answer: Answer, action: Action, symbols: Sequence[str], groups: Sequence[str], scene: Scene) -> Told:
+    """Return what a question about a scene and its answer speak of.
 
     Raises:
         AnswerError: the answer does not fit the question.
@@ -129,12 +137,14 @@ def content_of(
     if answer.outcome is not Outcome.ANSWERED:
         if answer.content is not None:
             raise AnswerError(f'an answer with outcome {answer.outcome.value!r} has no content')
-        return action.object_id, action.symbol, ()
+        return Told(action.object_id, action.symbol)
     if action.kind is QueryKind.LABEL:
-        return action.object_id, _named_symbol(answer, symbols), ()
+        return Told(action.object_id, _named_symbol(answer, symbols))
     if action.kind is QueryKind.DEMONSTRATION:
-        return _shown_object(answer, scene), action.symbol, ()
-    return None, None, _named_groups(answer, groups)
+        return Told(_shown_object(answer, scene), action.symbol)
+    if action.kind is QueryKind.RELEVANCE:
+        return Told(objects=_named_objects(answer, scene))
+    return Told(groups=_named_groups(answer, groups))
 
 
 def _named_symbol(answer: Answer, symbols: Sequence[str]) -> str:
@@ -165,4 +175,18 @@ def _named_groups(answer: Answer, groups: Sequence[str]) -> tuple[str, ...]:
     for group in answer.content:
         if group not in groups:
             raise AnswerError(f'unknown feature group {group!r}; known: {", ".join(groups)}')
-    return tuple(dict.fromkeys(answer.content))
+    return tuple(dict.fromkeys(map(str, answer.content)))
+
+
+def _named_objects(answer: Answer, scene: Scene) -> tuple[int, ...]:
+    """Return the objects that an answer to a relevance query names, each once; none if nothing matters."""
+    if not isinstance(answer.content, tuple):
+        raise AnswerError(f'the things that matter are a list of object ids, not {answer.content!r}')
+    named: list[int] = []
+    for object_id in answer.content:
+        if not isinstance(object_id, int) or isinstance(object_id, bool):
+            raise AnswerError(f'the things that matter are object ids, not {object_id!r}')
+        if object_id not in scene.object_ids:
+            raise AnswerError(f'object {object_id} is not in the scene')
+        named.append(object_id)
+    return tuple(dict.fromkeys(named))

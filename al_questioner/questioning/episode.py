@@ -284,7 +284,7 @@ class Episode:
             other = self.pending.query_id
             raise AnswerError(f'the answer is to query {answer.query_id!r}, the pending one is {other!r}')
         scene = self._scene_of(query)
-        object_id, symbol, groups = content_of(answer, query.action, self.settings.symbols, self.concepts.groups, scene)
+        told = content_of(answer, query.action, self.settings.symbols, self.concepts.groups, scene)
         if receipt is Receipt.LATE:
             return PreparedAnswer(answer, receipt, reason=reason, is_kept=self.answers.keeps_late(answer))
         before = self._queries.record_of(query)
@@ -292,8 +292,17 @@ class Episode:
             answered_in = None if query.turn == self.turn else self.turn
         else:
             answered_in = before.answered_in
-        cost, outcome = self._charged(query, answer.outcome), answer.outcome
-        record = QueryRecord(query.turn, query.action.kind, object_id, symbol, cost, outcome, groups, answered_in)
+        record = QueryRecord(
+            query.turn,
+            query.action.kind,
+            told.object_id,
+            told.symbol,
+            self._charged(query, answer.outcome),
+            answer.outcome,
+            told.groups,
+            answered_in,
+            told.objects,
+        )
         return PreparedAnswer(answer, receipt, record)
 
     def commit(self, prepared: PreparedAnswer) -> None:

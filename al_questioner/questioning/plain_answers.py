@@ -7,7 +7,7 @@ import re
 from collections.abc import Collection
 
 from al_questioner.domain import NO_SYMBOL, Answer, AnswerError, Content, Outcome, Query, QueryKind
-from al_questioner.domain.names import meant, parted, quoted, suggestion
+from al_questioner.domain.names import COMMAS, meant, parted, quoted, suggestion
 from al_questioner.domain.reserved_words import SKIP_WORDS, UNKNOWN_WORDS
 from al_questioner.domain.spelling import composed
 
@@ -19,7 +19,8 @@ def read_plain_answer(text: str, query: Query, teacher_id: str = 'plain', others
     """Read the answer that a plain word gives.
 
     `snack` answers a label query, `7`, `#7` or `object 7` a demonstration query, `colour,weight` a feature subset
-    query; `none` says that a thing belongs to no symbol, or that no such thing is here; `?` is unknown, `skip` skips.
+    query, `3,10,27` a relevance query; `none` says that a thing belongs to no symbol, that no such thing is here, or
+    that nothing here matters; `?` is unknown, `skip` skips.
     What is exactly a choice is that choice, whatever else the word may mean. Where it is no answer, the explanation
     considers other words, too, that the person may have meant.
 
@@ -38,8 +39,8 @@ def respelt(answer: Answer, names: Collection[str]) -> Answer:
     content = answer.content
     if isinstance(content, str):
         return dataclasses.replace(answer, content=_known(content, names))
-    if isinstance(content, tuple):
-        return dataclasses.replace(answer, content=tuple(_known(name, names) for name in content))
+    if isinstance(content, tuple) and any(isinstance(part, str) for part in content):
+        return dataclasses.replace(answer, content=tuple(_known(str(name), names) for name in content))
     return answer
 
 
@@ -54,9 +55,15 @@ def _content(text: str, query: Query, others: Collection[str]) -> Content | Outc
         found = meant(re.sub(r'^\s*(object|#)\s*#?', '', text, flags=re.IGNORECASE), query.choices)
     if not found and kind is QueryKind.FEATURE_SUBSET:
         return tuple(_only(part, meant(part, query.choices), query, others) for part in _parts(text, query))
+    if not found and kind is QueryKind.RELEVANCE:
+        return tuple(int(_only(part, meant(part, query.choices), query, others)) for part in _numbers(text, query))
     word = _only(text, found, query, others)
+    if kind is QueryKind.RELEVANCE and word == NO_SYMBOL:
+        return ()
     if word not in query.choices:
         return OUTCOMES.get(word, word)
+    if kind is QueryKind.RELEVANCE:
+        return (int(word),)
     return int(word) if kind is QueryKind.DEMONSTRATION else (word,) if kind is QueryKind.FEATURE_SUBSET else word
 
 
@@ -80,6 +87,19 @@ def _only(text: str, found: list[str], query: Query, others: Collection[str]) ->
     hint = suggestion(text, query.choices, (*_other_words(query), *others))
     expected = ', '.join(choice for choice in _words(query) if choice != 'unknown')
     raise AnswerError(f'{word} does not answer {query.text!r}{hint}; expected one of: {expected}')
+
+
+def _numbers(text: str, query: Query) -> list[str]:
+    """Split a text into the numbers of objects that it names, at commas, blanks or `and`; a `#` before one is left out.
+
+    A text without any is returned whole.
+    """
+    parts = re.split(rf'[\s{COMMAS}]+', re.sub(r'\b(objects?|and)\b|#', ' ', text, flags=re.IGNORECASE))
+    parts = [part for part in parts if part]
+    if len(parts) > 1 and any(meant(part, _other_words(query)) for part in parts):
+        alone = ', '.join(word for word in _other_words(query) if word != 'unknown')
+        raise AnswerError(f'{quoted(text.strip())} does not answer {query.text!r}: each of {alone} stands alone')
+    return parts or [text]
 
 
 def _parts(text: str, query: Query) -> list[str]:

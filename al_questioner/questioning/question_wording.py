@@ -23,6 +23,8 @@ def question_text(action: Action, symbols: Sequence[str]) -> str:
         spoken = [_spoken(symbol) for symbol in symbols]
         names = f'{", ".join(spoken[:-1])} and {spoken[-1]}'
         return f'Which properties matter for telling {names} apart?'
+    if action.kind is QueryKind.RELEVANCE:
+        return 'Which of these things matter?'
     raise ValueError('NQ asks nothing')
 
 

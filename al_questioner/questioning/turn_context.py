@@ -103,20 +103,23 @@ class TurnContext:
 
     @cached_property
     def known_answers(self) -> frozenset[Action]:
-        """Questions whose only possible answer is known already, since every view in the scene has a label.
+        """Questions whose only possible answer is known already.
 
-        These are the demonstration of a symbol with a single object here, and the label of a single object.
+        Once every view in the scene has a label, these are the demonstration of a symbol with a single object here,
+        and the label of a single object; and which things matter, once of every view it is known whether it does.
         """
+        is_judged = (self.labelled | self.concepts.matters(self.scene)).all()
+        relevance = {Action(QueryKind.RELEVANCE)} if self.costs.relevance is not None and is_judged else set()
         if not self.labelled.all():
-            return frozenset()
+            return frozenset(relevance)
         named = self.concepts.labels_of(self.scene)
         shown = {Action(QueryKind.DEMONSTRATION, symbol=symbol) for symbol in self.symbols if named.count(symbol) == 1}
         alone = {Action(QueryKind.LABEL, object_id) for object_id in self.scene.object_ids if len(named) == 1}
-        return frozenset(shown | alone)
+        return frozenset(shown | alone | relevance)
 
     @cached_property
     def candidates(self) -> tuple[Action, ...]:
-        """Actions that can be paid for and have several answers: DQ by symbol, LQ by object, FSQ, NQ."""
+        """Actions that can be paid for and have several answers, in the order of `candidates.candidates`."""
         return candidates(self.scene, self.symbols, self.costs, self.budget_left)
 
     @cached_property

@@ -7,7 +7,7 @@ from pathlib import Path
 from typing import Any
 
 from al_questioner import __version__
-from al_questioner.domain import COSTS, Costs, EpisodeSettings, InputError
+from al_questioner.domain import COST_RELEVANCE, COSTS, Costs, EpisodeSettings, InputError, price_of
 from al_questioner.event_log.durable_episode import DurableEpisode
 from al_questioner.event_log.events import EpisodeStarted
 from al_questioner.event_log.log import SessionLog
@@ -30,7 +30,10 @@ def settings_of(task: Task, given: Mapping[str, Any]) -> EpisodeSettings:
         turns=given['turns'],
         change_interval=given['change_interval'],
         weights_file=given['weights_file'] or None,
-        costs=Costs(**{name: given[price.name] for name, price in COSTS.items()}),
+        costs=Costs(
+            **{name: given[price.name] for name, price in COSTS.items()},
+            relevance=price_of(given[COST_RELEVANCE.name]),
+        ),
         amplitude=given['amplitude'],
         kernel_shape=given['kernel_shape'],
         class_balance=given['class_balance'],

@@ -56,7 +56,8 @@ def descriptor(setting: Setting[Any]) -> ParameterDescriptor:
         read_only=True,
         dynamic_typing=bool(setting.word),
     )
-    if math.isfinite(setting.lower):
+    # A range would be one of the word, too.
+    if math.isfinite(setting.lower) and not setting.word:
         if kind is float:
             limits = FloatingPointRange(from_value=float(setting.lower), to_value=float(setting.upper))
             described.floating_point_range = [limits]

@@ -12,9 +12,11 @@ from al_questioner.domain import (
     BUDGET,
     CHANGE_INTERVAL,
     CLASS_BALANCE,
+    COST_RELEVANCE,
     COSTS,
     KERNEL_SHAPE,
     LENGTH_SCALE,
+    NEVER,
     SAME_VIEW,
     TUNE_EVERY,
     TURNS,
@@ -23,7 +25,13 @@ from al_questioner.domain import (
 from al_questioner.questioning.strategies.names import STRATEGY
 from al_questioner.questioning.strategies.weights import WEIGHTS_FILE
 from al_questioner.simulation import Task
-from al_questioner.simulation.scripted_teacher import REPEAT_SHOWN, UNKNOWN_RATE, WRONG_RATE
+from al_questioner.simulation.scripted_teacher import (
+    RELEVANCE_FALSE_ALARM,
+    RELEVANCE_OMISSION,
+    REPEAT_SHOWN,
+    UNKNOWN_RATE,
+    WRONG_RATE,
+)
 from al_questioner.simulation.world_spec import DATASET, SAMPLE, SEED, TASK
 
 Settings: TypeAlias = Sequence[Setting[Any]]
@@ -44,6 +52,8 @@ TEACHER_SETTINGS: Settings = (
     Setting('teacher_id', '', "name under which the answers are given; empty: scripted, or the person's login name"),
     WRONG_RATE,
     UNKNOWN_RATE,
+    RELEVANCE_OMISSION,
+    RELEVANCE_FALSE_ALARM,
     REPEAT_SHOWN,
     Setting('delay', 0.0, 'time the teacher takes to answer', 's', 0, 3600),
     WAIT_FOR_RECORDER,
@@ -58,6 +68,7 @@ LEARNER_SETTINGS: Settings = (
     TURNS,
     CHANGE_INTERVAL,
     *COSTS.values(),
+    COST_RELEVANCE,
     Setting('answer_timeout', 120.0, _ABOUT_TIMEOUT, 's', 0, 86400),
     AMPLITUDE,
     KERNEL_SHAPE,
@@ -89,11 +100,13 @@ ALL_NAMES = frozenset(
 
 def learner_settings(task: Task) -> Settings:
     """Return the learner's parameters, with the task's values as defaults."""
+    relevance = task.episode.costs.relevance
     defaults = {
         STRATEGY.name: task.episode.strategy,
         BUDGET.name: task.episode.budget,
         TURNS.name: task.episode.turns,
         CHANGE_INTERVAL.name: task.scenes.change_interval,
         **{price.name: getattr(task.episode.costs, name) for name, price in COSTS.items()},
+        COST_RELEVANCE.name: NEVER if relevance is None else relevance,
     }
     return [replace(each, default=defaults.get(each.name, each.default)) for each in LEARNER_SETTINGS]

@@ -27,6 +27,22 @@ UNKNOWN_RATE = Setting(
 REPEAT_SHOWN = Setting(
     'repeat_shown', False, 'the scripted teacher shows also what is known when other things of the symbol are there'
 )
+RELEVANCE_OMISSION = Setting(
+    'relevance_omission',
+    0.0,
+    'chance that a thing that matters is left out of the answer to a relevance query',
+    '',
+    0,
+    1,
+)
+RELEVANCE_FALSE_ALARM = Setting(
+    'relevance_false_alarm',
+    0.0,
+    'chance that a thing of no symbol is named in the answer to a relevance query',
+    '',
+    0,
+    1,
+)
 
 
 @dataclass(frozen=True)
@@ -41,13 +57,16 @@ class ScriptedTeacher:
         symbols: the concepts.
         relevant_groups: feature groups that this teacher names when asked which properties matter.
         seed: seed of the errors, and of which object is shown.
-        wrong_rate: share of answers that are wrong, in [0, 1].
+        wrong_rate: share of answers that are wrong, in [0, 1]; one that names several groups or things misjudges one.
         unknown_rate: share of queries answered by "I do not know", in [0, 1].
         teacher_id: id in the answers.
         repeat_shown: whether any object of the symbol is shown, known or not.
+        relevance_omission: chance that a thing of some symbol is left out of the answer to a relevance query, in
+            [0, 1], for each thing by itself.
+        relevance_false_alarm: chance that a thing of no symbol is named in it, likewise.
 
     Raises:
-        SettingsError: a rate outside [0, 1], rates that add up to more than 1, or an empty id.
+        SettingsError: a rate or chance outside [0, 1], rates that add up to more than 1, or an empty id.
     """
 
     symbols: Sequence[str]
@@ -57,14 +76,16 @@ class ScriptedTeacher:
     unknown_rate: float = UNKNOWN_RATE.default
     teacher_id: str = 'scripted'
     repeat_shown: bool = REPEAT_SHOWN.default
+    relevance_omission: float = RELEVANCE_OMISSION.default
+    relevance_false_alarm: float = RELEVANCE_FALSE_ALARM.default
     _named: dict[str, int] = field(default_factory=dict, init=False, repr=False, compare=False)
     """Object that was named, by query, in the order of the queries."""
 
     def __post_init__(self) -> None:
         if not self.teacher_id:
             raise SettingsError('teacher_id must not be empty')
-        WRONG_RATE.check(self.wrong_rate)
-        UNKNOWN_RATE.check(self.unknown_rate)
+        for rate in (WRONG_RATE, UNKNOWN_RATE, RELEVANCE_OMISSION, RELEVANCE_FALSE_ALARM):
+            rate.check(getattr(self, rate.name))
         if self.wrong_rate + self.unknown_rate > 1.0:
             raise SettingsError(
                 f'wrong_rate and unknown_rate add up to {self.wrong_rate + self.unknown_rate}, more than 1'
@@ -81,6 +102,8 @@ class ScriptedTeacher:
             content = self._label(query, truth, wrong, rng)
         elif query.action.kind is QueryKind.DEMONSTRATION:
             content = self._demonstration(query, truth, wrong, rng)
+        elif query.action.kind is QueryKind.RELEVANCE:
+            content = self._relevance(query, truth, wrong, rng)
         else:
             content = self._groups(query, wrong, rng)
         named = content if query.action.kind is QueryKind.DEMONSTRATION else query.action.object_id
@@ -116,6 +139,16 @@ class ScriptedTeacher:
             flipped = [group for group in query.choices if (group in named) != (group == mistaken)]
             named = flipped or named
         return tuple(named) or None
+
+    def _relevance(self, query: Query, truth: Mapping[int, str], wrong: bool, rng: np.random.Generator) -> Content:
+        """Return the things that matter, each misjudged by its own chance; a wrong answer misjudges one thing more."""
+        things = [object_id for object_id in map(int, query.choices) if object_id in truth]
+        mattering = np.array([truth[object_id] != NO_SYMBOL for object_id in things], dtype=bool)
+        chances = np.where(mattering, self.relevance_omission, self.relevance_false_alarm)
+        named = mattering ^ (rng.random(len(things)) < chances)
+        if wrong and things:
+            named[rng.integers(len(things))] ^= True
+        return tuple(object_id for object_id, is_named in zip(things, named, strict=True) if is_named)
 
     def _reply(self, query: Query, outcome: Outcome, content: Content = None) -> Answer:
         return Answer(query.query_id, f'{query.query_id}/{self.teacher_id}', self.teacher_id, outcome, content)

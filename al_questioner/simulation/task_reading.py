@@ -8,7 +8,7 @@ from dataclasses import MISSING, field, fields
 from types import MappingProxyType
 from typing import Any, NamedTuple, TypeVar
 
-from al_questioner.domain import COSTS, Costs, InputError, Setting, SettingsError
+from al_questioner.domain import COST_RELEVANCE, COSTS, NEVER, Costs, InputError, QueryKind, Setting, SettingsError
 from al_questioner.domain.names import check_names, suggestion
 from al_questioner.domain.spelling import composed
 from al_questioner.questioning.strategies.names import check_strategy
@@ -185,11 +185,16 @@ def table_of(reader: Reader) -> Reader:
 def costs(value: Any, where: str) -> Costs:
     """Accepts some of the members of `Costs`: prices of kinds of queries, and shares that are charged of them."""
     members = mapping(value, where)
-    for name in members:
-        if name not in COSTS:
-            raise InputError(f'{where}: unknown key {name!r}; known: {", ".join(COSTS)}{suggestion(name, COSTS)}')
     readers = {name: number(price.lower, price.largest) for name, price in COSTS.items()}
+    readers[QueryKind.RELEVANCE.value] = _price_or_never
+    for name in members:
+        if name not in readers:
+            raise InputError(f'{where}: unknown key {name!r}; known: {", ".join(readers)}{suggestion(name, readers)}')
     return Costs(**{name: readers[name](given, f'{where}: {name}') for name, given in members.items()})
+
+
+def _price_or_never(value: Any, where: str) -> float | None:
+    return None if value == NEVER else float(number(COST_RELEVANCE.lower, COST_RELEVANCE.largest)(value, where))
 
 
 def strategy(value: Any, where: str) -> str:

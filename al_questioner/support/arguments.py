@@ -41,7 +41,7 @@ class NumberWithin:
     lower: float
     upper: float
 
-    def __call__(self, text: str) -> float:
+    def __call__(self, text: str) -> float | str:
         """Return the number that the text stands for."""
         value = self.kind(text)
         if not self.lower <= value <= self.upper:
@@ -54,6 +54,22 @@ class NumberWithin:
         return self.kind.__name__
 
 
+@dataclass(frozen=True)
+class NumberOrWord(NumberWithin):
+    """An argument type: a finite number in a range, or a word."""
+
+    word: str
+
+    def __call__(self, text: str) -> float | str:
+        """Return the number that the text stands for, or the word."""
+        if text == self.word:
+            return text
+        try:
+            return super().__call__(text)
+        except ValueError as error:
+            raise argparse.ArgumentTypeError(f'must be a number or {self.word}, not {text}') from error
+
+
 def add_option(parser: argparse.ArgumentParser, setting: Setting[Any], otherwise: str = DEFAULT, **own: Any) -> None:
     """Add the option of a setting; arguments of `add_argument` prevail.
 
@@ -63,8 +79,9 @@ def add_option(parser: argparse.ArgumentParser, setting: Setting[Any], otherwise
     if kind is bool:
         details: dict[str, Any] = {'action': 'store_true', 'help': setting.described}
     else:
+        of_type: Any = NumberWithin(kind, setting.lower, setting.largest) if kind in (int, float) else kind
         details = {
-            'type': NumberWithin(kind, setting.lower, setting.largest) if kind in (int, float) else kind,
+            'type': NumberOrWord(float, setting.lower, setting.largest, setting.word) if setting.word else of_type,
             'choices': setting.choices or None,
             'default': setting.default if DEFAULT in otherwise else None,
             'help': f'{setting.described} ({otherwise})',

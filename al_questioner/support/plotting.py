@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import io
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from pathlib import Path
 from typing import Any
 
@@ -19,7 +19,14 @@ from matplotlib.figure import Figure
 from al_questioner.domain import Outcome, QueryKind, QueryRecord
 from al_questioner.support.files import write_bytes
 
-KIND_COLOURS = {QueryKind.LABEL: '#2c6fbb', QueryKind.DEMONSTRATION: '#d1622b', QueryKind.FEATURE_SUBSET: '#3a923a'}
+KIND_COLOURS = {
+    QueryKind.LABEL: '#2c6fbb',
+    QueryKind.DEMONSTRATION: '#d1622b',
+    QueryKind.FEATURE_SUBSET: '#3a923a',
+    QueryKind.RELEVANCE: '#8e5ea2',
+}
+EXTRA_KINDS = (QueryKind.RELEVANCE,)
+"""Kinds that figures show only if such a query was asked."""
 STYLE: dict[Any, Any] = {
     'axes.spines.top': False,
     'axes.spines.right': False,
@@ -36,6 +43,12 @@ LEGEND_MARGIN_POINTS = 6
 def kind_name(kind: QueryKind) -> str:
     """Return a kind of query in words."""
     return kind.value.replace('_', ' ')
+
+
+def colours_of(asked: Iterable[QueryKind]) -> dict[QueryKind, str]:
+    """Return the colours of the kinds of queries that a figure shows: the paper's, and what else was asked."""
+    found = set(asked)
+    return {kind: colour for kind, colour in KIND_COLOURS.items() if kind in found or kind not in EXTRA_KINDS}
 
 
 def mark_changes(axes: Axes, change_turns: tuple[int, ...] | list[int]) -> None:

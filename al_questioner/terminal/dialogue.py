@@ -217,7 +217,8 @@ class TeacherDialogue:
         if prompt.scene is not None or scene is None:
             return said
         action, there = prompt.query.action, set(map(str, scene.object_ids))
-        about = prompt.query.choices if action.kind is QueryKind.DEMONSTRATION else (str(action.object_id),)
+        is_numbered = action.kind in (QueryKind.DEMONSTRATION, QueryKind.RELEVANCE)
+        about = prompt.query.choices if is_numbered else (str(action.object_id),)
         return PastAnswer(Prompt(prompt.query, scene, None), said.answer) if there.issuperset(about) else said
 
     def _tell(self) -> None:

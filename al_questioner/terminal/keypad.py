@@ -25,6 +25,10 @@ COMMANDS: dict[str, Command] = {
 """Keys that mean the same at every question and are never the key of a symbol."""
 LONGEST = 80
 """Largest number of characters that can be typed."""
+LONGEST_LIST = 1000
+"""Largest number of characters of a list of objects."""
+NUMBERED = (QueryKind.DEMONSTRATION, QueryKind.RELEVANCE)
+"""Kinds of queries that are answered by numbers of objects."""
 
 
 @dataclass(frozen=True)
@@ -33,7 +37,7 @@ class Pad:
 
     Attributes:
         about: the question at which they were pressed.
-        typed: digits, or a word.
+        typed: numbers of objects, or a word.
         in_words: whether a word is typed, after a colon.
         ticked: positions of feature groups.
         cursor: position of the group that space ticks.
@@ -117,6 +121,8 @@ def press(key: str, pad: Pad, view_state: ViewState) -> tuple[Pad, Command | Non
         return _at_label(key, pad, query)
     if query.action.kind is QueryKind.DEMONSTRATION:
         return _at_demonstration(key, pad)
+    if query.action.kind is QueryKind.RELEVANCE:
+        return _at_relevance(key, pad)
     return _at_feature_subset(key, pad, query)
 
 
@@ -136,7 +142,7 @@ def _command(key: str, pad: Pad, query: Query, doubted: str) -> tuple[Pad, Comma
     """Return the effect of a command key; if a choice begins with the same letter, it must be pressed twice."""
     command = COMMANDS[key.lower()]
     # If the answer is a number, no letter can be meant as the first one of a choice.
-    choices = () if query.action.kind is QueryKind.DEMONSTRATION else query.choices
+    choices = () if query.action.kind in NUMBERED else query.choices
     alike = next((choice for choice in choices if loosely(choice).startswith(key.lower())), None)
     if alike is None or command is Wish.HELP or doubted == key.lower():
         return pad, command
@@ -187,6 +193,27 @@ def _at_demonstration(key: str, pad: Pad) -> tuple[Pad, Command | None]:
     return pad, Explain(f"{_named(key)} is no digit; type an object's number and Enter; h explains")
 
 
+def _at_relevance(key: str, pad: Pad) -> tuple[Pad, Command | None]:
+    if key == 'enter':
+        if not numbers_typed(pad):
+            return pad, Explain('type the numbers of the things that matter before Enter, or n if nothing here does')
+        return Pad(pad.about), Say(','.join(numbers_typed(pad)))
+    if key == 'backspace':
+        return replace(pad, typed=pad.typed[:-1]), None
+    if key == ' ':
+        key = ','
+    if len(key) == 1 and key in string.digits + ',':
+        # A comma parts two numbers, and nothing else.
+        parts_nothing = key == ',' and (not pad.typed or pad.typed.endswith(','))
+        return (pad if parts_nothing else _append(key, pad, LONGEST_LIST)), None
+    return pad, Explain(f'{_named(key)} is no digit; type numbers with commas between, and Enter; h explains')
+
+
+def numbers_typed(pad: Pad) -> tuple[str, ...]:
+    """Return the numbers that were typed so far, the last one perhaps in part."""
+    return tuple(number for number in pad.typed.split(',') if number.isdecimal())
+
+
 def _at_feature_subset(key: str, pad: Pad, query: Query) -> tuple[Pad, Command | None]:
     count = len(query.choices)
     if key == 'enter':
@@ -204,9 +231,9 @@ def _at_feature_subset(key: str, pad: Pad, query: Query) -> tuple[Pad, Command |
     return pad, Explain(f'{_named(key)} ticks nothing; use numbers, or arrows and space; h explains')
 
 
-def _append(key: str, pad: Pad) -> Pad:
+def _append(key: str, pad: Pad, longest: int = LONGEST) -> Pad:
     """Return the pad with one more character, if it can be shown and there is room."""
-    fits = len(key) == 1 and key.isprintable() and len(pad.typed) < LONGEST
+    fits = len(key) == 1 and key.isprintable() and len(pad.typed) < longest
     return replace(pad, typed=pad.typed + key) if fits else pad
 
 

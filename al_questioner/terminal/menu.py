@@ -26,6 +26,9 @@ HELP_TABLE = """\
   f        asks which properties matter
   Enter    asks nothing in this turn
   h        shows this"""
+RELEVANCE_WORDS = ('r', 'relevance')
+HELP_RELEVANCE = '  r        asks which of these things matter'
+"""Line of the table where that can be asked."""
 MOST_BELIEFS = 2
 """Number of most probable symbols that the menu shows for an object."""
 
@@ -81,7 +84,7 @@ def pick_from_menu(context: TurnContext, source: LineSource, screen: TextIO) -> 
         if not line:
             raise EpisodeError('strategy human: the input has ended, so nobody chooses; start it in a terminal')
         if _asks_for_help(line, context.symbols):
-            print(HELP_TABLE, file=screen)
+            print('\n'.join([*([HELP_RELEVANCE] if _has_relevance(context) else []), HELP_TABLE]), file=screen)
             continue
         try:
             return chosen_candidate(line, context)
@@ -94,6 +97,10 @@ def _asks_for_help(line: str, symbols: Sequence[str]) -> bool:
     return bool(meant(line, (*HELP_WORDS, '?'))) and not meant(line, symbols) and not _begun(line, symbols)
 
 
+def _has_relevance(context: TurnContext) -> bool:
+    return context.costs.relevance is not None
+
+
 def _begun(line: str, symbols: Sequence[str]) -> list[str]:
     """Return the symbols that begin with a line."""
     word = loosely(line)
@@ -103,8 +110,8 @@ def _begun(line: str, symbols: Sequence[str]) -> list[str]:
 def chosen_candidate(line: str, context: TurnContext) -> int:
     """Return the index of the candidate that a line names.
 
-    The line is an object's number, a symbol or its beginning, `f`, or empty for no query. A line that is exactly a
-    symbol means that symbol, even if it has another meaning, too.
+    The line is an object's number, a symbol or its beginning, `f`, `r` where that can be asked, or empty for no query.
+    A line that is exactly a symbol means that symbol, even if it has another meaning, too.
 
     Raises:
         InputError: the line names no candidate, or several; the text says what to type.
@@ -112,7 +119,8 @@ def chosen_candidate(line: str, context: TurnContext) -> int:
     word, symbols = line.rstrip('\r\n'), context.symbols
     if not word.strip():
         return _index(Action(QueryKind.NO_QUERY), context, 'asking nothing')
-    found = meant(word, (*symbols, *NOTHING_WORDS, NO_SYMBOL, *FEATURES_WORDS))
+    relevance_words = RELEVANCE_WORDS if _has_relevance(context) else ()
+    found = meant(word, (*symbols, *NOTHING_WORDS, NO_SYMBOL, *FEATURES_WORDS, *relevance_words))
     number = loosely(word).removeprefix('#').strip()
     if not found and number.isdecimal():
         return _index_of_object(number, context)
@@ -126,6 +134,8 @@ def chosen_candidate(line: str, context: TurnContext) -> int:
         return _index(Action(QueryKind.DEMONSTRATION, symbol=found[0]), context, f'being shown a {found[0]}')
     if found[0] in FEATURES_WORDS:
         return _index(Action(QueryKind.FEATURE_SUBSET), context, 'that question')
+    if found[0] in relevance_words:
+        return _index(Action(QueryKind.RELEVANCE), context, 'that question')
     return _index(Action(QueryKind.NO_QUERY), context, 'asking nothing')
 
 
@@ -157,6 +167,8 @@ def menu(context: TurnContext) -> str:
         lines += _columns([f'{symbol}: {n}{remark}' for (symbol, n), remark in zip(counts, remarks, strict=True)])
     if QueryKind.FEATURE_SUBSET in kinds and Action(QueryKind.FEATURE_SUBSET) not in settled:
         lines.append(f'Which properties matter? (cost {costs.feature_subset:g}): f')
+    if QueryKind.RELEVANCE in kinds and Action(QueryKind.RELEVANCE) not in settled:
+        lines.append(f'Which of these things matter? (cost {costs.relevance:g}): r')
     lines.append('Nothing: Enter; help: h')
     return '\n'.join(lines)
 
@@ -196,7 +208,7 @@ def _reason_against(action: Action, context: TurnContext) -> str:
     if action.kind is QueryKind.LABEL and action.object_id not in context.scene.object_ids:
         return 'there is no such object'
     if not is_open(action.kind, context.scene):
-        return 'nothing is in view' if action.kind is QueryKind.DEMONSTRATION else 'it has only one possible answer'
+        return 'nothing is in view' if not len(context.scene) else 'it has only one possible answer'
     if action.symbol in context.excluded_symbols:
         return 'all things here have been named otherwise'
     if action in context.known_answers:

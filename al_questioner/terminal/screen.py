@@ -8,7 +8,7 @@ from rich.text import Text
 from al_questioner.domain import Query, QueryKind
 from al_questioner.support.text import number_of
 from al_questioner.terminal.capabilities import Capabilities
-from al_questioner.terminal.keypad import Pad, letters
+from al_questioner.terminal.keypad import NUMBERED, Pad, letters, numbers_typed
 from al_questioner.terminal.safe_text import counted, printable
 from al_questioner.terminal.sentences import HELP, present_turn, price, recorded_in_words, said_in_words
 from al_questioner.terminal.table_map import position_in_words, table_map
@@ -21,6 +21,8 @@ SMALLEST_SCENE = 4
 """Smallest number of rows for a map or a picture."""
 MOST_CHOICES = 200
 """Largest number of choices that are shown; no screen has room for more."""
+LONGEST_ID = 12
+"""Number of digits that no number of an object has."""
 HISTORY = 4
 """Number of rows that are kept for earlier answers, so that map and picture do not move when more come."""
 
@@ -103,7 +105,7 @@ def _table(view_state: ViewState, pad: Pad, capabilities: Capabilities, rows: in
             *table_map(prompt.scene, capabilities.width, rows - 1, None),
         ]
     # Where a number may be typed, its row is reserved.
-    lines = [Text()] if prompt.query.action.kind is QueryKind.DEMONSTRATION else []
+    lines = [Text()] if prompt.query.action.kind in NUMBERED else []
     if focus is not None and focus in prompt.scene.object_ids:
         lines = [Text(f'Object {focus}: {position_in_words(prompt.scene, focus)}')]
         lines[0].truncate(capabilities.width)
@@ -112,7 +114,8 @@ def _table(view_state: ViewState, pad: Pad, capabilities: Capabilities, rows: in
     taken = max((line.cell_len for line in picture), default=-GAP) + GAP
     if capabilities.width - taken < 24:
         picture, taken = [], 0
-    drawn = table_map(prompt.scene, capabilities.width - taken, rows, focus)
+    marked = _marked(prompt.query, pad)
+    drawn = table_map(prompt.scene, capabilities.width - taken, rows, focus, marked)
     for row, line in enumerate(drawn):
         left = picture[row].copy() if row < len(picture) else Text()
         left.append(' ' * (taken - left.cell_len))
@@ -122,9 +125,17 @@ def _table(view_state: ViewState, pad: Pad, capabilities: Capabilities, rows: in
 
 def _focus(query: Query, pad: Pad) -> int | None:
     """Return the object that is asked about, or whose number is being typed."""
-    if query.action.kind is QueryKind.DEMONSTRATION:
-        return int(pad.typed) if pad.typed.isdecimal() and len(pad.typed) < 12 else None
+    if query.action.kind in NUMBERED:
+        number = pad.typed.rpartition(',')[2]
+        return int(number) if number.isdecimal() and len(number) < LONGEST_ID else None
     return query.action.object_id
+
+
+def _marked(query: Query, pad: Pad) -> frozenset[int]:
+    """Return the objects whose numbers were typed for a list."""
+    if query.action.kind is not QueryKind.RELEVANCE:
+        return frozenset()
+    return frozenset(int(number) for number in numbers_typed(pad) if len(number) < LONGEST_ID)
 
 
 def _picture(prompt: Prompt, focus: int | None, capabilities: Capabilities, rows: int) -> list[Text]:
@@ -158,6 +169,9 @@ def _choices(query: Query, pad: Pad, capabilities: Capabilities) -> list[Text]:
         return _flowed([*named, _key('n', 'none of these')], capabilities)
     if query.action.kind is QueryKind.DEMONSTRATION:
         return _wrapped(Text(f"An object's number, then Enter; n if none is here: {pad.typed}_"), capabilities)
+    if query.action.kind is QueryKind.RELEVANCE:
+        how = 'Numbers of the things that matter, with commas between, then Enter; n if nothing here does'
+        return _wrapped(Text(f'{how}: {pad.typed}_'), capabilities)
     boxes = [_box(position, group, pad, capabilities) for position, group in enumerate(choices)]
     return [
         *_flowed(boxes, capabilities),

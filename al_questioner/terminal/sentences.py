@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+
 from al_questioner.domain import NO_SYMBOL, Action, Answer, Outcome, Query, QueryKind, QueryRecord
 from al_questioner.domain.names import joined
 from al_questioner.support.text import number_of
@@ -13,6 +15,7 @@ HELP = (
     '"What is object 7?": the name of what it is, or none: it belongs to no name in the list.',
     '"Can you show me a snack?": the number of one on the table, or none: there is no such thing here.',
     '"Which properties matter ...?": the properties that distinguish the names, one or more.',
+    '"Which of these things matter?": the numbers of all that have a name in the list, or none: nothing here has.',
     'unknown (?) says that you do not know, skip asks for another question.',
     'undo takes your last answer back: its question is asked again. A second undo keeps the answer.',
     'quit leaves the robot waiting: start this program again, and it goes on where you left.',
@@ -25,6 +28,8 @@ def said_in_words(action: Action, answer: Answer) -> str:
     if answer.outcome is not Outcome.ANSWERED:
         return _unanswered(action, answer.outcome)
     content = answer.content
+    if action.kind is QueryKind.RELEVANCE:
+        return _mattering(tuple(content) if isinstance(content, tuple) else ())
     if isinstance(content, tuple):
         return f'what matters is {_listed(content)}'
     if action.kind is QueryKind.LABEL:
@@ -38,6 +43,8 @@ def recorded_in_words(record: QueryRecord) -> str:
         return _unanswered(Action(record.kind, record.object_id, record.symbol), record.outcome)
     if record.kind is QueryKind.FEATURE_SUBSET:
         return f'what matters is {_listed(record.groups)}'
+    if record.kind is QueryKind.RELEVANCE:
+        return _mattering(record.objects or ())
     if record.kind is QueryKind.LABEL:
         return _is(record.object_id, str(record.symbol))
     return _shown(record.symbol, record.object_id)
@@ -59,7 +66,8 @@ def question_line(query: Query, corrects: bool, progress: EpisodeProgress | None
     """Return a question with its possible answers on one line."""
     nothing = [] if query.action.kind is QueryKind.FEATURE_SUBSET else [NO_SYMBOL]
     parting = ', ' if any(' ' in choice for choice in query.choices) else ' '
-    choices = [*query.choices] if nothing else [joined(query.choices)]
+    is_list = query.action.kind in (QueryKind.FEATURE_SUBSET, QueryKind.RELEVANCE)
+    choices = [joined(query.choices)] if is_list else [*query.choices]
     words = parting.join([*choices, *nothing, '?', 'skip'])
     again = 'correction: ' if corrects else ''
     turns_left = query.turn + query.turns_left - present_turn(query, progress)
@@ -92,6 +100,7 @@ def _unanswered(action: Action, outcome: Outcome) -> str:
         QueryKind.LABEL: f'object {action.object_id}',
         QueryKind.DEMONSTRATION: _name(action.symbol),
         QueryKind.FEATURE_SUBSET: 'what matters',
+        QueryKind.RELEVANCE: 'which things matter',
     }.get(action.kind, '')
     said = {Outcome.UNKNOWN: 'you do not know', Outcome.SKIP: 'skipped'}
     return f'{about}: {said.get(outcome, "nobody answered")}'
@@ -105,8 +114,12 @@ def _shown(symbol: str | None, object_id: int | None) -> str:
     return f'{_name(symbol)}: ' + ('none is here' if object_id is None else f'object {object_id}')
 
 
-def _listed(groups: tuple[str, ...]) -> str:
-    return printable(', '.join(groups), 200)
+def _mattering(objects: Sequence[object]) -> str:
+    return 'of these things ' + (f'{_listed(objects)} matter' if objects else 'none matters')
+
+
+def _listed(names: Sequence[object]) -> str:
+    return printable(', '.join(map(str, names)), 200)
 
 
 def _name(symbol: str | None) -> str:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Collection
 from functools import lru_cache
 
 import numpy as np
@@ -13,12 +14,14 @@ from al_questioner.domain import Scene
 FOCUS_STYLE = 'not dim bold reverse'
 
 
-def table_map(scene: Scene, columns: int, rows: int, focus: int | None) -> list[Text]:
+def table_map(
+    scene: Scene, columns: int, rows: int, focus: int | None, marked: Collection[int] = frozenset()
+) -> list[Text]:
     """Return as many rows of text, which show the scene from above, its far side up; the frame counts.
 
     Objects that are closer together than the width of their numbers are shown beside each other. Objects without a
-    place are counted in the last row. The object in focus is in brackets and in reverse video. There must be 12 columns
-    and 3 rows at least.
+    place are counted in the last row. The object in focus is in brackets, and like the marked ones in reverse video.
+    There must be 12 columns and 3 rows at least.
     """
     places, left_out = _placed(scene, columns - 2, rows - 2, focus)
     lines = [Text('┌' + '─' * (columns - 2) + '┐', style='dim')]
@@ -28,7 +31,7 @@ def table_map(scene: Scene, columns: int, rows: int, focus: int | None) -> list[
         for column, object_id in sorted(places.get(row, ())):
             label = _label(object_id, focus)
             line.append(' ' * (column - at))
-            line.append(label, style=FOCUS_STYLE if object_id == focus else 'not dim')
+            line.append(label, style=FOCUS_STYLE if object_id == focus or object_id in marked else 'not dim')
             at = column + len(label)
         line.append(' ' * (columns - 2 - at) + '│')
         lines.append(line)

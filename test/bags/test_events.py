@@ -5,18 +5,31 @@ from __future__ import annotations
 import dataclasses
 from pathlib import Path
 
+import numpy as np
 import pytest
 
 from al_questioner.bags import RecordedEpisode, read_episodes
 from al_questioner.bags.events import NOT_RECORDED
 from al_questioner.bags.from_session import write_bag
-from al_questioner.domain import Answer, Outcome
+from al_questioner.domain import Answer, Outcome, QueryKind, QueryRecord
 from al_questioner.event_log.events import ActionChosen, AnswerAccepted, KernelTuned, SceneObserved, TurnTimedOut
 from al_questioner.event_log.log import read_log
 from al_questioner.event_log.replay import first_divergence
 from al_questioner.event_log.summary import summarise_session
+from al_questioner.imitation.bags import demonstration_of
+from al_questioner.imitation.choice_likelihood import fit_choices
+from al_questioner.questioning import FEATURE_SETS
 from al_questioner.simulation import PerceivedWorld, WorldSpec
-from shared.durable_sessions import TASK, ask, events, play_turns, start_durable
+from shared.durable_sessions import (
+    TASK,
+    WITH_RELEVANCE,
+    answer,
+    ask,
+    ask_what_matters,
+    events,
+    play_turns,
+    start_durable,
+)
 
 
 @pytest.fixture
@@ -46,6 +59,22 @@ def recorded(log: Path, tmp_path: Path) -> RecordedEpisode:
     write_bag(summarise_session(log, read_log(log)), tmp_path / 'bag')
     (episode,) = read_episodes(tmp_path / 'bag')
     return episode
+
+
+@pytest.fixture
+def with_relevance(tmp_path: Path) -> Path:
+    """A session in which it was asked which things matter, answered, and corrected: nothing does."""
+    world = PerceivedWorld(WorldSpec(TASK, 4, 4).open())
+    durable = start_durable(tmp_path / 'log', ask_what_matters, settings=WITH_RELEVANCE)
+    (first, *_) = play_turns(durable, world, 2)
+    assert first.content == world.scene(1).object_ids, 'every thing of a lunch matters'
+    ask(durable, world)
+    durable.take(Answer(first.query_id, 'c1', 'anna', Outcome.ANSWERED, (), replaces=first.answer_id))
+    durable.take(answer(durable, world))
+    durable.tune()
+    play_turns(durable, world, 3)
+    durable.close()
+    return tmp_path / 'log'
 
 
 def told(event: object) -> object:
@@ -80,3 +109,23 @@ def test_what_a_bag_does_not_tell_is_not_made_up(recorded: RecordedEpisode) -> N
     assert [answer.answer_id for answer in answers if answer.query_id == 'q1'] == ['not recorded 1', 'not recorded 2']
     assert {event.query_id for event in recorded.events if isinstance(event, TurnTimedOut)} == {None}
     assert {event.query for event in recorded.events if isinstance(event, ActionChosen)} == {None}
+
+
+def test_a_bag_tells_what_was_said_to_matter(with_relevance: Path, tmp_path: Path) -> None:
+    """Otherwise a replay would not know what the robot knew, and nothing could be learnt from its questions."""
+    write_bag(summarise_session(with_relevance, read_log(with_relevance)), tmp_path / 'bag')
+    (recorded,) = read_episodes(tmp_path / 'bag')
+    started, *others = events(with_relevance)
+    assert recorded.started.settings == started.settings == WITH_RELEVANCE
+    expected = [dataclasses.replace(e, model_version=None) if isinstance(e, KernelTuned) else e for e in others]
+    assert [(type(event), told(event)) for event in recorded.events] == [(type(e), told(e)) for e in expected]
+    assert first_divergence(started, others) is None
+    assert first_divergence(recorded.started, recorded.events) is None
+    assert recorded.records[0] == QueryRecord(1, QueryKind.RELEVANCE, None, None, 4.0, Outcome.ANSWERED, objects=())
+    for name, feature_set in FEATURE_SETS.items():
+        demonstration = demonstration_of(recorded, 'it', feature_set)
+        assert len(demonstration.steps) > 1, name
+        kinds = {action.kind for step in demonstration.steps for action in step.actions}
+        assert kinds.isdisjoint(feature_set.passed_over)
+    weights = fit_choices([demonstration_of(recorded, 'it')])
+    assert np.isfinite(weights).all()

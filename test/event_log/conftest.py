@@ -7,6 +7,7 @@ from pathlib import Path
 
 import pytest
 
+from al_questioner.questioning import Picker
 from al_questioner.simulation import PerceivedWorld, WorldSpec
 from shared.durable_sessions import TASK, Start, start_durable
 
@@ -25,9 +26,9 @@ def start(tmp_path: Path) -> Iterator[Start]:
         while running:
             running.pop().close()
 
-    def start_again(**changes: object) -> object:
+    def start_again(pick: Picker | None = None, **changes: object) -> object:
         end()
-        running.append(start_durable(tmp_path, **changes))
+        running.append(start_durable(tmp_path, pick, **changes))
         return running[0]
 
     yield start_again

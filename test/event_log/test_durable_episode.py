@@ -13,7 +13,7 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
-from al_questioner.domain import Answer, AnswerError, Outcome
+from al_questioner.domain import Answer, AnswerError, Outcome, QueryKind
 from al_questioner.event_log.encoding import Encoder
 from al_questioner.event_log.events import (
     ActionChosen,
@@ -30,10 +30,12 @@ from al_questioner.simulation import PerceivedWorld, episode_settings
 from shared.checkout import ROOT
 from shared.durable_sessions import (
     TASK,
+    WITH_RELEVANCE,
     WORLD,
     Start,
     answer,
     ask,
+    ask_what_matters,
     durable_of,
     episode_started,
     events,
@@ -58,6 +60,53 @@ def test_killed_at_every_write_point(tmp_path: Path) -> None:
     assert result['kills'] > 80
     kinds = {'answer', 'correction', 'late', 'passed', 'tune', 'decision', 'scene', 'episode'}
     assert kinds == set(result['kinds'])
+
+
+@pytest.mark.slow
+def test_killed_while_it_is_asked_what_matters(tmp_path: Path) -> None:
+    """The same with answers about many things, and one that was taken back."""
+    result = drive('relevance', tmp_path)
+    assert result['problems'] == []
+    assert result['kills'] > 60
+
+
+def test_what_matters_is_known_after_resuming(start: Start, tmp_path: Path, world: PerceivedWorld) -> None:
+    """Otherwise the robot would pay for the same question again, and believe other things than before."""
+    settings, durable = WITH_RELEVANCE, None
+    oracle = start_durable(None, ask_what_matters, settings=settings)
+    for turn in range(1, settings.turns + 1):
+        # Another learner for each turn, and for its answer, which the first one hears twice.
+        durable = start(ask_what_matters, settings=settings)
+        ask(durable, world)
+        durable = start(ask_what_matters, settings=settings)
+        if durable.episode.pending is not None:
+            said = answer(durable, world)
+            durable.take(said)
+            assert durable.take(said).receipt is Receipt.DUPLICATE
+        durable.tune()
+        play_turns(oracle, world, 1)
+        if turn == 3:
+            for each in (durable, oracle):
+                query = next(iter(each.episode._queries.by_id.values()))
+                first = next(iter(each.episode.answers.standing())).answer_id
+                undo = Answer(query.query_id, 'c1', 'anna', Outcome.ANSWERED, (4, 2), replaces=first)
+                assert each.take(undo).receipt is Receipt.ACCEPTED
+    assert durable is not None
+    kinds = [record.kind for record in durable.episode.records]
+    assert kinds.count(QueryKind.RELEVANCE) == 1
+    assert durable.episode.records[0].objects == (4, 2)
+    ours, theirs = (start(ask_what_matters, settings=settings).episode, oracle.episode)
+    for name in ('turn', 'spent', 'pending', 'records', 'positives'):
+        assert getattr(ours, name) == getattr(theirs, name), name
+    scene = world.scene(1)
+    for name in ('matters', 'distances_to_mattering', 'labels_of'):
+        mine, other = (getattr(each.concepts, name)(scene) for each in (ours, theirs))
+        np.testing.assert_array_equal(mine, other)
+    np.testing.assert_array_equal(
+        ours.concepts.predict_proba(scene.features), theirs.concepts.predict_proba(scene.features)
+    )
+    assert ours._rng.bit_generator.state == theirs._rng.bit_generator.state
+    oracle.close()
 
 
 @pytest.mark.slow

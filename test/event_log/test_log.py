@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 import resource
 import shutil
 import subprocess
@@ -284,11 +285,12 @@ SCENES = FLOATS.map(lambda table: Scene(tuple(range(len(table))), table[:, :3], 
 WORDS = st.text(max_size=8)
 WORLDS = st.none() | st.just({'task': 'x'})
 NAMED = st.text(min_size=1, max_size=8)
+IDS = st.lists(st.integers(0, 2**32 - 2), max_size=3).map(tuple)
 ANSWERS = st.builds(
     Answer,
     *(NAMED, NAMED, NAMED),
     st.sampled_from(Outcome),
-    st.none() | NAMED | st.integers(0, 2**32 - 2) | st.lists(NAMED, max_size=3).map(tuple),
+    st.none() | NAMED | st.integers(0, 2**32 - 2) | st.lists(NAMED, max_size=3).map(tuple) | IDS,
     st.none() | NAMED,
 )
 AMOUNTS = st.floats(0, 1e9)
@@ -307,7 +309,7 @@ SETTINGS = st.builds(
     turns=st.integers(1, 99),
     strategy=NAMED,
     weights=st.dictionaries(st.sampled_from(['discriminability', 'class_uniformity']), st.floats(-9, 9)),
-    costs=st.builds(Costs, AMOUNTS, AMOUNTS, AMOUNTS),
+    costs=st.builds(Costs, AMOUNTS, AMOUNTS, AMOUNTS, relevance=st.none() | AMOUNTS),
     length_scale=st.none() | st.floats(0.1, 9),
 )
 EVENTS = st.one_of(
@@ -341,6 +343,15 @@ def test_events_come_back_to_the_last_bit(tmp_path_factory: pytest.TempPathFacto
             assert (event.turn, event.stamp, event.frame_id) == (original.turn, original.stamp, original.frame_id)
         else:
             assert event == original
+
+
+def test_an_episode_without_the_relevance_query_is_written_as_ever() -> None:
+    """Otherwise a learner could not go on with a log of an earlier version: its parameters would differ."""
+    started = EpisodeStarted('e', EpisodeSettings(('a', 'b'), 1.0, 1, 'u_sampling'), 1, 1e-3, None, '')
+    _, content = Encoder().encode(started)
+    assert json.loads(content)['costs'] == {
+        'label': 1.0, 'demonstration': 2.0, 'feature_subset': 2.0, 'unknown': 1.0, 'skip': 1.0, 'unanswered': 0.0,
+    }  # fmt: skip
 
 
 def test_a_scene_that_stays_is_stored_once(tmp_path: Path) -> None:

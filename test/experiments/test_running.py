@@ -13,7 +13,7 @@ from pathlib import Path
 
 import pytest
 
-from al_questioner.domain import Classifiers, EpisodeError, InputError, SettingsError
+from al_questioner.domain import NEVER, Classifiers, EpisodeError, InputError, SettingsError
 from al_questioner.experiments import forecast, playing, running, storing
 from al_questioner.experiments.plan import Cell, Condition, Plan, Variation
 from al_questioner.experiments.playing import Played, play_cells, play_episode
@@ -241,6 +241,18 @@ def test_variations_change_what_is_played(tmp_path: Path) -> None:
     env = Cell('prepare_lunch', 6, 12, 'dt_task_env', 0)
     silent = Variation(weights={'dt_task_env': {'budget_consumption': -1.0}})
     assert play_episode(env, silent).queries == ()
+
+
+def test_the_cost_of_the_relevance_query_is_the_tasks_unless_given() -> None:
+    """The paper's comparison has no such question, although the cluttered tables' files have."""
+
+    def costs(variation: Variation, name: str) -> float | None:
+        return variation.task(name).episode.costs.relevance
+
+    for name, stated in (('kitchen_table', 4.0), ('mixed_kitchens', 4.0), ('prepare_lunch', None)):
+        assert costs(Variation(), name) == stated
+        assert costs(Variation(cost_relevance=NEVER), name) is None
+        assert costs(Variation(cost_relevance=2.0, change_interval=3), name) == 2.0
 
 
 def test_plans_that_make_no_sense_are_refused() -> None:

@@ -299,3 +299,17 @@ def test_decision_of_other_symbols_is_refused() -> None:
     cloud = cloud_of_decision(make_decision(), SYMBOLS, None, TYPES)
     with pytest.raises(SceneError, match='does not exist'):
         decision_of_cloud(cloud, ('fruit',), 4)
+
+
+def test_the_kind_of_a_relevance_query_has_the_last_number() -> None:
+    """Recordings hold the numbers, so that those of the other kinds stay."""
+    actions = tuple(map(Action, QueryKind))
+    nothing = np.full((len(actions), len(DECISION_FEATURES)), np.nan)
+    decision = Decision(1, actions, nothing, np.zeros(len(actions)), 4, None)
+    cloud = cloud_of_decision(decision, SYMBOLS, SimpleNamespace(), TYPES)
+    kinds = [cloud.data[row * cloud.point_step + 12] for row in range(len(actions))]
+    assert dict(zip((action.kind.value for action in actions), kinds, strict=True)) == {
+        'label': 0, 'demonstration': 1, 'feature_subset': 2, 'no_query': 3, 'relevance': 4,
+    }  # fmt: skip
+    back = decision_of_cloud(cloud, SYMBOLS, 1)
+    assert back.candidates[back.chosen] == Action(QueryKind.RELEVANCE)

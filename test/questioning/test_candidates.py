@@ -29,6 +29,17 @@ def test_canonical_order(scene):
     )
 
 
+def test_the_relevance_query_is_one_candidate_more_where_it_has_a_cost(toy, scene):
+    """Otherwise the paper's candidates, and all recordings, would change for those who do not use it."""
+    asked = candidates(scene, SYMBOLS, Costs(relevance=4.0), 10.0)
+    assert len(asked) == len(SYMBOLS) + len(scene) + 3
+    assert asked[-2:] == (Action(QueryKind.RELEVANCE), Action(QueryKind.NO_QUERY))
+    assert (*asked[:-2], asked[-1]) == candidates(scene, SYMBOLS, Costs(), 10.0)
+    assert Action(QueryKind.RELEVANCE) not in candidates(scene, SYMBOLS, Costs(relevance=4.0), 3.9)
+    assert Action(QueryKind.RELEVANCE) in candidates(scene, SYMBOLS, Costs(relevance=0.0), 0.0)
+    assert Action(QueryKind.RELEVANCE) not in candidates(toy.scene(np.empty((0, 5))), SYMBOLS, Costs(relevance=4), 9.0)
+
+
 def test_what_has_a_single_answer_is_no_candidate(toy):
     """Otherwise it would be asked and paid for, and tell nothing."""
     one_group = toy.scene(np.zeros((2, 3)), names=('colour_red', 'colour_green', 'colour_blue'))
@@ -55,6 +66,7 @@ def test_questions_in_plain_english():
     assert question_text(Action(QueryKind.DEMONSTRATION, symbol='cookies'), SYMBOLS) == 'Can you show me some cookies?'
     expected = 'Which properties matter for telling main dish, snack and fruit apart?'
     assert question_text(Action(QueryKind.FEATURE_SUBSET), SYMBOLS) == expected
+    assert question_text(Action(QueryKind.RELEVANCE), SYMBOLS) == 'Which of these things matter?'
     with pytest.raises(ValueError, match='asks nothing'):
         question_text(Action(QueryKind.NO_QUERY), SYMBOLS)
 
@@ -64,6 +76,7 @@ def test_choices(scene):
     assert choices(Action(QueryKind.LABEL, object_id=7), scene, SYMBOLS, groups) == SYMBOLS
     assert choices(Action(QueryKind.DEMONSTRATION, symbol='snack'), scene, SYMBOLS, groups) == ('7', '3')
     assert choices(Action(QueryKind.FEATURE_SUBSET), scene, SYMBOLS, groups) == groups
+    assert choices(Action(QueryKind.RELEVANCE), scene, SYMBOLS, groups) == ('7', '3')
     with pytest.raises(ValueError, match='no answers'):
         choices(Action(QueryKind.NO_QUERY), scene, SYMBOLS, groups)
 

@@ -13,6 +13,7 @@ CHOICES = {
     QueryKind.LABEL: ('main_dish', 'snack'),
     QueryKind.DEMONSTRATION: ('7', '12'),
     QueryKind.FEATURE_SUBSET: ('colour', 'size', 'weight'),
+    QueryKind.RELEVANCE: ('3', '10', '27'),
 }
 
 
@@ -32,6 +33,11 @@ def query(kind: QueryKind, choices: tuple[str, ...] = ()) -> Query:
         (QueryKind.FEATURE_SUBSET, 'colour,weight', ('colour', 'weight')),
         (QueryKind.FEATURE_SUBSET, 'Size , ', ('size',)),
         (QueryKind.FEATURE_SUBSET, '"size", colour', ('size', 'colour')),
+        *((QueryKind.RELEVANCE, text, (3, 10, 27)) for text in ('3,10,27', ' 3 , 10,27\n', '3 10 27', '#3, #10、２７')),
+        *((QueryKind.RELEVANCE, text, (10, 3)) for text in ('10,3', 'object 10 and object 3', 'Objects 10, 3,')),
+        *((QueryKind.RELEVANCE, text, (3,)) for text in ('3', '#3', 'object 3')),
+        (QueryKind.RELEVANCE, '3,3', (3, 3)),
+        *((QueryKind.RELEVANCE, text, ()) for text in ('none', ' None ')),
     ],
 )
 def test_words_of_the_contract_are_understood(kind: QueryKind, text: str, content: Content) -> None:
@@ -40,7 +46,7 @@ def test_words_of_the_contract_are_understood(kind: QueryKind, text: str, conten
     assert (answer.query_id, answer.outcome, answer.content) == ('q1', Outcome.ANSWERED, content)
 
 
-@pytest.mark.parametrize('kind', [QueryKind.LABEL, QueryKind.DEMONSTRATION, QueryKind.FEATURE_SUBSET])
+@pytest.mark.parametrize('kind', list(CHOICES))
 @pytest.mark.parametrize(
     ('text', 'outcome'),
     [
@@ -159,3 +165,29 @@ def test_random_text_is_refused_or_a_choice(text: str) -> None:
     except AnswerError:
         return
     assert answer.content in (*asked.choices, 'none', None)
+
+
+@pytest.mark.parametrize(
+    ('text', 'reason'),
+    [
+        ('3,99', "'99' does not answer 'What?'; expected one of: 3, 10, 27, none, ?, skip"),
+        ('snack', "'snack' does not answer"),
+        ('3,none', "'3,none' does not answer 'What?': each of none, ?, skip stands alone"),
+        ('3 ?', 'stands alone'),
+        ('', 'does not answer'),
+        ('3.5', "'3.5' does not answer"),
+        ('-3', "'-3' does not answer"),
+    ],
+)
+def test_a_list_of_things_is_never_guessed(text: str, reason: str) -> None:
+    """A thing that is named by mistake would be learnt as one that matters, all others as clutter."""
+    with pytest.raises(AnswerError) as caught:
+        read_plain_answer(text, query(QueryKind.RELEVANCE))
+    assert reason in str(caught.value)
+
+
+def test_the_spelling_of_things_that_matter_is_left_alone() -> None:
+    """Numbers have no Unicode form."""
+    for content in ((3, 10), ()):
+        answer = Answer('q1', 'a1', 'anna', Outcome.ANSWERED, content)
+        assert respelt(answer, ('snack',)) == answer

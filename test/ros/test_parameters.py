@@ -51,9 +51,16 @@ def test_costs_of_a_task_are_the_learners_defaults(tmp_path: Path) -> None:
     defaults = {setting.name: setting.default for setting in learner_settings(load_task(str(path)))}
     found = {name: value for name, value in defaults.items() if name.startswith(('cost_', 'charge_'))}
     assert found == {
-        'cost_label': 1.0, 'cost_demonstration': 3.0, 'cost_feature_subset': 2.0,
+        'cost_label': 1.0, 'cost_demonstration': 3.0, 'cost_feature_subset': 2.0, 'cost_relevance': 'never',
         'charge_unknown': 0.5, 'charge_skip': 1.0, 'charge_unanswered': 1.0,
     }  # fmt: skip
+
+
+@pytest.mark.parametrize(('value', 'cost'), [('never', None), (3, 3.0), (0.5, 0.5)])
+def test_a_node_takes_the_cost_of_a_relevance_query_or_never(graph: Any, value: object, cost: float | None) -> None:
+    """A robot could not be told to ask which things matter, or not to."""
+    learner = graph.start(LearnerNode, task='kitchen_table', cost_relevance=value)
+    assert learner._settings.costs.relevance == cost
 
 
 SHARE = Setting('share', 0.1, 'a share', lower=0.0, upper=1.0)

@@ -5,11 +5,14 @@ from __future__ import annotations
 from typing import Any
 
 import numpy as np
+import pytest
 from sensor_msgs.msg import PointCloud2
 
 from al_questioner.ros import qos
 from al_questioner.ros.nodes.learner import LearnerNode
 from al_questioner.ros.nodes.perception import PerceptionNode
+from al_questioner.ros.nodes.teacher import TeacherNode
+from shared.durable_sessions import ask_what_matters
 
 PLAIN = {'label': 'snack', 'demonstration': 'none', 'feature_subset': 'colour,size'}
 
@@ -98,3 +101,50 @@ def test_unusable_scenes_are_refused_and_the_turn_goes_on(graph: Any, person: An
     cloud.data = good
     eyes.publish(cloud)
     graph.wait_for(lambda: tells(person.queries), 'a question')
+
+
+@pytest.fixture
+def asks_what_matters(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Let learners ask which things matter, where it is not known."""
+    monkeypatch.setattr('al_questioner.ros.nodes.learner.make_picker', lambda: ask_what_matters)
+
+
+@pytest.mark.usefixtures('asks_what_matters')
+def test_a_person_says_which_things_matter(graph: Any, person: Any) -> None:
+    """Otherwise the question would be of use to the scripted teacher alone."""
+    graph.start_robot(strategy='human', cost_relevance=4.0, budget=9.0, turns=2)
+    query = person.query(1)
+    assert (query['kind'], query['cost'], query['text']) == ('relevance', 4.0, 'Which of these things matter?')
+    first, second, *_ = ids = query['choices']
+    for text, reason in {
+        f'{first},999': "'999' does not answer",
+        f'{first},none': 'stands alone',
+        'snack': 'does not answer',
+        person.document(query, 'none'): 'a list of object ids',
+        person.document(query, [999]): 'object 999 is not in the scene',
+        person.document(query, ['colour']): 'are object ids',
+        person.document(query, [int(first), 'colour']): 'content',
+    }.items():
+        ack = person.says(text)
+        assert not ack['accepted'], text
+        assert reason in ack['reason']
+    assert person.says(f'{second}, {first}')['accepted']
+    graph.wait_for(lambda: person.states and person.states[-1]['queries'], 'the answer in the state')
+    state = person.states[-1]
+    assert state['queries'][0]['objects'] == [int(second), int(first)]
+    assert state['last_answer']['answer']['content'] == [int(second), int(first)]
+    said = state['last_answer']['answer']['answer_id']
+    correction = person.document(query, [], answer_id='c1', replaces=said)
+    assert person.says(correction)['accepted']
+    graph.wait_for(lambda: person.states[-1]['queries'][0]['objects'] == [], 'the correction in the state')
+    assert len(ids) == 10
+
+
+@pytest.mark.usefixtures('asks_what_matters')
+def test_the_scripted_teacher_errs_as_its_parameters_say(graph: Any) -> None:
+    """Of a lunch all things matter, and a teacher who overlooks everything names none."""
+    states = graph.listen('learner_state')
+    graph.start_robot(strategy='human', cost_relevance=2.0, budget=2.0, turns=1)
+    graph.start(TeacherNode, **graph.world, relevance_omission=1.0)
+    (record,) = graph.wait_for_end(states)['queries']
+    assert (record['kind'], record['outcome'], record['objects']) == ('relevance', 'answered', [])

@@ -6,18 +6,32 @@ import dataclasses
 from collections.abc import Callable
 from pathlib import Path
 
-from al_questioner.domain import Answer, Decision
+from al_questioner.domain import Action, Answer, Costs, Decision, QueryKind
 from al_questioner.event_log.durable_episode import DurableEpisode
 from al_questioner.event_log.encoding import decoded
 from al_questioner.event_log.events import EpisodeStarted, SceneObserved
 from al_questioner.event_log.log import SessionLog, read_log
-from al_questioner.questioning import Picker, Receipt, make_strategy
+from al_questioner.questioning import Picker, Receipt, TurnContext, make_strategy
 from al_questioner.simulation import PerceivedWorld, episode_settings
 from shared.lunches import TASK, teacher
 
 TEACHER = teacher()
 WORLD = {'task': 'prepare_lunch', 'seed': 4, 'sample': 4, 'dataset': None}
 Start = Callable[..., DurableEpisode]
+
+
+WITH_RELEVANCE = dataclasses.replace(episode_settings(TASK, 'human', 20.0, 6, tune_every=2), costs=Costs(relevance=4.0))
+"""Settings of an episode whose questioner may ask which things matter."""
+
+
+def ask_what_matters(context: TurnContext) -> int:
+    """Ask which things matter where that is not known, else for the name of the first thing without one."""
+    relevance = Action(QueryKind.RELEVANCE)
+    if relevance in context.candidates and relevance not in context.known_answers:
+        return context.candidates.index(relevance)
+    unlabelled = [i for i, known in zip(context.scene.object_ids, context.labelled, strict=True) if not known]
+    label = Action(QueryKind.LABEL, next(iter(unlabelled), None))
+    return context.candidates.index(label if label in context.candidates else Action(QueryKind.NO_QUERY))
 
 
 def episode_started(**changes: object) -> EpisodeStarted:

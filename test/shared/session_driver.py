@@ -1,12 +1,14 @@
 """A session of a learner in one process, which is killed at its write points or at any time, and goes on.
 
-    PYTHONPATH=test python -m shared.session_driver points FOLDER | random FOLDER KILLS SEED
+    PYTHONPATH=test python -m shared.session_driver points FOLDER | relevance FOLDER | random FOLDER KILLS SEED
 
-writes one JSON object to the standard output. A script, so that it forks before anything has threads.
+writes one JSON object to the standard output; `relevance` is `points` with a person who asks which things matter. A
+script, so that it forks before anything has threads.
 """
 
 from __future__ import annotations
 
+import dataclasses
 import json
 import os
 import random
@@ -22,7 +24,7 @@ from al_questioner.event_log.events import EpisodeStarted, SceneObserved
 from al_questioner.event_log.log import SessionLog, read_log
 from al_questioner.questioning import Receipt
 from al_questioner.simulation import PerceivedWorld, WorldSpec, episode_settings
-from shared.durable_sessions import TASK, TEACHER, durable_of
+from shared.durable_sessions import TASK, TEACHER, WITH_RELEVANCE, ask_what_matters, durable_of
 from shared.storages import WatchedStorage, killer
 
 SETTINGS = episode_settings(TASK, 'u_sampling_fsq', 6.0, 5, change_interval=2, tune_every=2)
@@ -59,7 +61,9 @@ def is_away(query: Query, turn: int) -> bool:
 def play(folder: Path, acknowledge: Callable[[Answer], None], at_write_point: Callable[[str], None]) -> None:
     """The episode to its end, from wherever its log is; the rules are those of the learner node."""
     log = SessionLog(folder, partial(WatchedStorage, reached=at_write_point))
-    durable = durable_of(BEGUN, log)
+    is_person = sys.argv[1] == 'relevance'
+    begun = dataclasses.replace(BEGUN, settings=WITH_RELEVANCE) if is_person else BEGUN
+    durable = durable_of(begun, log, ask_what_matters if is_person else None)
     durable.start()
     episode = durable.episode
     while True:
@@ -130,7 +134,7 @@ def main() -> None:
     duration = time.monotonic() - began
     whole = lines(root / 'whole')
     problems, kills = faults(root / 'whole', whole, True), 0
-    if mode == 'points':
+    if mode in ('points', 'relevance'):
         for point in range(1, 1000):
             folder = root / f'point-{point}'
             if run(folder, kill_at=point):

@@ -59,6 +59,8 @@ class ToyWorld:
             return reply(query, self.truth[query.action.object_id])
         if query.action.kind is QueryKind.FEATURE_SUBSET:
             return reply(query, ('colour', 'size'))
+        if query.action.kind is QueryKind.RELEVANCE:
+            return reply(query, tuple(i for i, symbol in self.truth.items() if symbol != NO_SYMBOL))
         shown = [object_id for object_id, symbol in self.truth.items() if symbol == query.action.symbol]
         return reply(query, shown[0] if shown else NO_SYMBOL)
 

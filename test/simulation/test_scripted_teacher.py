@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import dataclasses
 from collections import Counter
+from collections.abc import Mapping
 
 import pytest
 
@@ -123,3 +124,58 @@ def test_impossible_rates_are_refused(rates: dict[str, float]) -> None:
     """Otherwise a mistyped rate would be simulated as something else."""
     with pytest.raises(SettingsError, match='rate'):
         teacher(**rates)
+
+
+TABLE = {number: 'snack' if number % 4 == 0 else NO_SYMBOL for number in range(40)}
+MATTERING = tuple(range(0, 40, 4))
+
+
+def which_matter(number: int = 1, things: Mapping[int, str] = TABLE) -> Query:
+    asked = query(QueryKind.RELEVANCE, number)
+    return dataclasses.replace(asked, choices=tuple(map(str, things)))
+
+
+def test_what_matters_is_what_has_a_symbol() -> None:
+    """Also where nothing does, and of the things that were asked about alone."""
+    assert teacher().answer(which_matter(), TABLE).content == MATTERING
+    assert teacher().answer(which_matter(), dict.fromkeys(TABLE, NO_SYMBOL)).content == ()
+    assert teacher().answer(which_matter(things={4: 'snack', 5: ''}), TABLE).content == (4,)
+    empty = teacher().answer(which_matter(things={}), {})
+    assert (empty.outcome, empty.content) == (Outcome.ANSWERED, ())
+
+
+@pytest.mark.parametrize(('omission', 'false_alarm'), [(0.1, 0.05), (1.0, 0.0), (0.0, 1.0), (0.3, 0.0)])
+def test_things_are_left_out_and_added_as_often_as_told(omission: float, false_alarm: float) -> None:
+    """Otherwise it would be measured against another teacher than the page says."""
+    erring = teacher(relevance_omission=omission, relevance_false_alarm=false_alarm)
+    answers = [set(erring.answer(which_matter(number), TABLE).content) for number in range(400)]
+    left_out = sum(len(set(MATTERING) - named) for named in answers) / (400 * 10)
+    added = sum(len(named - set(MATTERING)) for named in answers) / (400 * 30)
+    # Three standard errors.
+    assert abs(left_out - omission) <= 3 * (omission * (1 - omission) / 4000) ** 0.5
+    assert abs(added - false_alarm) <= 3 * (false_alarm * (1 - false_alarm) / 12000) ** 0.5
+    assert answers == [set(erring.answer(which_matter(number), TABLE).content) for number in range(400)]
+
+
+def test_each_thing_is_misjudged_by_itself() -> None:
+    """A teacher who overlooks one thing in ten rarely overlooks all, or none, at once."""
+    erring = teacher(relevance_omission=0.5)
+    counts = Counter(len(erring.answer(which_matter(number), TABLE).content) for number in range(400))
+    mean = sum(count * times for count, times in counts.items()) / 400
+    variance = sum((count - mean) ** 2 * times for count, times in counts.items()) / 400
+    assert variance == pytest.approx(10 * 0.25, rel=0.3)
+
+
+def test_a_wrong_answer_misjudges_one_thing_and_an_unknown_one_none() -> None:
+    """The other rates mean what they mean at other questions."""
+    for number in range(40):
+        named = set(teacher(wrong_rate=1.0).answer(which_matter(number), TABLE).content)
+        assert len(named ^ set(MATTERING)) == 1
+    assert teacher(unknown_rate=1.0).answer(which_matter(), TABLE).outcome is Outcome.UNKNOWN
+
+
+@pytest.mark.parametrize('rate', ['relevance_omission', 'relevance_false_alarm'])
+def test_impossible_chances_are_refused(rate: str) -> None:
+    for value in (-0.1, 1.1, float('nan')):
+        with pytest.raises(SettingsError, match=rate):
+            teacher(**{rate: value})

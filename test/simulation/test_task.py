@@ -11,6 +11,7 @@ import pytest
 
 from al_questioner.domain import Costs, InputError
 from al_questioner.simulation import Task, episode_settings, load_task, make_world
+from al_questioner.support.configuration import shipped_names
 from shared.task_files import task_content, write_task
 
 SYMBOLS = ('main_dish', 'snack', 'fruit', 'beverage')
@@ -68,6 +69,19 @@ def test_costs_of_a_task_are_those_of_its_episodes(tmp_path: Path, content: dict
     assert episode_settings(task, costs=Costs(3, 3, 3)).costs == Costs(3, 3, 3)
 
 
+def test_the_relevance_query_has_a_cost_or_none(tmp_path: Path) -> None:
+    """Otherwise a table without clutter would have a question of no use, or one could not be without it."""
+    for stated, expected in ((4, 4.0), (0, 0.0), ('never', None)):
+        assert _own(tmp_path, costs={'relevance': stated}).episode.costs == Costs(relevance=expected)
+    assert _own(tmp_path).episode.costs.relevance is None
+    for wrong in (-1, 'off', True):
+        with pytest.raises(InputError, match='costs: relevance'):
+            _own(tmp_path, costs={'relevance': wrong})
+    costs = {name: load_task(name).episode.costs.relevance for name in shipped_names('tasks')}
+    assert {name for name, cost in costs.items() if cost == 4} == {'kitchen_table', 'mixed_kitchens'}
+    assert {cost for cost in costs.values() if cost != 4} == {None}
+
+
 @pytest.mark.parametrize('section', ['episode', 'costs', 'scenes', 'appearance', 'camera', 'sensors', 'variety'])
 def test_a_section_that_is_left_empty_has_the_defaults(tmp_path: Path, section: str) -> None:
     """A key without lines below it has its defaults, and is not refused for being no mapping."""
@@ -86,7 +100,7 @@ def test_a_slip_in_a_task_has_a_suggestion(tmp_path: Path) -> None:
     for more, hint in (
         ({'episode': {'strategy': 'u_samplng'}}, 'human; did you mean u_sampling?'),
         ({'scens': {}}, 'variety; did you mean scenes?'),
-        ({'costs': {'lable': 1}}, 'unanswered; did you mean label?'),
+        ({'costs': {'lable': 1}}, 'relevance; did you mean label?'),
         ({'scenes': {'turnover': 'objects'}}, "unknown 'objects'; known: state, object; did you mean object?"),
     ):
         with pytest.raises(InputError, match=re.escape(hint)):

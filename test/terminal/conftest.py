@@ -53,7 +53,18 @@ def feature_subset(number: int = 1, groups: tuple[str, ...] = GROUPS) -> Query:
     return Query(f'q{number}', number, Action(QueryKind.FEATURE_SUBSET), groups, 2, 4, 5, 1, text)
 
 
-QUERIES = {'label': label, 'demonstration': demonstration, 'feature_subset': feature_subset}
+def relevance(number: int = 1, ids: tuple[int, ...] = (1, 7, 12)) -> Query:
+    """Return a relevance query."""
+    text = 'Which of these things matter?'
+    return Query(f'q{number}', number, Action(QueryKind.RELEVANCE), tuple(map(str, ids)), 4, 4, 5, 1, text)
+
+
+QUERIES = {
+    'label': label,
+    'demonstration': demonstration,
+    'feature_subset': feature_subset,
+    'relevance': relevance,
+}
 
 
 def record(turn: int, object_id: int = 3, symbol: str = 'fruit') -> QueryRecord:
@@ -111,5 +122,5 @@ def person() -> Person:
 @pytest.fixture(scope='session')
 def made() -> SimpleNamespace:
     """The helpers above; test modules cannot import from each other in pytest's importlib mode."""
-    helpers = (Person, demonstration, feature_subset, label, many_objects, picture_of, record, scene_of)
+    helpers = (Person, demonstration, feature_subset, label, many_objects, picture_of, record, relevance, scene_of)
     return SimpleNamespace(QUERIES=QUERIES, **{helper.__name__: helper for helper in helpers})

@@ -128,6 +128,21 @@ def test_digits_and_enter_answer_a_demonstration_query(person: Any, made: Any) -
     assert isinstance(pressed(view_state, '1', 'f')[0], Explain)
 
 
+def test_numbers_and_enter_answer_a_relevance_query(person: Any, made: Any) -> None:
+    """A comma or a blank parts two numbers; a slip is taken back, and no number at all is no answer."""
+    view_state = person.asked(made.relevance(1))
+    assert pressed(view_state, *'1,12', 'enter') == [Say('1,12')]
+    assert pressed(view_state, *'1 3', 'backspace', *' , 7 ', 'enter') == [Say('1,7')]
+    assert pressed(view_state, 'n') == [Say('none')]
+    assert pressed(view_state, 'u') == [Say('?')]
+    explained(view_state, 'enter', 'type the numbers of the things that matter')
+    explained(view_state, 'x', 'is no digit')
+    (notice,) = pressed(view_state, *'1,n')
+    assert isinstance(notice, Explain)
+    many = [*','.join(map(str, range(100))), 'enter']
+    assert pressed(view_state, *many) == [Say(','.join(map(str, range(100))))]
+
+
 def test_ticks_and_enter_answer_a_feature_subset_query(person: Any, made: Any) -> None:
     """Otherwise more than one property could not be named, or a slip not be taken back."""
     view_state = person.asked(made.feature_subset(1))
@@ -145,7 +160,7 @@ def test_groups_with_a_comma_can_be_ticked(person: Any, made: Any) -> None:
         assert read_plain_answer(said.text, query).content == groups
 
 
-@pytest.mark.parametrize('kind', ['label', 'demonstration', 'feature_subset'])
+@pytest.mark.parametrize('kind', ['label', 'demonstration', 'feature_subset', 'relevance'])
 def test_commands_are_the_same_at_every_question(person: Any, made: Any, kind: str) -> None:
     """Otherwise a person could not quit or get help at some question."""
     view_state = person.asked(made.QUERIES[kind](1))
@@ -170,7 +185,10 @@ def test_what_was_typed_at_one_question_is_not_carried_to_the_next(person: Any, 
 
 
 @settings(deadline=None)
-@given(st.sampled_from(['label', 'demonstration', 'feature_subset']), st.lists(st.sampled_from(KEYS) | st.characters()))
+@given(
+    st.sampled_from(['label', 'demonstration', 'feature_subset', 'relevance']),
+    st.lists(st.sampled_from(KEYS) | st.characters()),
+)
 def test_no_keys_fail_and_every_answer_of_the_keypad_is_one(made: Any, kind: str, keys: list[str]) -> None:
     """Otherwise a cat on the keyboard would end the session, or say what the robot cannot read."""
     view_state = made.Person().asked(made.QUERIES[kind](1))
@@ -181,7 +199,7 @@ def test_no_keys_fail_and_every_answer_of_the_keypad_is_one(made: Any, kind: str
 
 
 @settings(deadline=None)
-@given(st.text(max_size=40), st.sampled_from(['label', 'demonstration', 'feature_subset']))
+@given(st.text(max_size=40), st.sampled_from(['label', 'demonstration', 'feature_subset', 'relevance']))
 def test_every_line_is_an_answer_or_is_explained(made: Any, line: str, kind: str) -> None:
     """Otherwise a script or a person would see a traceback, or nothing at all."""
     person = made.Person()

@@ -13,7 +13,7 @@ from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
 from al_questioner.concepts import ConceptLearner
-from al_questioner.domain import Action, EpisodeError, InputError, Outcome, QueryKind, QueryRecord, random_stream
+from al_questioner.domain import Action, Costs, EpisodeError, InputError, Outcome, QueryKind, QueryRecord, random_stream
 from al_questioner.questioning import Episode, Human, TurnContext
 from al_questioner.terminal.menu import HELP_TABLE, Lines, chosen_candidate, menu, pick_from_menu
 from shared.toys import toy as toy
@@ -186,3 +186,24 @@ def test_a_person_plays_an_episode(toy: Any) -> None:
         if decision.query is not None:
             episode.tell(world.answer(decision.query))
     assert kinds == ['feature_subset', 'label', 'demonstration', 'no_query', 'label']
+
+
+def test_the_relevance_query_is_chosen_where_it_has_a_cost(toy: Any) -> None:
+    """The expert could not demonstrate it; or a letter would change its meaning for those who do not use it."""
+    plain, costly = context_of(toy), context_of(toy, costs=Costs(relevance=4.0))
+    for line in ('r', 'relevance', 'R'):
+        assert costly.candidates[chosen_candidate(line, costly)] == Action(QueryKind.RELEVANCE)
+        with pytest.raises(InputError, match='is no question'):
+            chosen_candidate(line, plain)
+    assert 'Which of these things matter? (cost 4): r' in menu(costly)
+    assert 'matter? (cost 4)' not in menu(plain)
+    with pytest.raises(InputError, match='the budget does not pay'):
+        chosen_candidate('r', context_of(toy, costs=Costs(relevance=4.0), spent=17.0))
+    costly.concepts.judge_scene(costly.scene, (22,), 1)
+    judged = context_of(toy, costs=Costs(relevance=4.0), concepts=costly.concepts)
+    with pytest.raises(InputError, match='its only possible answer is known'):
+        chosen_candidate('r', judged)
+    assert 'matter? (cost 4)' not in menu(judged)
+    screen = io.StringIO()
+    pick_from_menu(context_of(toy, costs=Costs(relevance=4.0)), io.StringIO('h\nr\n'), screen)
+    assert 'asks which of these things matter' in screen.getvalue()

@@ -11,10 +11,11 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from rich.cells import cell_len
 
+from al_questioner.domain import Answer, Outcome, QueryKind, QueryRecord
 from al_questioner.terminal.capabilities import Capabilities
 from al_questioner.terminal.keypad import Pad, about, press
 from al_questioner.terminal.screen import screen
-from al_questioner.terminal.sentences import farewell, question_line
+from al_questioner.terminal.sentences import farewell, question_line, recorded_in_words, said_in_words
 
 SIZES = ((80, 24), (40, 24), (80, 8), (20, 5), (200, 60), (1, 1))
 COLOURS = ((None, False), ('standard', True), ('256', False), ('truecolor', False))
@@ -26,7 +27,7 @@ def shown(view_state: Any, capabilities: Capabilities, pad: Pad | None = None, i
     return capabilities.written(screen(view_state, pad or Pad(), capabilities, in_help))
 
 
-@pytest.mark.parametrize('kind', ['label', 'demonstration', 'feature_subset'])
+@pytest.mark.parametrize('kind', ['label', 'demonstration', 'feature_subset', 'relevance'])
 @pytest.mark.parametrize('capabilities', TERMINALS, ids=str)
 def test_every_screen_fits_its_terminal(made: Any, kind: str, capabilities: Capabilities) -> None:
     """Otherwise lines would wrap and push the question off the screen, on a small one or over a slow line."""
@@ -111,6 +112,20 @@ def test_a_number_that_is_typed_shows_its_object(person: Any, made: Any) -> None
     assert '[12]' in text
 
 
+def test_numbers_that_are_typed_are_marked_on_the_map(person: Any, made: Any) -> None:
+    """Otherwise the person would lose count of forty things."""
+    view_state = person.asked(made.relevance(1))
+    text = shown(view_state, Capabilities(80, 30), Pad(about(view_state), '1,7'))
+    assert 'Which of these things matter?' in text
+    assert 'n if nothing here does: 1,7_' in text.replace('\n', ' ')
+    assert 'Object 7: ' in text
+    marked = screen(view_state, Pad(about(view_state), '1,12'), Capabilities(80, 30))
+    styled = {
+        line.plain[span.start : span.end] for line in marked for span in line.spans if 'reverse' in str(span.style)
+    }
+    assert styled == {'1', '[12]'}
+
+
 def test_ticked_groups_are_marked(person: Any, made: Any) -> None:
     """Otherwise the person could not see what they are about to say."""
     view_state = person.asked(made.feature_subset(1))
@@ -147,7 +162,7 @@ def test_a_correction_says_what_it_corrects(person: Any, made: Any) -> None:
     assert 'turn 1 of 6 · correcting' in text
 
 
-@pytest.mark.parametrize('kind', ['label', 'demonstration', 'feature_subset'])
+@pytest.mark.parametrize('kind', ['label', 'demonstration', 'feature_subset', 'relevance'])
 @pytest.mark.parametrize('capabilities', [Capabilities(80, 24), Capabilities(80, 18), Capabilities(60, 40)], ids=str)
 def test_the_map_stays_where_it_is_while_a_question_is_shown(made: Any, kind: str, capabilities: Capabilities) -> None:
     """Otherwise the number that somebody is about to point at would jump to another row."""
@@ -190,3 +205,18 @@ def test_a_line_keeps_names_with_blanks_and_commas_apart(made: Any) -> None:
     """Otherwise a person would take one name for two, and be refused."""
     assert '[main dish, cup, none, ?, skip]' in question_line(made.label(1, symbols=('main dish', 'cup')), False)
     assert '[size,"bbox[0,1]" ? skip]' in question_line(made.feature_subset(1, ('size', 'bbox[0,1]')), False)
+
+
+@pytest.mark.parametrize(
+    ('content', 'words'), [((1, 12), 'of these things 1, 12 matter'), ((), 'of these things none matters')]
+)
+def test_what_matters_is_told_in_words(person: Any, made: Any, content: tuple[int, ...], words: str) -> None:
+    """Otherwise a person could not check what they said, or find an earlier answer again."""
+    query = made.relevance(1)
+    answer = Answer('q1', 'a1', 'anna', Outcome.ANSWERED, content)
+    assert said_in_words(query.action, answer) == words
+    record = QueryRecord(1, QueryKind.RELEVANCE, None, None, 4.0, Outcome.ANSWERED, objects=content)
+    assert recorded_in_words(record) == words
+    nobody = replace(record, outcome=Outcome.UNANSWERED, objects=None)
+    assert recorded_in_words(nobody) == 'which things matter: nobody answered'
+    assert question_line(query, False).startswith('q1: Which of these things matter? [1,7,12 none ? skip] (costs 4')

@@ -10,7 +10,13 @@ from al_questioner.domain import BUDGET, TUNE_EVERY, TURNS, InputError
 from al_questioner.questioning.strategies.names import STRATEGY
 from al_questioner.questioning.strategies.weights import WEIGHTS_FILE
 from al_questioner.ros.settings import TURN_PERIOD
-from al_questioner.simulation.scripted_teacher import REPEAT_SHOWN, UNKNOWN_RATE, WRONG_RATE
+from al_questioner.simulation.scripted_teacher import (
+    RELEVANCE_FALSE_ALARM,
+    RELEVANCE_OMISSION,
+    REPEAT_SHOWN,
+    UNKNOWN_RATE,
+    WRONG_RATE,
+)
 from al_questioner.simulation.world_spec import DATASET, SAMPLE, SEED, TASK
 from al_questioner.support.arguments import DEFAULT, Parser, add_option
 from al_questioner.support.configuration import shipped_names
@@ -28,9 +34,8 @@ def parser() -> Parser:
     add_option(result, TUNE_EVERY, metavar='K')
     add_option(result, SEED)
     add_option(result, SAMPLE, default=None, help=SAMPLE.description)
-    add_option(result, WRONG_RATE)
-    add_option(result, UNKNOWN_RATE)
-    add_option(result, REPEAT_SHOWN)
+    for setting in (WRONG_RATE, UNKNOWN_RATE, RELEVANCE_OMISSION, RELEVANCE_FALSE_ALARM, REPEAT_SHOWN):
+        add_option(result, setting)
     add_option(result, TURN_PERIOD, f'{DEFAULT}, not offline')
     result.add_argument('--out', type=Path, default=Path('out/demo'), help='folder for the pictures (%(default)s)')
     result.add_argument('--json', type=Path, metavar='FILE', help='write the episode as JSON')

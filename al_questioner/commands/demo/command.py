@@ -27,6 +27,8 @@ from al_questioner.simulation.made_up_world import MadeUpWorld, made_up_scene
 from al_questioner.support.files import check_writable, make_folder, write_text
 from al_questioner.terminal.menu import make_picker
 
+TEACHER_OPTIONS = ('wrong_rate', 'unknown_rate', 'relevance_omission', 'relevance_false_alarm', 'repeat_shown')
+"""Options that are parameters of the scripted teacher."""
 PATIENCE = 30.0
 """Seconds without progress after which the warning of a node ends the demo."""
 
@@ -53,6 +55,8 @@ def main(given: argparse.Namespace) -> int:
         given.wrong_rate,
         given.unknown_rate,
         repeat_shown=given.repeat_shown,
+        relevance_omission=given.relevance_omission,
+        relevance_false_alarm=given.relevance_false_alarm,
     )
     strategy = make_strategy(settings.strategy, settings.weights, make_picker())
     world = PerceivedWorld(world_spec.open()) if made_up is None else PerceivedWorld(made_up, made_up_scene)
@@ -136,7 +140,7 @@ def _play_graph(given: argparse.Namespace, evaluation: Evaluation, watch: TurnWa
             'perception': world,
             'teacher': {
                 **world,
-                **{name: getattr(given, name) for name in ('wrong_rate', 'unknown_rate', 'repeat_shown')},
+                **{name: getattr(given, name) for name in TEACHER_OPTIONS},
             },
             'learner': {
                 **world,

@@ -16,6 +16,7 @@ from al_questioner.simulation.kitchen.table_image import Mark, draw_scene
 from al_questioner.support.plotting import (
     KIND_COLOURS,
     STYLE,
+    colours_of,
     kind_name,
     mark_changes,
     mark_query,
@@ -68,7 +69,7 @@ def _timeline(result: EpisodeResult, world: PerceivedWorld) -> Figure:
     turns = result.settings.turns
     for axes in (asked, budget):
         mark_changes(axes, world.change_turns(turns))
-    rows = {kind: row for row, kind in enumerate(reversed(KIND_COLOURS))}
+    rows = {kind: row for row, kind in enumerate(reversed(colours_of(record.kind for record in result.queries)))}
     for record in result.queries:
         mark_query(asked, record, rows[record.kind])
     asked.set_yticks(list(rows.values()), [kind_name(kind) for kind in rows])

@@ -11,7 +11,7 @@ from rich.table import Table
 
 from al_questioner import __version__
 from al_questioner.domain import QueryKind
-from al_questioner.messages.documents import record_members
+from al_questioner.messages.documents import costs_members, record_members
 from al_questioner.simulation import EpisodeResult, PerceivedWorld, ScriptedTeacher
 from al_questioner.support.text import number_of
 
@@ -37,7 +37,7 @@ def episode_document(result: EpisodeResult, teacher: ScriptedTeacher, world: Per
         'dataset_report': world.report().splitlines(),
         'symbols': list(settings.symbols),
         'weights': dict(settings.weights),
-        'costs': asdict(settings.costs),
+        'costs': costs_members(settings.costs),
         'change_interval': settings.change_interval,
         **settings.classifiers._asdict(),
         'length_scale': settings.length_scale,
@@ -45,6 +45,8 @@ def episode_document(result: EpisodeResult, teacher: ScriptedTeacher, world: Per
         'kernel': asdict(result.kernel),
         'wrong_rate': teacher.wrong_rate,
         'unknown_rate': teacher.unknown_rate,
+        'relevance_omission': teacher.relevance_omission,
+        'relevance_false_alarm': teacher.relevance_false_alarm,
         'repeat_shown': teacher.repeat_shown,
         'version': __version__,
     }

@@ -6,11 +6,13 @@ import argparse
 import os
 from collections.abc import Mapping, Sequence
 from pathlib import Path
+from typing import Any
 
 from al_questioner.domain import (
     AMPLITUDE,
     BUDGET,
     CLASS_BALANCE,
+    COST_RELEVANCE,
     KERNEL_SHAPE,
     TURNS,
     Classifiers,
@@ -29,7 +31,13 @@ from al_questioner.experiments.plan import (
 )
 from al_questioner.experiments.studies import STUDIES
 from al_questioner.questioning import FEATURE_SETS
-from al_questioner.simulation.scripted_teacher import REPEAT_SHOWN, UNKNOWN_RATE, WRONG_RATE
+from al_questioner.simulation.scripted_teacher import (
+    RELEVANCE_FALSE_ALARM,
+    RELEVANCE_OMISSION,
+    REPEAT_SHOWN,
+    UNKNOWN_RATE,
+    WRONG_RATE,
+)
 from al_questioner.simulation.task import SCENE_INTERVAL, SYNCHRONY
 from al_questioner.simulation.world_spec import DATASET
 from al_questioner.support.arguments import JOBS, Parser, add_option
@@ -81,10 +89,15 @@ def parser() -> Parser:
     result.add_argument('--weights-file', help=f'weights of {" or ".join(FEATURE_SETS)}; those that ship if not given')
     add_option(result, SCENE_INTERVAL, "the task's")
     add_option(result, SYNCHRONY, "the task's")
-    add_option(result, WRONG_RATE)
-    add_option(result, UNKNOWN_RATE)
-    add_option(result, REPEAT_SHOWN)
-    for setting in (AMPLITUDE, KERNEL_SHAPE, CLASS_BALANCE):
+    add_option(result, COST_RELEVANCE, "the task's")
+    teacher: tuple[Setting[Any], ...] = (
+        WRONG_RATE,
+        UNKNOWN_RATE,
+        RELEVANCE_OMISSION,
+        RELEVANCE_FALSE_ALARM,
+        REPEAT_SHOWN,
+    )
+    for setting in (*teacher, AMPLITUDE, KERNEL_SHAPE, CLASS_BALANCE):
         add_option(result, setting)
     add_option(result, DATASET, help=DATASET.description)
     add_option(result, JOBS, 'one for each processor')
@@ -134,5 +147,8 @@ def plan_of(given: argparse.Namespace, weights: Mapping[str, Mapping[str, float]
             unknown_rate=given.unknown_rate,
             classifiers=Classifiers(given.amplitude, given.kernel_shape, given.class_balance),
             repeat_shown=given.repeat_shown,
+            cost_relevance=given.cost_relevance,
+            relevance_omission=given.relevance_omission,
+            relevance_false_alarm=given.relevance_false_alarm,
         ),
     )

@@ -128,8 +128,11 @@ def _varied(given: argparse.Namespace) -> str:
     parts = {
         'the scene changes every {} turns': given.change_interval,
         'synchrony {}': given.synchrony,
+        'cost of a relevance query: {}': given.cost_relevance,
         'share of wrong answers {}': given.wrong_rate or None,
         'share of questions without an answer {}': given.unknown_rate or None,
+        'chance {} that a thing that matters is left out': given.relevance_omission or None,
+        'chance {} that a thing of no symbol is named': given.relevance_false_alarm or None,
         'the teacher shows also what is known': given.repeat_shown or None,
         **{
             f'{setting.name} {{}}': value

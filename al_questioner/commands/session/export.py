@@ -10,7 +10,7 @@ from datetime import datetime, timezone
 from pathlib import Path
 from typing import Any
 
-from al_questioner.domain import Content, InputError, Query
+from al_questioner.domain import NO_SYMBOL, Content, InputError, Query
 from al_questioner.domain.names import joined
 from al_questioner.event_log.summary import SessionSummary, StatedAnswer
 from al_questioner.messages.documents import record_members, settings_members
@@ -24,7 +24,7 @@ ANSWER_COLUMNS = (
 )
 TURN_COLUMNS = (
     *('turn', 'stamp', 'objects', 'kind', 'object_id', 'symbol', 'query_id'),
-    *('cost', 'outcome', 'groups', 'answered_in'),
+    *('cost', 'outcome', 'groups', 'answered_in', 'objects'),
 )
 
 
@@ -89,10 +89,13 @@ def write_tables(summary: SessionSummary, folder: Path) -> list[Path]:
 
 
 def spoken(content: Content) -> str:
-    """Return a content as one cell; groups are parted by commas, those that hold one in quotes."""
+    """Return a content as one cell; several parts are parted by commas, those that hold one in quotes.
+
+    That nothing matters is `NO_SYMBOL`, as people say it.
+    """
     if content is None:
         return ''
-    return joined(content) if isinstance(content, tuple) else str(content)
+    return (joined(map(str, content)) or NO_SYMBOL) if isinstance(content, tuple) else str(content)
 
 
 def status(statement: StatedAnswer) -> str:
@@ -136,10 +139,16 @@ def _turn_rows(summary: SessionSummary) -> list[list[object]]:
         query, record = queries.get(observed.turn), records.get(observed.turn)
         kind = 'no_query' if query is None else query.action.kind.value
         object_id, symbol = (None, None) if query is None else (query.action.object_id, query.action.symbol)
-        came: list[object] = [None, None, '', None]
+        came: list[object] = [None, None, '', None, '']
         if record is not None:
             object_id, symbol = record.object_id, record.symbol
-            came = [record.cost, record.outcome.value, joined(record.groups), record.answered_in]
+            came = [
+                record.cost,
+                record.outcome.value,
+                joined(record.groups),
+                record.answered_in,
+                spoken(record.objects),
+            ]
         asked = [kind, object_id, symbol, query and query.query_id]
         rows.append([observed.turn, observed.stamp, len(observed.scene), *asked, *came])
     return rows

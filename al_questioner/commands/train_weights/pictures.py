@@ -16,8 +16,8 @@ from al_questioner.imitation.demonstration import Demonstration
 from al_questioner.imitation.max_entropy_irl import WINDOW, mean_gaps
 from al_questioner.imitation.training import Training
 from al_questioner.support.plotting import (
-    KIND_COLOURS,
     STYLE,
+    colours_of,
     kind_name,
     mark_changes,
     mark_query,
@@ -94,11 +94,12 @@ def _draw_timelines(
             for record in queries:
                 mark_query(axes, record, height)
     mark_changes(axes, demonstrations[0].change_turns)
-    for kind, colour in KIND_COLOURS.items():
+    shown = colours_of(record.kind for demonstration in demonstrations for record in demonstration.queries)
+    for kind, colour in shown.items():
         axes.scatter([], [], color=colour, s=40, label=f'{kind_name(kind)} query')
     axes.set_yticks([height for height, _ in ticks], [label for _, label in ticks], fontsize=9)
     axes.set(
         xlabel='turn', xlim=(0, max(d.settings.turns for d in demonstrations) + 1), ylim=(-len(demonstrations), 0.5)
     )
     axes.xaxis.set_major_locator(MaxNLocator(integer=True))
-    put_legend_below(figure, len(KIND_COLOURS), *axes.get_legend_handles_labels(), fontsize=9)
+    put_legend_below(figure, len(shown), *axes.get_legend_handles_labels(), fontsize=9)

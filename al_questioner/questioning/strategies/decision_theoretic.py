@@ -7,8 +7,8 @@ from typing import ClassVar
 
 import numpy as np
 
-from al_questioner.domain import DECISION_FEATURES, SettingsError
-from al_questioner.questioning.strategies.choice import Choice, choose_best
+from al_questioner.domain import DECISION_FEATURES, QueryKind, SettingsError
+from al_questioner.questioning.strategies.choice import Choice, choose_best, rows_of
 from al_questioner.questioning.strategies.expected_utility import expected_features
 from al_questioner.questioning.turn_context import TurnContext
 
@@ -37,6 +37,9 @@ class DecisionTheoretic:
         self.weights = np.array([float(weights.get(feature, 0.0)) for feature in DECISION_FEATURES])
 
     def choose(self, context: TurnContext, rng: np.random.Generator) -> Choice:
-        """Return the best of all candidates; the choice carries their expected features."""
+        """Return the best of the paper's candidates; the choice carries the expected features of all."""
         features = expected_features(context)
-        return choose_best(context, features @ self.weights, rng, features)
+        utilities = features @ self.weights
+        # What its answer would change cannot be imagined, so it seems to be worth no more than asking something.
+        utilities[rows_of(context, QueryKind.RELEVANCE)] = np.nan
+        return choose_best(context, utilities, rng, features)

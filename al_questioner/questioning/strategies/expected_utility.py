@@ -23,7 +23,7 @@ def expected_features(context: TurnContext) -> Array:
     The outcomes of LQ(x) are the symbols y with p(y|x), those of DQ(y) the objects x with p(x|y); either way the
     learner would have one more example (x, y). NQ teaches nothing. The answer to FSQ is taken to be the features that a
     computational selector picks from the labels so far; without labels, or once the teacher has answered an FSQ, the
-    beliefs stay as they are.
+    beliefs stay as they are. So they do after a relevance query, as the beliefs q_y(x) do not tell which things matter.
     """
     expected = np.empty((len(context.candidates), len(DECISION_FEATURES)))
     concepts, scene, actions = context.concepts, context.scene, context.candidates

@@ -14,7 +14,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from al_questioner.domain import Outcome, QueryKind, SettingsError
+from al_questioner.domain import NO_SYMBOL, Outcome, QueryKind, SettingsError
 from al_questioner.questioning.beliefs import class_beliefs, with_labels
 from al_questioner.questioning.candidates import BUDGET_ROUNDING
 from al_questioner.questioning.strategies.choice import TIE, Choice, choose_best, rows_of
@@ -110,11 +110,12 @@ def value_features(context: TurnContext, constants: Constants = DEFAULTS) -> Arr
         factors[demonstrations, GAIN] = (shown * gains).sum(axis=0) / np.maximum(shown.sum(axis=0), LEAST)
         here = 1 - np.prod(1 - shown, axis=0)
         factors[demonstrations, CHANCE] = here * _answered(context, QueryKind.DEMONSTRATION)
-    subset = rows_of(context, QueryKind.FEATURE_SUBSET)
-    factors[subset, GAIN], factors[subset, CHANCE] = (
-        later_answers(context),
-        _answered(context, QueryKind.FEATURE_SUBSET),
-    )
+    for kind, gain in (
+        (QueryKind.FEATURE_SUBSET, later_answers(context, context.costs.feature_subset)),
+        (QueryKind.RELEVANCE, relevance_gain(context, beliefs, gains)),
+    ):
+        rows = rows_of(context, kind)
+        factors[rows, GAIN], factors[rows, CHANCE] = gain, _answered(context, kind)
     asks = np.array([action.kind is not QueryKind.NO_QUERY for action in context.candidates])
     features = np.zeros((len(factors), len(VALUE_FEATURES)))
     features[:, :2] = np.log(np.maximum(factors, LEAST))
@@ -149,13 +150,38 @@ def called_shares(probabilities: Array) -> Array:
     return np.asarray(largest / largest.sum(axis=1, keepdims=True))
 
 
-def later_answers(context: TurnContext) -> float:
-    """Labels that can still be asked for once the relevant features are known: each of them gains the more for it."""
-    costs = context.costs
-    if costs.label == 0:
+def later_answers(context: TurnContext, cost: float) -> float:
+    """Return how many labels can still be asked for after a question of this cost.
+
+    Once the relevant features are known, each of them gains the more for it.
+    """
+    if context.costs.label == 0:
         return float(context.turns_left)
-    affordable = np.floor((context.budget_left - costs.feature_subset + BUDGET_ROUNDING) / costs.label)
+    affordable = np.floor((context.budget_left - cost + BUDGET_ROUNDING) / context.costs.label)
     return float(np.clip(affordable, 0, context.turns_left))
+
+
+def relevance_gain(context: TurnContext, beliefs: Array, gains: Array) -> float:
+    """Return how much more the later labels are expected to gain once it is known which things matter.
+
+    Without the answer, the things that are worth most are asked about, and each gains only if it is of some symbol;
+    with it, as many things that are. Before anything was found to be of no symbol it is 0: there may be no clutter,
+    and a label tells that for less.
+
+    Args:
+        context: the turn.
+        beliefs: (|X|, |Y| + 1) from `class_beliefs`.
+        gains: (|X|, |Y|) from `example_gains`.
+    """
+    cost, labels = context.costs.relevance, [view.label for view in context.concepts.labelled_views]
+    if cost is None or NO_SYMBOL not in labels:
+        return 0.0
+    symbols = beliefs[~context.labelled, :-1]
+    worth, named = (symbols * gains[~context.labelled]).sum(axis=1), symbols.sum()
+    count = int(min(later_answers(context, cost), round(named)))
+    if count == 0:
+        return 0.0
+    return float(max(0.0, count * worth.sum() / named - np.sort(worth)[-count:].sum()))
 
 
 def scarcity(context: TurnContext) -> float:

@@ -15,7 +15,17 @@ from std_msgs.msg import String
 from visualization_msgs.msg import MarkerArray
 
 from al_questioner.concepts import compile_models
-from al_questioner.domain import Answer, AnswerError, Content, Decision, EpisodeError, InputError, Query, Scene
+from al_questioner.domain import (
+    NO_SYMBOL,
+    Answer,
+    AnswerError,
+    Content,
+    Decision,
+    EpisodeError,
+    InputError,
+    Query,
+    Scene,
+)
 from al_questioner.event_log.events import SceneObserved
 from al_questioner.event_log.state_documents import episode_members, noise_text, state_members
 from al_questioner.event_log.storage import SqliteStorage, StorageFactory
@@ -337,7 +347,7 @@ class LearnerNode(QuestionerNode):
 
 
 def _spoken(content: Content) -> str:
-    return ', '.join(content) if isinstance(content, tuple) else str(content)
+    return (', '.join(map(str, content)) or NO_SYMBOL) if isinstance(content, tuple) else str(content)
 
 
 def main(arguments: Sequence[str], storage: StorageFactory = SqliteStorage) -> int:

@@ -80,6 +80,8 @@ class _Script:
             float(given['unknown_rate']),
             str(given['teacher_id']) or 'scripted',
             bool(given['repeat_shown']),
+            float(given['relevance_omission']),
+            float(given['relevance_false_alarm']),
         )
         self._delay = float(given['delay'])
         self.sender = AnswerSender(node, self._acknowledged)

@@ -10,6 +10,8 @@ import cv2
 import pytest
 
 from al_questioner.cli import main
+from al_questioner.commands.demo.progress import answer_text
+from al_questioner.domain import Outcome, QueryKind, QueryRecord
 
 SMALL = ['demo', '--offline', '--task', 'prepare_lunch', '--budget', '6', '--turns', '7', '--seed', '4']
 
@@ -42,6 +44,15 @@ def test_the_teacher_is_told_of(tmp_path: Path) -> None:
         assert episode['repeat_shown'] is bool(options)
         shown[options] = [query['object_id'] for query in episode['queries']]
     assert len(set(map(tuple, shown.values()))) == 2
+
+
+@pytest.mark.parametrize(
+    ('objects', 'told'), [((3, 10), 'Objects 3, 10.'), ((), 'Nothing here.'), (None, 'I do not know.')]
+)
+def test_what_matters_is_told_in_words(objects: tuple[int, ...] | None, told: str) -> None:
+    """Otherwise the line of the turn would be empty, or that of a label."""
+    outcome = Outcome.UNKNOWN if objects is None else Outcome.ANSWERED
+    assert answer_text(QueryRecord(1, QueryKind.RELEVANCE, None, None, 4.0, outcome, objects=objects)) == told
 
 
 def test_tuned_kernel_is_told(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:

@@ -35,7 +35,18 @@ from al_questioner.questioning import (
     read_plain_answer,
 )
 from al_questioner.simulation import PerceivedWorld, WorldSpec, episode_settings
-from shared.durable_sessions import TASK, TEACHER, WORLD, answer, ask, durable_of
+from shared.durable_sessions import (
+    TASK,
+    TEACHER,
+    WITH_RELEVANCE,
+    WORLD,
+    answer,
+    ask,
+    ask_what_matters,
+    durable_of,
+    play_turns,
+    start_durable,
+)
 from shared.little_room import little_room
 
 EPISODE = ['--task', 'prepare_lunch', '--strategy', 'dt_iros', '--budget', '6', '--turns', '7', '--seed', '4']
@@ -365,3 +376,48 @@ def test_an_episode_in_which_nothing_could_be_chosen_is_no_demonstration(
     assert main(['session', str(tmp_path / 'log'), '--bag', str(tmp_path / 'bag')]) == 0
     assert main(['train_weights', str(tmp_path / 'bag'), '--out', str(tmp_path / 'w.yaml')]) == 2
     assert 'in no turn was there anything to choose' in capsys.readouterr().err
+
+
+def test_what_was_said_to_matter_is_exported(
+    tmp_path: Path, world: PerceivedWorld, capsys: pytest.CaptureFixture[str]
+) -> None:
+    """Otherwise nobody could work with it but in Python."""
+    durable = start_durable(tmp_path / 'log', ask_what_matters, settings=WITH_RELEVANCE)
+    ask(durable, world)
+    first = answer(durable, world)
+    durable.take(dataclasses.replace(first, content=(3, 1)))
+    durable.take(dataclasses.replace(first, answer_id='late', teacher_id='bert', content=()))
+    durable.tune()
+    durable.close()
+    command = ['session', str(tmp_path / 'log'), '--json', str(tmp_path / 'x.json'), '--csv', str(tmp_path / 'csv')]
+    assert main(command) == 0
+    assert 'Which of these things matter?' in ' '.join(capsys.readouterr().out.split())
+    document = json.loads((tmp_path / 'x.json').read_text())
+    assert document['queries'] == [
+        {
+            'turn': 1, 'kind': 'relevance', 'object_id': None, 'symbol': None, 'cost': 4.0, 'outcome': 'answered',
+            'groups': [], 'objects': [3, 1],
+        }
+    ]  # fmt: skip
+    assert document['costs']['relevance'] == 4.0
+    said = list(csv.DictReader((tmp_path / 'csv' / 'answers.csv').open()))
+    assert [(row['kind'], row['content'], row['status']) for row in said] == [
+        ('relevance', '3,1', 'taken'), ('relevance', 'none', 'late'),
+    ]  # fmt: skip
+    (turn,) = csv.DictReader((tmp_path / 'csv' / 'turns.csv').open())
+    assert (turn['kind'], turn['groups'], turn['objects'], turn['outcome']) == ('relevance', '', '3,1', 'answered')
+
+
+def test_a_bag_in_which_it_was_asked_what_matters_is_checked_and_learnt_from(
+    tmp_path: Path, world: PerceivedWorld, capsys: pytest.CaptureFixture[str]
+) -> None:
+    """Otherwise a person's demonstration would be lost as soon as they used the question."""
+    durable = start_durable(tmp_path / 'log', ask_what_matters, settings=WITH_RELEVANCE)
+    play_turns(durable, world, WITH_RELEVANCE.turns)
+    durable.close()
+    bag, weights = tmp_path / 'bag', tmp_path / 'weights.yaml'
+    assert main(['session', str(tmp_path / 'log'), '--bag', str(bag)]) == 0
+    assert main(['replay', str(bag), '--check']) == 0
+    assert main(['train_weights', str(bag), '--method', 'choice', '--out', str(weights)]) == 0
+    assert weights.is_file()
+    assert '6 turns' in ' '.join(capsys.readouterr().out.split())
