@@ -43,20 +43,11 @@ from shared.durable_sessions import (
     start_durable,
 )
 
-DRIVER = ROOT / 'test' / 'shared' / 'session_driver.py'
-
 
 def drive(*arguments: object) -> dict[str, object]:
-    # What the script imports imports from `shared` in turn.
-    paths = os.pathsep.join(filter(None, (str(ROOT / 'test'), os.environ.get('PYTHONPATH'))))
-    done = subprocess.run(
-        [sys.executable, str(DRIVER), *map(str, arguments)],
-        capture_output=True,
-        text=True,
-        timeout=280,
-        check=False,
-        env={**os.environ, 'PYTHONPATH': paths},
-    )
+    command = [sys.executable, '-m', 'shared.session_driver', *map(str, arguments)]
+    environment = {**os.environ, 'PYTHONPATH': str(ROOT / 'test')}
+    done = subprocess.run(command, env=environment, capture_output=True, text=True, timeout=280, check=False)
     assert done.returncode == 0, done.stderr
     return json.loads(done.stdout)
 

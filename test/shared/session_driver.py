@@ -1,6 +1,6 @@
 """A session of a learner in one process, which is killed at its write points or at any time, and goes on.
 
-    python session_driver.py points FOLDER | relevance FOLDER | random FOLDER KILLS SEED
+    PYTHONPATH=test python -m shared.session_driver points FOLDER | relevance FOLDER | random FOLDER KILLS SEED
 
 writes one JSON object to the standard output; `relevance` is `points` with a person who asks which things matter. A
 script, so that it forks before anything has threads.
@@ -19,14 +19,13 @@ from collections.abc import Callable
 from functools import cache, lru_cache, partial
 from pathlib import Path
 
-from durable_sessions import TASK, TEACHER, WITH_RELEVANCE, ask_what_matters, durable_of
-from storages import WatchedStorage, killer
-
 from al_questioner.domain import Answer, Outcome, Query, Scene
 from al_questioner.event_log.events import EpisodeStarted, SceneObserved
 from al_questioner.event_log.log import SessionLog, read_log
 from al_questioner.questioning import Receipt
 from al_questioner.simulation import PerceivedWorld, WorldSpec, episode_settings
+from shared.durable_sessions import TASK, TEACHER, WITH_RELEVANCE, ask_what_matters, durable_of
+from shared.storages import WatchedStorage, killer
 
 SETTINGS = episode_settings(TASK, 'u_sampling_fsq', 6.0, 5, change_interval=2, tune_every=2)
 BEGUN = EpisodeStarted('e1', SETTINGS, 4, 1e-3, None, '0')
