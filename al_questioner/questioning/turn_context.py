@@ -108,8 +108,9 @@ class TurnContext:
         Once every view in the scene has a label, these are the demonstration of a symbol with a single object here,
         and the label of a single object; and which things matter, once of every view it is known whether it does.
         """
-        is_judged = (self.labelled | self.concepts.matters(self.scene)).all()
-        relevance = {Action(QueryKind.RELEVANCE)} if self.costs.relevance is not None and is_judged else set()
+        can_be_asked = self.costs.relevance is not None
+        is_judged = can_be_asked and (self.labelled | self.concepts.matters(self.scene)).all()
+        relevance = {Action(QueryKind.RELEVANCE)} if is_judged else set()
         if not self.labelled.all():
             return frozenset(relevance)
         named = self.concepts.labels_of(self.scene)

@@ -41,3 +41,25 @@ def test_an_option_has_the_type_and_the_range_of_its_setting(arguments: list[str
     """Otherwise the node would refuse later what the command takes."""
     with pytest.raises(InputError, match=reason):
         parser().parse_args(arguments)
+
+
+COST = Setting('cost', 'never', 'cost; never: it is not asked', 'budget', lower=0, word='never')
+
+
+@pytest.mark.parametrize(('arguments', 'cost'), [([], None), (['--cost', 'never'], 'never'), (['--cost', '2'], 2.0)])
+def test_an_option_takes_a_number_or_the_word_of_its_setting(arguments: list[str], cost: object) -> None:
+    """Otherwise what a node can be told could not be told to a command."""
+    result = Parser(prog='command')
+    add_option(result, COST, "the task's")
+    assert result.parse_args(arguments).cost == cost
+
+
+@pytest.mark.parametrize(
+    ('text', 'reason'),
+    [('off', 'must be a number or never, not off'), ('-1', 'must be at least 0'), ('nan', 'at least 0')],
+)
+def test_another_word_is_refused(text: str, reason: str) -> None:
+    result = Parser(prog='command')
+    add_option(result, COST)
+    with pytest.raises(InputError, match=f'argument --cost: {reason}|{reason}'):
+        result.parse_args(['--cost', text])

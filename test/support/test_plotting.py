@@ -4,7 +4,8 @@ from __future__ import annotations
 
 from matplotlib import pyplot as plt
 
-from al_questioner.support.plotting import STYLE, put_legend_below
+from al_questioner.domain import QueryKind
+from al_questioner.support.plotting import STYLE, colours_of, put_legend_below
 
 
 def test_a_legend_stands_below_the_panels_and_inside_the_picture() -> None:
@@ -24,3 +25,10 @@ def test_a_legend_stands_below_the_panels_and_inside_the_picture() -> None:
             assert 0 <= extent.x0 < extent.x1 <= figure.bbox.width
             assert extent.y1 <= min(panel.get_tightbbox().y0 for panel in axes)
             plt.close(figure)
+
+
+def test_a_figure_shows_the_papers_kinds_and_others_if_they_were_asked() -> None:
+    """Otherwise all figures would have an entry for a question that hardly anybody asks."""
+    usual = [QueryKind.LABEL, QueryKind.DEMONSTRATION, QueryKind.FEATURE_SUBSET]
+    assert list(colours_of([QueryKind.LABEL, QueryKind.NO_QUERY])) == usual
+    assert list(colours_of([QueryKind.RELEVANCE])) == [*usual, QueryKind.RELEVANCE]

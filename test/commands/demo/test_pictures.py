@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import dataclasses
 from pathlib import Path
 
 import pytest
@@ -9,8 +10,19 @@ from matplotlib import pyplot as plt
 
 from al_questioner.commands.demo import pictures
 from al_questioner.domain import QueryKind
+from al_questioner.questioning import Human
 from al_questioner.simulation import PerceivedWorld, WorldSpec, episode_settings, run_episode
-from shared.durable_sessions import TASK, TEACHER
+from shared.durable_sessions import TASK, TEACHER, WITH_RELEVANCE, ask_what_matters
+
+
+def test_a_relevance_query_is_drawn(tmp_path: Path) -> None:
+    """Otherwise the pictures of an episode with one would be missing."""
+    settings = dataclasses.replace(WITH_RELEVANCE, turns=3, tune_every=0)
+    world_spec, asks = WorldSpec(TASK, 4, 4), Human(ask_what_matters)
+    world = PerceivedWorld(world_spec.open())
+    result = run_episode(world_spec, settings, TEACHER, world=world, strategy=asks)
+    assert QueryKind.RELEVANCE in {record.kind for record in result.queries}
+    assert all(path.is_file() for path in pictures.draw_pictures(result, world, tmp_path))
 
 
 @pytest.mark.parametrize('strategy', ['random_fsq', 'rarest_demo'])
