@@ -9,6 +9,7 @@ from al_questioner.concepts import ConceptLearner
 from al_questioner.domain import NO_SYMBOL, Costs, Outcome, QueryKind, QueryRecord, random_stream
 from al_questioner.questioning import FEATURE_SETS, Choice, Episode, FeatureRecorder, make_strategy, read_weights
 from al_questioner.questioning.beliefs import class_beliefs
+from al_questioner.questioning.strategies.choice import rows_of
 from al_questioner.questioning.strategies.value_per_cost import (
     BY_DERIVATION,
     DEFAULTS,
@@ -112,7 +113,8 @@ def test_gains_by_hand(toy):
     ],
 )
 def test_what_the_relevant_features_still_help(toy, changes, answers):
-    assert later_answers(context_of(toy, **changes)) == answers
+    context = context_of(toy, **changes)
+    assert later_answers(context, context.costs.feature_subset) == answers
 
 
 def test_the_relevant_features_come_first_unless_they_leave_no_answer(toy):
@@ -346,3 +348,45 @@ class RandomChoice:
     def choose(self, context, rng):
         utilities = np.zeros(len(context.candidates))
         return Choice(int(rng.integers(len(utilities))), utilities)
+
+
+def relevance_gain_of(context):
+    """Return the gain of the relevance query among the features."""
+    rows = rows_of(context, QueryKind.RELEVANCE)
+    return float(np.exp(value_features(context)[rows[0], VALUE_FEATURES.index('gain')]))
+
+
+@pytest.mark.parametrize('budget_left', [20.0, 6.0])
+def test_the_relevance_query_gains_what_later_labels_gain_the_more(toy, budget_left):
+    """With the answer, things of some symbol are asked about; without it the best of all, each with its chance."""
+    costs, labels = Costs(relevance=4.0), ['snack', NO_SYMBOL]
+    history = (SUBSET_ASKED, *map(label_record, labels))
+    context = context_of(toy, labels, costs=costs, budget=25.0, spent=25.0 - budget_left, history=history)
+    beliefs = class_beliefs(context, DEFAULTS.reach, DEFAULTS.doubt)
+    gains = example_gains(context, DEFAULTS.decline)
+    things = range(2, 6)
+    named = {thing: sum(beliefs[thing][:-1]) for thing in things}
+    worth = {thing: sum(beliefs[thing][j] * gains[thing][j] for j in range(3)) for thing in things}
+    count = min(round(sum(named.values())), int(budget_left - 4.0))
+    informed = count * sum(worth.values()) / sum(named.values())
+    best = sorted(worth.values(), reverse=True)[:count]
+    assert count > 0
+    assert relevance_gain_of(context) == pytest.approx(max(1e-6, informed - sum(best)))
+
+
+def test_the_relevance_query_is_not_asked_before_anything_was_of_no_symbol(toy):
+    """Where there is no clutter it would tell nothing, and a label finds that out for less."""
+    costs = Costs(relevance=1.0)
+    assert relevance_gain_of(context_of(toy, ['snack'], costs=costs)) == pytest.approx(1e-6)
+    assert relevance_gain_of(context_of(toy, [NO_SYMBOL], costs=costs)) > 0.1
+
+
+def test_the_relevance_query_is_asked_in_clutter_and_not_once_more_of_the_same_things(toy):
+    """What was said to matter is certain, so that the same answer gains nothing."""
+    costs = Costs(relevance=1.0)
+    context = context_of(toy, [NO_SYMBOL], costs=costs, history=(SUBSET_ASKED, label_record(NO_SYMBOL)))
+    assert decide(context)[0].kind is QueryKind.RELEVANCE
+    context.concepts.judge_scene(context.scene, [2, 3], 2)
+    again = dataclasses.replace(context, turn=3)
+    assert relevance_gain_of(again) == pytest.approx(1e-6)
+    assert decide(again)[0].kind is not QueryKind.RELEVANCE
