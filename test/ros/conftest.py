@@ -262,8 +262,9 @@ class Processes:
         return True
 
     def close(self) -> None:
-        """End everything."""
-        for name in filter(self.is_running, self._running):
+        """End everything, and print the logs, which are shown if the test has failed."""
+        for name in self._running:
+            sys.stdout.write(f'{name}, {"running" if self.is_running(name) else "ended"}: {self.log(name)}\n')
             self.kill(name)
 
 
