@@ -14,7 +14,7 @@ from al_questioner.domain import InputError, Outcome, QueryKind, QueryRecord
 from al_questioner.experiments.ceilings import GreedyOracle, follow_all_labels
 from al_questioner.experiments.plan import Cell, Variation
 from al_questioner.experiments.playing import play_episode
-from al_questioner.questioning import TurnContext
+from al_questioner.questioning import TurnContext, new_concept_learner
 from al_questioner.simulation import Evaluation, PerceivedWorld, WorldSpec, accuracy, episode_settings
 from shared.lunches import TASK, teacher_of
 from shared.scenes import make_context, make_scene
@@ -94,7 +94,7 @@ def test_all_labels_are_all_that_was_in_sight() -> None:
     assert result.queries == ()
     assert len(set(result.accuracy[:10])) == 1
     world = PerceivedWorld(world_spec.open())
-    concepts = ConceptLearner(TASK.symbols, settings.amplitude)
+    concepts = new_concept_learner(settings, None)
     for turn in (1, 11):
         scene = world.scene(turn)
         concepts.observe(scene)

@@ -18,7 +18,7 @@ from al_questioner.simulation.made_up_world import MadeUpWorld, made_up_scene
 from shared.lunches import TASK
 
 PLAN = Plan(tasks=('prepare_lunch',), conditions=(Condition(2, 2),), strategies=('random_fsq',), samples=(0,))
-EPISODES = {1: '59b894199f2e541a'}
+EPISODES = {1: '59b894199f2e541a', 2: '2ba1b740de99264e'}
 """Digests by version; a strategy that joins changes the present one, which need not raise the version."""
 
 
@@ -42,18 +42,17 @@ def test_a_change_of_what_is_asked_raises_the_version() -> None:
     assert digest_of_queries() == EPISODES[SEMANTICS], 'episodes are others now: raise SEMANTICS, and add their digest'
 
 
-@pytest.mark.parametrize(('told', 'is_taken'), [(SOURCES_OF_1[0], True), ('0123456789abcdef', False)])
-def test_folders_of_before_there_were_versions(tmp_path: Path, told: str, is_taken: bool) -> None:
-    """Otherwise hours of playing would be lost because a file has another name."""
+@pytest.mark.parametrize(('source', 'version'), [(SOURCES_OF_1[0], '1'), ('0123456789abcdef', "'0123456789abcdef'")])
+def test_folders_from_the_time_without_versions_are_known_by_their_source(
+    tmp_path: Path, source: str, version: str
+) -> None:
+    """Hours of playing are not lost because a file has another name, nor mixed with those of another method."""
     Store(tmp_path, PLAN)
     (tmp_path / 'cells' / 'some').mkdir()
     (tmp_path / 'cells' / 'some' / 'cell.json').write_text('{}')
     manifest = json.loads((tmp_path / 'manifest.json').read_text())
     del manifest['semantics']
-    manifest |= {'code': told, 'version': '0.0.1'}
+    manifest |= {'code': source, 'version': '0.0.1'}
     (tmp_path / 'manifest.json').write_text(json.dumps(manifest))
-    if is_taken:
+    with pytest.raises(SettingsError, match=f'with semantics {version}, not {SEMANTICS}'):
         Store(tmp_path, PLAN)
-    else:
-        with pytest.raises(SettingsError, match="with semantics '0123456789abcdef', not 1"):
-            Store(tmp_path, PLAN)

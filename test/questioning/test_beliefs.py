@@ -63,7 +63,7 @@ def test_a_label_tells_of_what_is_near_and_not_of_what_is_far(toy):
 
 
 def test_where_no_label_is_near_the_classifiers_tell_the_symbols_apart(toy):
-    """By their odds, and none has its share; before any label the symbols are equally probable."""
+    """The symbols share by their odds what none leaves; before any label they are equally probable."""
     context = context_of(toy, ['snack', 'fruit'], history=[named('snack'), named('fruit')])
     odds = context.probabilities / (1 - context.probabilities)
     prior = prior_beliefs(context)

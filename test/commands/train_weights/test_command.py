@@ -15,7 +15,7 @@ import yaml
 
 from al_questioner.bags import BagWriter, Topic, read_bag, read_episodes
 from al_questioner.cli import main
-from al_questioner.domain import DECISION_FEATURES, InputError
+from al_questioner.domain import DECISION_FEATURES, DEFAULT_CLASSIFIERS, Classifiers, InputError
 from al_questioner.event_log.replay import first_divergence
 from al_questioner.imitation.bags import decisions_anew, read_demonstrations
 from al_questioner.imitation.demonstration import teacher_of
@@ -71,25 +71,29 @@ def test_choices_train_quickly_and_the_same_twice(tmp_path: Path, capsys: pytest
     assert "in the expert's states the best candidate is 49 questions; the expert asked 42" in output
 
 
-def test_what_the_learner_asks_by_itself_is_told_for_both_amplitudes(
+def test_what_the_learner_asks_by_itself_is_told_for_both_classifiers(
     tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
     """It asks as much as the expert in the expert's states, and hardly anything where it leads itself."""
     bags = [Path(bag) for bag in BAGS]
     assert run(*bags, '--method', 'choice', '--out', tmp_path / 'w.yaml') == 0
     output = capsys.readouterr().out
-    assert 'WARNING: 3 of 3 demonstrations recorded with amplitude 4; learners have 100 unless told otherwise' in output
-    found = re.search(r'asks (\d+) questions? with amplitude 4, .*, and (\d+) questions? with 100, as learners', output)
+    earlier, usual = Classifiers(4.0, 'rbf', 0.0), DEFAULT_CLASSIFIERS
+    assert f'3 of 3 demonstrations recorded with {earlier}; learners have {usual} unless told otherwise' in output
+    found = re.search(
+        rf'asks (\d+) questions? with {earlier}, .*, and (\d+) questions? with {usual}, as learners', output
+    )
     assert found is not None
     weights, asked = yaml.safe_load((tmp_path / 'w.yaml').read_text())['weights'], []
-    for amplitude in (4.0, 100.0):
+    for classifiers in (earlier, usual):
         asked.append(0)
         for shown in read_demonstrations(bags):
-            settings = dataclasses.replace(shown.settings, strategy='dt_task_env', weights=weights, amplitude=amplitude)
+            settings = dataclasses.replace(shown.settings, strategy='dt_task_env', weights=weights)
+            settings = dataclasses.replace(settings, **classifiers._asdict())
             asked[-1] += len(run_episode(shown.world_spec, settings, teacher_of(shown.world_spec)).queries)
     assert [int(count) for count in found.groups()] == asked
     assert asked[1] < 21 < asked[0]
-    assert 'WARNING: with these weights it hardly asks (with 100, as learners have unless told otherwise)' in output
+    assert f'with these weights it hardly asks (with {usual}, as learners have unless told otherwise)' in output
 
 
 def test_weights_with_which_nothing_is_asked_are_warned_of(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
@@ -109,7 +113,7 @@ def test_bags_tell_what_was_not_recorded(tmp_path: Path) -> None:
     (episode,) = read_episodes(path)
     again = [decision.features for decision in decisions_anew(episode, FEATURE_SETS['dt_task_env'])]
     for ours, turn in zip(again, episode.turns, strict=True):
-        np.testing.assert_allclose(ours, turn.decision.features, atol=1e-9)
+        np.testing.assert_allclose(ours, turn.decision.features, atol=1e-6)
     assert run(BAGS[0], '--strategy', 'value_per_cost', '--method', 'choice', '--out', tmp_path / 'w.yaml') == 0
     assert set(yaml.safe_load((tmp_path / 'w.yaml').read_text())['weights']) == set(feature_set.names)
 

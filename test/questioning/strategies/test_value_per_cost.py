@@ -375,14 +375,14 @@ def test_the_relevance_query_gains_what_later_labels_gain_the_more(toy, budget_l
 
 
 def test_the_relevance_query_is_not_asked_before_anything_was_of_no_symbol(toy):
-    """Where there is no clutter it would tell nothing, and a label finds that out for less."""
+    """It tells nothing where there is no clutter, and a label finds that out for less."""
     costs = Costs(relevance=1.0)
     assert relevance_gain_of(context_of(toy, ['snack'], costs=costs)) == pytest.approx(1e-6)
     assert relevance_gain_of(context_of(toy, [NO_SYMBOL], costs=costs)) > 0.1
 
 
 def test_the_relevance_query_is_asked_in_clutter_and_not_once_more_of_the_same_things(toy):
-    """What was said to matter is certain, so that the same answer gains nothing."""
+    """Things that were said to matter are certain, so that the same answer gains nothing."""
     costs = Costs(relevance=1.0)
     context = context_of(toy, [NO_SYMBOL], costs=costs, history=(SUBSET_ASKED, label_record(NO_SYMBOL)))
     assert decide(context)[0].kind is QueryKind.RELEVANCE
