@@ -19,6 +19,7 @@ from al_questioner.experiments.plan import Cell, Condition, Plan, Variation
 from al_questioner.experiments.playing import Played, play_cells, play_episode
 from al_questioner.experiments.results import read_results
 from al_questioner.experiments.running import run
+from al_questioner.experiments.semantics import SEMANTICS
 from al_questioner.experiments.storing import Store
 from al_questioner.simulation import WorldSpec, episode_settings, run_episode
 from shared.lunches import TASK, teacher_of
@@ -161,8 +162,8 @@ def test_another_method_or_world_is_not_mixed_in(tmp_path: Path, monkeypatch: py
     """Otherwise half of the table would be from before a change that decides what an episode is."""
     a_cell_is_finished(Store(tmp_path, PLAN))
     Store(tmp_path, dataclasses.replace(PLAN, tasks=('pack_lunchbox',)))
-    monkeypatch.setattr(storing, 'SEMANTICS', 2)
-    with pytest.raises(SettingsError, match=r'with semantics 1, not 2: choose'):
+    monkeypatch.setattr(storing, 'SEMANTICS', SEMANTICS + 1)
+    with pytest.raises(SettingsError, match=rf'with semantics {SEMANTICS}, not {SEMANTICS + 1}: choose'):
         Store(tmp_path, PLAN)
     monkeypatch.undo()
     monkeypatch.setattr(Plan, 'task_document', lambda plan, name: {'objects': 4})

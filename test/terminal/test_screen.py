@@ -6,6 +6,7 @@ import re
 from dataclasses import replace
 from typing import Any
 
+import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
@@ -75,7 +76,7 @@ def test_colours_are_those_that_the_terminal_has(person: Any, made: Any) -> None
     view_state = person.asked(made.label(1))
     # rich keeps the codes of a style that it has once written, so that each kind of terminal needs colours of its own.
     assert '38;2;' in shown(view_state, Capabilities(colors='truecolor'))
-    person.dialogue.see(made.picture_of() // 2, 2)
+    person.dialogue.see(np.full_like(made.picture_of(), 77), 2)
     view_state = person.dialogue.view_state()
     assert '38;2;' not in shown(view_state, Capabilities(colors='256'))
     assert '38;5;' in shown(view_state, Capabilities(colors='256'))
