@@ -18,7 +18,7 @@ from al_questioner.simulation.made_up_world import MadeUpWorld, made_up_scene
 from shared.lunches import TASK
 
 PLAN = Plan(tasks=('prepare_lunch',), conditions=(Condition(2, 2),), strategies=('random_fsq',), samples=(0,))
-EPISODES = {1: '59b894199f2e541a', 2: '2ba1b740de99264e'}
+EPISODES = {1: '59b894199f2e541a', 2: '842362e80dd3a486'}
 """Digests by version; a strategy that joins changes the present one, which need not raise the version."""
 
 

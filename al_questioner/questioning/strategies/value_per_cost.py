@@ -48,7 +48,7 @@ class Constants:
 
     reach: float = 0.25
     doubt: float = 0.03
-    decline: float = 0.5
+    decline: float = 0.25
     pace: float = 0.5
 
     def __post_init__(self) -> None:
