@@ -1,12 +1,13 @@
 """Worth of a questioner beside the others: tables, tests and the figure of accuracy against cost.
 
-    python benchmarks/questioners.py FOLDER [FOLDER ...] [--strategy NAME] [--figures DIR]
+    python benchmarks/questioners.py [VARIANT=]FOLDER ... [--strategy NAME] [--figures DIR] [--page FILE]
 
 Each folder is the --out of an experiment; together they hold the episodes of all strategies that are compared, each
-once, on the same samples. A cell is a task in a condition. Printed are, by cell, the accuracy at the end of the time
-and its mean over the turns, with the standard deviation over the samples; then the differences to each strategy of the
-paper and to the best control, with one-tailed p-values of Wilcoxon's signed-rank test and of the Mann-Whitney U test,
-both corrected by Holm's method over all cells; then both averaged over the conditions, for each task.
+once, on the same samples. Where a variant is named, the strategies of that folder are called STRATEGY, VARIANT. A cell
+is a task in a condition. Printed are, by cell, the accuracy at the end of the time and its mean over the turns, with
+the standard deviation over the samples; then the differences to each strategy of the paper, to the best control and to
+each variant, with one-tailed p-values of Wilcoxon's signed-rank test and of the Mann-Whitney U test, both corrected by
+Holm's method over all cells; then both averaged over the conditions, for each task. A page holds the same.
 """
 
 from __future__ import annotations
@@ -14,7 +15,8 @@ from __future__ import annotations
 import argparse
 import sys
 from collections import defaultdict
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
+from dataclasses import replace
 from pathlib import Path
 from typing import NamedTuple
 
@@ -23,9 +25,23 @@ import numpy as np
 from al_questioner.domain import InputError
 from al_questioner.experiments.figures import draw_cost_curves
 from al_questioner.experiments.plan import CONTROLS, PAPER_CONDITIONS, PAPER_STRATEGIES, Condition
+from al_questioner.experiments.plan import Cell as CellOfExperiment
 from al_questioner.experiments.results import EpisodeRow, Results, read_results
 from al_questioner.experiments.statistics import best_of, holm, paired_p, u_test
 from al_questioner.support.arrays import Array
+from al_questioner.support.files import write_bytes
+
+VARIANT = ', '
+"""What stands between the name of a strategy and that of its variant."""
+PAGE_HEAD = """\
+# Tables of the questioners
+
+The tables of [questioner.md](questioner.md), which says what they tell and by which commands they were made. A cell is
+a task in a condition, C1 to C4. First the accuracy at the end of the time, mean and standard deviation over the
+samples, and in brackets its mean over the turns. Then one-tailed tests that the first strategy is the more accurate one
+at the end of the time: Wilcoxon's signed-rank test on the pairs, and the Mann-Whitney U test, which does not know that
+they are pairs, each corrected by Holm's method over the cells; the difference is with its standard error. At last the
+same for the mean over the four conditions, the p-values uncorrected."""
 
 
 class Cell(NamedTuple):
@@ -38,13 +54,17 @@ class Cell(NamedTuple):
 def main() -> int:
     """Print all tables."""
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
-    parser.add_argument('folders', nargs='+', type=Path)
+    parser.add_argument('folders', nargs='+', metavar='[VARIANT=]FOLDER')
     parser.add_argument('--strategy', default='value_per_cost')
     parser.add_argument('--figures', type=Path)
+    parser.add_argument('--page', type=Path, metavar='FILE', help='write the tables as a page of the docs')
     given = parser.parse_args()
     try:
         results = read_together(given.folders)
-        print_all(results, given.strategy)
+        lines = list(lines_of(results, given.strategy))
+        print(*lines, sep='\n')
+        if given.page:
+            write_bytes(given.page, '\n'.join([PAGE_HEAD, *lines, '']).encode())
         if given.figures:
             common = on_common_samples(results)
             print(*(draw_cost_curves(common, task, given.figures) for task in common.tasks), sep='\n')
@@ -54,15 +74,18 @@ def main() -> int:
     return 0
 
 
-def read_together(folders: Sequence[Path]) -> Results:
-    """Read the tables of several experiments as if they were one.
+def read_together(folders: Sequence[str]) -> Results:
+    """Read the tables of several experiments as if they were one; each is FOLDER, or VARIANT=FOLDER.
 
     Raises:
         InputError: a table is missing or is none of an experiment, or a folder holds an episode of one before it.
     """
     together = Results([], [])
     for folder in folders:
-        found = read_results(folder)
+        variant, _, path = folder.rpartition('=')
+        found = read_results(Path(path))
+        if variant:
+            found = renamed(found, variant)
         twice = {row.cell for row in together.episodes} & {row.cell for row in found.episodes}
         if twice:
             raise InputError(f'{folder}: an episode is there twice: {min(twice)}')
@@ -70,8 +93,23 @@ def read_together(folders: Sequence[Path]) -> Results:
     return together
 
 
-def print_all(results: Results, strategy: str) -> None:
-    """Print all tables about a strategy.
+def renamed(results: Results, variant: str) -> Results:
+    """The same results of strategies that bear the name of a variant."""
+    return Results(
+        *(
+            [replace(row, cell=variant_of(row.cell, variant)) for row in rows]
+            for rows in (results.episodes, results.turns)
+        )
+    )
+
+
+def variant_of(cell: CellOfExperiment, variant: str) -> CellOfExperiment:
+    """The cell of a variant of the strategy."""
+    return replace(cell, strategy=f'{cell.strategy}{VARIANT}{variant}')
+
+
+def lines_of(results: Results, strategy: str) -> Iterator[str]:
+    """All tables about a strategy, in Markdown.
 
     Raises:
         InputError: it was not played, or no control was in one of the cells.
@@ -82,15 +120,16 @@ def print_all(results: Results, strategy: str) -> None:
     best = {cell: best_control(results, cell) for cell in cells}
     alike = on_common_samples(results)
     for task in results.tasks:
-        print(f'\n{task}, {len(alike.samples)} samples\n')
-        print_accuracies(alike, task)
-    for other in (name for name in PAPER_STRATEGIES if name in results.strategies):
-        print(f'\n{strategy} against {other}\n')
-        print_tests(results, strategy, dict.fromkeys(cells, other))
-    print(f'\n{strategy} against the best control of each cell\n')
-    print_tests(results, strategy, best)
-    print('\nmean over the conditions, of each sample\n')
-    print_averages(results, strategy)
+        yield from ('', f'## {task}, {len(alike.samples)} samples', '')
+        yield from accuracies(alike, task)
+    variants = [name for name in results.strategies if name.startswith(strategy + VARIANT)]
+    for other in (*(name for name in PAPER_STRATEGIES if name in results.strategies), *variants):
+        yield from ('', f'## {strategy} against {other}', '')
+        yield from tests(results, strategy, dict.fromkeys(cells, other))
+    yield from ('', f'## {strategy} against the best control of each cell', '')
+    yield from tests(results, strategy, best)
+    yield from ('', '## Mean over the conditions, of each sample', '')
+    yield from averages(results, strategy)
 
 
 def cells_of(results: Results, tasks: Iterable[str]) -> list[Cell]:
@@ -132,11 +171,11 @@ def accuracies_of_both(results: Results, cells: Sequence[Cell], first: str, othe
     return averages(ours), averages(theirs)
 
 
-def print_accuracies(results: Results, task: str) -> None:
+def accuracies(results: Results, task: str) -> Iterator[str]:
     """Accuracy at the end, and in brackets its mean over the turns; strategies of one sample have no row."""
     conditions = results.conditions(task)
     rows = {name: [accuracy_text(results.group(task, c, name)) for c in conditions] for name in results.strategies}
-    print_table(
+    yield from table(
         ('', *map(condition_label, conditions)), [(f'`{name}`', *texts) for name, texts in rows.items() if any(texts)]
     )
 
@@ -150,7 +189,7 @@ def accuracy_text(episodes: Sequence[EpisodeRow]) -> str:
     return f'{final.mean():.3f} ± {final.std(ddof=1):.3f} ({over_turns:.3f})'
 
 
-def print_tests(results: Results, strategy: str, others: Mapping[Cell, str]) -> None:
+def tests(results: Results, strategy: str, others: Mapping[Cell, str]) -> Iterator[str]:
     """A row for each cell, in which the strategy is compared with the other one that is named there."""
     pairs = {cell: accuracies_of_both(results, [cell], strategy, other) for cell, other in others.items()}
     pairs = {cell: pair for cell, pair in pairs.items() if len(pair[0]) > 1}
@@ -163,10 +202,12 @@ def print_tests(results: Results, strategy: str, others: Mapping[Cell, str]) -> 
         what = cell.task, condition_label(cell.condition), f'`{others[cell]}`'
         means = f'{ours.mean():.3f}', f'{theirs.mean():.3f}', f'{difference.mean():+.3f} ± {error:.3f}'
         rows.append((*what, *means, f'{p:.4f}', f'{u:.4f}'))
-    print_table(('task', '', 'against', 'ours', 'theirs', 'difference, its error', 'Wilcoxon', 'Mann-Whitney'), rows)
+    yield from table(
+        ('task', '', 'against', 'ours', 'theirs', 'difference, its error', 'Wilcoxon', 'Mann-Whitney'), rows
+    )
 
 
-def print_averages(results: Results, strategy: str) -> None:
+def averages(results: Results, strategy: str) -> Iterator[str]:
     """Against every other strategy, each sample's mean over the conditions; p-values uncorrected."""
     rows = []
     for task in results.tasks:
@@ -176,13 +217,13 @@ def print_averages(results: Results, strategy: str) -> None:
                 means = f'{ours.mean():.3f}', f'{theirs.mean():.3f}'
                 tests = f'{paired_p(ours, theirs):.4f}', f'{u_test(ours, theirs)[1]:.4f}'
                 rows.append((task, f'`{other}`', len(ours), *means, *tests))
-    print_table(('task', 'against', 'samples', 'ours', 'theirs', 'Wilcoxon', 'Mann-Whitney'), rows)
+    yield from table(('task', 'against', 'samples', 'ours', 'theirs', 'Wilcoxon', 'Mann-Whitney'), rows)
 
 
-def print_table(columns: Sequence[object], rows: Sequence[Sequence[object]]) -> None:
-    """As a page of the docs holds it."""
+def table(columns: Sequence[object], rows: Sequence[Sequence[object]]) -> Iterator[str]:
+    """A table as a page of the docs holds it."""
     for row in (columns, ['---'] * len(columns), *rows):
-        print(f'| {" | ".join(map(str, row))} |')
+        yield f'| {" | ".join(map(str, row))} |'
 
 
 def condition_label(condition: Condition) -> str:

@@ -33,7 +33,7 @@ def run(monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]) -> 
     """Runs the script; its status, and what it printed."""
     import questioners
 
-    def run_script(*folders: Path) -> tuple[int, str, str]:
+    def run_script(*folders: Path | str) -> tuple[int, str, str]:
         monkeypatch.setattr(sys, 'argv', ['questioners.py', *map(str, folders)])
         status: int = questioners.main()
         return status, *capsys.readouterr()
@@ -47,7 +47,7 @@ def test_a_questioner_is_compared_with_the_best_control(tmp_path: Path, run: Run
     lines = printed.splitlines()
     assert status == 0
     assert '| `value_per_cost` | 0.750 ± 0.071 (0.400) |' in lines
-    row = lines[lines.index('value_per_cost against the best control of each cell') + 4]
+    row = lines[lines.index('## value_per_cost against the best control of each cell') + 4]
     assert row.startswith('| kitchen_table | C1 | `rarest_demo` | 0.750 | 0.650 | +0.100 ± 0.000 |')
     assert '| kitchen_table | `random_fsq` | 2 | 0.750 | 0.550 |' in printed
 
@@ -58,6 +58,21 @@ def test_experiments_are_read_as_one(tmp_path: Path, run: Run) -> None:
     status, printed, _ = run(*(write(tmp_path / name, name) for name in names))
     assert status == 0
     assert all(f'| `{name}` | 0.550' in printed for name in names)
+
+
+def test_a_variant_is_compared_with_the_strategy(tmp_path: Path, run: Run) -> None:
+    """What a question is worth is seen beside the same strategy without it."""
+    strategies = write(tmp_path / 'a', 'random_fsq', 'value_per_cost')
+    page = tmp_path / 'page.md'
+    variant = f'never={write(tmp_path / "b", "value_per_cost")}'
+    status, printed, _ = run(strategies, variant, '--page', page)
+    lines = printed.splitlines()
+    assert status == 0
+    assert '| `value_per_cost, never` | 0.550 ± 0.071 (0.400) |' in lines
+    row = lines[lines.index('## value_per_cost against value_per_cost, never') + 4]
+    assert row.startswith('| kitchen_table | C1 | `value_per_cost, never` | 0.650 | 0.550 | +0.100 ± 0.000 |')
+    assert page.read_text().startswith('# ')
+    assert printed in page.read_text()
 
 
 def test_what_cannot_be_compared_is_one_line_and_status_2(tmp_path: Path, run: Run) -> None:
