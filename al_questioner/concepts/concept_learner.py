@@ -145,7 +145,11 @@ class ConceptLearner:
         targets = np.array([[float(label == symbol) for label in self._labels()] for symbol in self.symbols])
         root = float(np.sqrt(points.shape[1]))
         amplitude, length_scale = self._configured
-        found = tuned_kernel(points, targets, Kernel(amplitude, root if length_scale is None else length_scale))
+        found = tuned_kernel(
+            self._models.squared_distances(points),
+            targets,
+            Kernel(amplitude, root if length_scale is None else length_scale),
+        )
         relative, models = found.length_scale / root, self._models
         if (found.amplitude, None, relative) == (models.amplitude, models.length_scale, models.relative_length_scale):
             return False

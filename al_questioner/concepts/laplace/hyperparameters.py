@@ -14,7 +14,6 @@ from al_questioner.concepts.laplace.gaussian_process import expit, find_modes, w
 from al_questioner.support.arrays import Array
 from al_questioner.support.late_imports import late
 
-cdist = late('scipy.spatial.distance', 'cdist')
 minimize = late('scipy.optimize', 'minimize')
 
 AMPLITUDE_FACTOR = 4.0
@@ -79,20 +78,19 @@ def log_marginal_likelihood(squared_distances: Array, targets: Array, kernel: Ke
     return value, gradient
 
 
-def tuned_kernel(points: Array, targets: Array, configured: Kernel) -> Kernel:
+def tuned_kernel(squared_distances: Array, targets: Array, configured: Kernel) -> Kernel:
     """Return the kernel of largest marginal likelihood times prior, within bounds around the configured one.
 
     It depends on the examples only: the search starts at the configured kernel, not at the last result. It finds the
     optimum that L-BFGS-B reaches from there.
 
     Args:
-        points: (n, m) training points; without any, the configured kernel is returned.
+        squared_distances: (n, n) between the training points; without any, the configured kernel is returned.
         targets: (H, n) 1 for a positive, 0 for a negative example of each of H classifiers.
         configured: centre of the prior and of the bounds, `AMPLITUDE_FACTOR` and `LENGTH_SCALE_FACTOR`.
     """
-    if len(points) == 0:
+    if len(squared_distances) == 0:
         return configured
-    squared_distances = cdist(points, points, 'sqeuclidean')
     centre = np.log([configured.amplitude, configured.length_scale])
     reach = np.log([AMPLITUDE_FACTOR, LENGTH_SCALE_FACTOR])
 
