@@ -1,14 +1,13 @@
-"""Worth of another amplitude, another kernel shape and of tuning the kernel: paired episodes with and without it.
+"""Worth of another amplitude or kernel shape: episodes with and without it, in pairs.
 
     python benchmarks/hyperparameters.py [--task TASK ...] [--strategy STRATEGY ...] [--amplitude A ...]
-                                         [--kernel-shape SHAPE ...] [--tune-every K ...]
-                                         [--budget B] [--turns T] [--first SEED] [--samples N] [--jobs N]
+                                         [--kernel-shape SHAPE ...] [--budget B] [--turns T] [--first SEED]
+                                         [--samples N] [--jobs N]
 
-Every episode is played with the classifiers that ship, then with each amplitude A under each kernel shape, and with the
-shipped kernel tuned every K turns, on the same sample, scenes and seed. A row holds, for the final accuracy and for its
-mean over the turns: what it is with the classifiers that ship, the mean change with its standard error over the pairs,
-and the two-sided p-value of Wilcoxon's signed-rank test; then the median amplitude and relative length scale after the
-last turn.
+Every episode is played with the classifiers that ship, and with each amplitude A under each kernel shape, on the same
+sample, scenes and seed. A row holds, for the final accuracy and for its mean over the turns: what it is with the
+classifiers that ship, the mean change with its standard error over the pairs, and the two-sided p-value of Wilcoxon's
+signed-rank test.
 """
 
 from __future__ import annotations
@@ -22,7 +21,7 @@ from functools import lru_cache
 from typing import NamedTuple
 
 import numpy as np
-from measuring import median_and_spread, print_table
+from measuring import print_table
 from scipy.stats import wilcoxon
 
 from al_questioner.domain import AMPLITUDE, KERNEL_SHAPE
@@ -39,7 +38,7 @@ from al_questioner.simulation import (
 
 TASKS = ('prepare_lunch', 'kitchen_table', 'pack_lunchbox')
 STRATEGIES_PLAYED = ('u_sampling_fsq', 'farthest_fsq', 'value_per_cost')
-COLUMNS = ('', 'with', 'final', 'change', 'p', 'mean', 'change', 'p', 'amplitude', 'length scale')
+COLUMNS = ('', 'with', 'final', 'change', 'p', 'mean', 'change', 'p')
 
 
 class Kernel(NamedTuple):
@@ -47,10 +46,9 @@ class Kernel(NamedTuple):
 
     amplitude: float = AMPLITUDE.default
     shape: str = KERNEL_SHAPE.default
-    tune_every: int = 0
 
     def __str__(self) -> str:
-        return f'{self.shape} {self.amplitude:g}' + (f', tuned every {self.tune_every}' if self.tune_every else '')
+        return f'{self.shape} {self.amplitude:g}'
 
 
 class Case(NamedTuple):
@@ -65,12 +63,10 @@ class Case(NamedTuple):
 
 
 class Outcome(NamedTuple):
-    """Accuracy and kernel of an episode."""
+    """Accuracy of an episode."""
 
     final: float
     mean: float
-    amplitude: float
-    length_scale: float
 
 
 @lru_cache(maxsize=1)
@@ -90,13 +86,10 @@ def play(case: Case) -> Outcome:
         case.turns,
         amplitude=case.kernel.amplitude,
         kernel_shape=case.kernel.shape,
-        tune_every=case.kernel.tune_every,
     )
     world_spec = WorldSpec(task, case.sample, case.sample)
     result = run_episode(world_spec, settings, teacher, world=opened(case.task, case.sample))
-    return Outcome(
-        result.final_accuracy, statistics.mean(result.accuracy), result.kernel.amplitude, result.kernel.length_scale
-    )
+    return Outcome(result.final_accuracy, statistics.mean(result.accuracy))
 
 
 def play_all(cases: Sequence[Case]) -> dict[Case, Outcome]:
@@ -117,9 +110,7 @@ def row(name: str, kernel: Kernel, without: Sequence[Outcome], changed: Sequence
     """A line of the table."""
     final = change([o.final for o in without], [o.final for o in changed])
     mean = change([o.mean for o in without], [o.mean for o in changed])
-    amplitude = median_and_spread([o.amplitude for o in changed])[0]
-    length_scale = median_and_spread([o.length_scale for o in changed])[0]
-    return [name, f'{kernel}', *final, *mean, f'{amplitude:.1f}', f'{length_scale:.2f}']
+    return [name, f'{kernel}', *final, *mean]
 
 
 def main() -> None:
@@ -129,7 +120,6 @@ def main() -> None:
     parser.add_argument('--strategy', nargs='+', default=STRATEGIES_PLAYED, choices=(*STRATEGIES, *contributions()))
     parser.add_argument('--amplitude', nargs='+', type=float, default=[30.0, 300.0])
     parser.add_argument('--kernel-shape', nargs='+', default=[KERNEL_SHAPE.default], choices=KERNEL_SHAPE.choices)
-    parser.add_argument('--tune-every', nargs='+', type=int, default=[5])
     parser.add_argument('--budget', type=float, default=25)
     parser.add_argument('--turns', type=int, default=40)
     parser.add_argument('--first', type=int, default=1000, help='first seed')
@@ -141,8 +131,7 @@ def main() -> None:
         [Case(task, strategy, sample, given.budget, given.turns) for sample in samples]
         for task, strategy in itertools.product(given.task, given.strategy)
     ]
-    kernels = [Kernel(tune_every=every) for every in given.tune_every if every]
-    kernels += [Kernel(*each) for each in itertools.product(given.amplitude, given.kernel_shape)]
+    kernels = [Kernel(*each) for each in itertools.product(given.amplitude, given.kernel_shape)]
     plain = [case for group in groups for case in group]
     worlds: dict[tuple[str, int], list[Case]] = {}
     for case in [*plain, *(case._replace(kernel=kernel) for kernel in kernels for case in plain)]:

@@ -13,9 +13,6 @@ from al_questioner.concepts.laplace.gaussian_process import expected_logistic
 from al_questioner.concepts.laplace.posterior import Marginals, Posterior, laplace_posterior
 from al_questioner.domain import NO_SYMBOL, InputError
 from al_questioner.support.arrays import Array
-from al_questioner.support.late_imports import late
-
-cdist = late('scipy.spatial.distance', 'cdist')
 
 EXACT_OPERATIONS = 2e10
 """Largest cost of an exact look-ahead, in multiplications and additions (some seconds); above, it is approximated."""
@@ -137,15 +134,6 @@ class ConceptModels:
         if self.length_scale is not None:
             return self.length_scale
         return self.relative_length_scale * float(np.sqrt(max(n_features, 1)))
-
-    def squared_distances(self, features: Array) -> Array:
-        """Return (n, n) d^2 of (n, m) points such that the kernel is amplitude * exp(-d^2 / (2 length_scale^2))."""
-        if self.shape == RBF:
-            return np.asarray(cdist(features, features, 'sqeuclidean'))
-        n_features, c = features.shape[1], self.shape.saturation
-        shares = self.shape.shares(self._groups or ('',) * n_features)
-        logarithms = np.log(saturating_kernel(features, features, 1.0, 1.0, shares, c))
-        return np.asarray(-2 * n_features * logarithms)
 
     def with_kernel(self, amplitude: float, relative_length_scale: float) -> ConceptModels:
         """Return models without examples and with another kernel; its length scale is a multiple of the root of m.

@@ -7,7 +7,7 @@ from sklearn.gaussian_process import GaussianProcessClassifier
 from sklearn.gaussian_process.kernels import RBF, ConstantKernel
 
 from al_questioner.concepts import ConceptModels, Kernel
-from al_questioner.concepts.laplace.hyperparameters import (
+from al_questioner.concepts.laplace.earlier_tuning import (
     AMPLITUDE_FACTOR,
     LENGTH_SCALE_FACTOR,
     log_marginal_likelihood,
@@ -90,7 +90,7 @@ def test_tuning_raises_evidence_times_prior():
         points, targets, _ = random_problem(seed)
         configured = Kernel(4.0, float(np.sqrt(points.shape[1])))
         distances = squared(points)
-        tuned = tuned_kernel(squared(points), targets, configured)
+        tuned = tuned_kernel(points, targets, configured)
         before = log_marginal_likelihood(distances, targets, configured)[0]
         assert log_marginal_likelihood(distances, targets, tuned)[0] >= before
 
@@ -103,7 +103,7 @@ def test_tuning_finds_back_a_kernel_that_made_the_labels():
     covariance = truth.amplitude * np.exp(-0.5 * squared(points) / truth.length_scale**2) + 1e-8 * np.eye(300)
     latent = np.linalg.cholesky(covariance) @ rng.normal(size=(300, 4))
     targets = (rng.random((4, 300)) < 1 / (1 + np.exp(-latent.T))).astype(float)
-    tuned = tuned_kernel(squared(points), targets, Kernel(4.0, 1.0))
+    tuned = tuned_kernel(points, targets, Kernel(4.0, 1.0))
     assert tuned.length_scale == pytest.approx(truth.length_scale, rel=0.25)
     assert tuned.amplitude == pytest.approx(truth.amplitude, rel=0.5)
 
@@ -126,7 +126,7 @@ def test_bounds_hold(kind, n, configured):
     else:
         points[:] = 0
         targets[0, ::2] = 1
-    tuned = tuned_kernel(squared(points), targets, configured)
+    tuned = tuned_kernel(points, targets, configured)
     tolerance = 1 + 1e-12
     assert 1 / (AMPLITUDE_FACTOR * tolerance) <= tuned.amplitude / configured.amplitude <= AMPLITUDE_FACTOR * tolerance
     ratio = tuned.length_scale / configured.length_scale
@@ -139,7 +139,7 @@ def test_one_class_leaves_what_is_far_away_open(n):
     rng = np.random.default_rng(n)
     points = rng.normal(size=(n, 4))
     targets = np.stack([np.ones(n), np.zeros(n)])
-    tuned = tuned_kernel(squared(points), targets, Kernel(4.0, 2.0))
+    tuned = tuned_kernel(points, targets, Kernel(4.0, 2.0))
     models = ConceptModels(('a', 'b'), tuned.amplitude, tuned.length_scale).fit(points, ['a'] * n)
     q = models.predict_proba(np.vstack([points[:1], 20 + points[:1]]))
     assert 0.01 < q[0, 1] < q[1, 1] < 0.55
@@ -147,7 +147,7 @@ def test_one_class_leaves_what_is_far_away_open(n):
 
 
 def test_nothing_known_leaves_the_configured_kernel():
-    assert tuned_kernel(np.empty((0, 0)), np.empty((2, 0)), Kernel(4.0, 2.0)) == Kernel(4.0, 2.0)
+    assert tuned_kernel(np.empty((0, 3)), np.empty((2, 0)), Kernel(4.0, 2.0)) == Kernel(4.0, 2.0)
 
 
 def test_order_of_examples_and_classes_does_not_matter():
@@ -155,7 +155,7 @@ def test_order_of_examples_and_classes_does_not_matter():
     points, targets, _ = random_problem(3)
     rng = np.random.default_rng(1)
     examples, classes = rng.permutation(len(points)), rng.permutation(len(targets))
-    plain = tuned_kernel(squared(points), targets, Kernel(4.0, 2.0))
-    shuffled = tuned_kernel(squared(points[examples]), targets[classes][:, examples], Kernel(4.0, 2.0))
+    plain = tuned_kernel(points, targets, Kernel(4.0, 2.0))
+    shuffled = tuned_kernel(points[examples], targets[classes][:, examples], Kernel(4.0, 2.0))
     assert shuffled.amplitude == pytest.approx(plain.amplitude, rel=1e-4)
     assert shuffled.length_scale == pytest.approx(plain.length_scale, rel=1e-4)
