@@ -1,21 +1,19 @@
-"""Worth of re-optimising the kernel's amplitude and length scale: paired episodes with and without it.
+"""Worth of another amplitude or kernel shape: episodes with and without it, in pairs.
 
-    python benchmarks/hyperparameters.py [--task TASK ...] [--strategy STRATEGY ...] [--tune-every K ...]
-                                         [--amplitude A] [--budget B] [--turns T] [--first SEED] [--samples N]
-                                         [--grid]
+    python benchmarks/hyperparameters.py [--task TASK ...] [--strategy STRATEGY ...] [--amplitude A ...]
+                                         [--kernel-shape SHAPE ...] [--budget B] [--turns T] [--first SEED]
+                                         [--samples N] [--jobs N]
 
-Every episode is played with tune_every 0 and with each K, on the same sample, scenes and seed. A row holds, for the
-final accuracy and for its mean over the turns: what it is without, the mean change with its deviation over the pairs,
-and the two-sided p-value of Wilcoxon's signed-rank test; then the median amplitude and length scale after the last
-turn. --tune-every 0 --amplitude A compares with another amplitude that stays. With --grid a row holds the changes over
-all tasks and strategies given under several bounds and priors: to choose them, on other seeds than those reported.
+Every episode is played with the classifiers that ship, and with each amplitude A under each kernel shape, on the same
+sample, scenes and seed. A row holds, for the final accuracy and for its mean over the turns: what it is with the
+classifiers that ship, the mean change with its standard error over the pairs, and the two-sided p-value of Wilcoxon's
+signed-rank test.
 """
 
 from __future__ import annotations
 
 import argparse
 import itertools
-import os
 import statistics
 from collections.abc import Sequence
 from concurrent.futures import ProcessPoolExecutor
@@ -23,10 +21,10 @@ from functools import lru_cache
 from typing import NamedTuple
 
 import numpy as np
-from measuring import median_and_spread, print_table
+from measuring import print_table
 from scipy.stats import wilcoxon
 
-from al_questioner.concepts.laplace import hyperparameters
+from al_questioner.domain import AMPLITUDE, KERNEL_SHAPE
 from al_questioner.questioning import STRATEGIES
 from al_questioner.questioning.strategies.names import contributions
 from al_questioner.simulation import (
@@ -39,31 +37,18 @@ from al_questioner.simulation import (
 )
 
 TASKS = ('prepare_lunch', 'kitchen_table', 'pack_lunchbox')
-FAST_STRATEGIES = ('u_sampling_fsq', 'farthest_fsq', 'rarest_demo')
-COLUMNS = ('', 'every', 'final without', 'change', 'p', 'mean without', 'change', 'p', 'amplitude', 'length scale')
+STRATEGIES_PLAYED = ('u_sampling_fsq', 'farthest_fsq', 'value_per_cost')
+COLUMNS = ('', 'with', 'final', 'change', 'p', 'mean', 'change', 'p')
 
 
-class Prior(NamedTuple):
-    """Factors within which amplitude and length scale may move, and deviations of their logarithms."""
+class Kernel(NamedTuple):
+    """The kernel of an episode."""
 
-    amplitude_factor: float
-    length_scale_factor: float
-    amplitude_deviation: float
-    length_scale_deviation: float
+    amplitude: float = AMPLITUDE.default
+    shape: str = KERNEL_SHAPE.default
 
-
-SHIPPED = Prior(
-    hyperparameters.AMPLITUDE_FACTOR, hyperparameters.LENGTH_SCALE_FACTOR, *hyperparameters.PRIOR_DEVIATIONS.tolist()
-)
-GRID = (
-    Prior(4, 3, np.inf, np.inf),
-    Prior(4, 3, 1.0, 0.5),
-    Prior(4, 3, 0.5, 0.25),
-    Prior(4, 3, 0.25, 0.5),
-    Prior(4, 2, 1.0, 0.25),
-    Prior(25, 10, np.inf, np.inf),
-)
-"""Priors that --grid tries; an infinite deviation is no prior."""
+    def __str__(self) -> str:
+        return f'{self.shape} {self.amplitude:g}'
 
 
 class Case(NamedTuple):
@@ -74,18 +59,14 @@ class Case(NamedTuple):
     sample: int
     budget: float
     turns: int
-    tune_every: int
-    prior: Prior = SHIPPED
-    amplitude: float = 4.0
+    kernel: Kernel = Kernel()
 
 
 class Outcome(NamedTuple):
-    """Accuracy and kernel of an episode."""
+    """Accuracy of an episode."""
 
     final: float
     mean: float
-    amplitude: float
-    length_scale: float
 
 
 @lru_cache(maxsize=1)
@@ -96,19 +77,19 @@ def opened(task: str, sample: int) -> PerceivedWorld:
 
 def play(case: Case) -> Outcome:
     """Play an episode, world and learner drawing from the seed of the sample."""
-    hyperparameters.AMPLITUDE_FACTOR = case.prior.amplitude_factor
-    hyperparameters.LENGTH_SCALE_FACTOR = case.prior.length_scale_factor
-    hyperparameters.PRIOR_DEVIATIONS = np.array(case.prior[2:])
     task = load_task(case.task)
     teacher = ScriptedTeacher(task.symbols, task.relevant_groups, case.sample, repeat_shown=True)
     settings = episode_settings(
-        task, case.strategy, case.budget, case.turns, amplitude=case.amplitude, tune_every=case.tune_every
+        task,
+        case.strategy,
+        case.budget,
+        case.turns,
+        amplitude=case.kernel.amplitude,
+        kernel_shape=case.kernel.shape,
     )
     world_spec = WorldSpec(task, case.sample, case.sample)
     result = run_episode(world_spec, settings, teacher, world=opened(case.task, case.sample))
-    return Outcome(
-        result.final_accuracy, statistics.mean(result.accuracy), result.kernel.amplitude, result.kernel.length_scale
-    )
+    return Outcome(result.final_accuracy, statistics.mean(result.accuracy))
 
 
 def play_all(cases: Sequence[Case]) -> dict[Case, Outcome]:
@@ -116,68 +97,58 @@ def play_all(cases: Sequence[Case]) -> dict[Case, Outcome]:
     return {case: play(case) for case in cases}
 
 
-def change(without: Sequence[float], tuned: Sequence[float]) -> list[str]:
-    """Mean of the first, mean and deviation of the change, and the p-value."""
+def change(without: Sequence[float], changed: Sequence[float]) -> list[str]:
+    """Mean of the first, mean and standard error of the change, and the p-value."""
     # Rounded, as equal accuracies that were averaged in another order are ties.
-    difference = np.round(np.subtract(tuned, without), 12)
+    difference = np.round(np.subtract(changed, without), 12)
     p = wilcoxon(difference).pvalue if difference.any() else 1.0
-    return [f'{np.mean(without):.3f}', f'{difference.mean():+.3f} ± {difference.std(ddof=1):.3f}', f'{p:.3f}']
+    error = difference.std(ddof=1) / np.sqrt(len(difference))
+    return [f'{np.mean(without):.3f}', f'{difference.mean():+.3f} ± {error:.3f}', f'{p:.3f}']
 
 
-def row(name: str, every: int, without: Sequence[Outcome], tuned: Sequence[Outcome]) -> list[str]:
+def row(name: str, kernel: Kernel, without: Sequence[Outcome], changed: Sequence[Outcome]) -> list[str]:
     """A line of the table."""
-    final = change([o.final for o in without], [o.final for o in tuned])
-    mean = change([o.mean for o in without], [o.mean for o in tuned])
-    amplitude = median_and_spread([o.amplitude for o in tuned])[0]
-    length_scale = median_and_spread([o.length_scale for o in tuned])[0]
-    return [name, f'{every}', *final, *mean, f'{amplitude:.2f}', f'{length_scale:.2f}']
+    final = change([o.final for o in without], [o.final for o in changed])
+    mean = change([o.mean for o in without], [o.mean for o in changed])
+    return [name, f'{kernel}', *final, *mean]
 
 
 def main() -> None:
     """Print a table."""
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     parser.add_argument('--task', nargs='+', default=TASKS)
-    parser.add_argument('--strategy', nargs='+', default=FAST_STRATEGIES, choices=(*STRATEGIES, *contributions()))
-    parser.add_argument('--tune-every', nargs='+', type=int, default=[5, 10])
-    parser.add_argument('--amplitude', type=float, default=4.0, help='configured where K applies (%(default)s)')
+    parser.add_argument('--strategy', nargs='+', default=STRATEGIES_PLAYED, choices=(*STRATEGIES, *contributions()))
+    parser.add_argument('--amplitude', nargs='+', type=float, default=[30.0, 300.0])
+    parser.add_argument('--kernel-shape', nargs='+', default=[KERNEL_SHAPE.default], choices=KERNEL_SHAPE.choices)
     parser.add_argument('--budget', type=float, default=25)
     parser.add_argument('--turns', type=int, default=40)
-    parser.add_argument('--first', type=int, default=0, help='first seed')
-    parser.add_argument('--samples', type=int, default=10)
-    parser.add_argument('--grid', action='store_true')
+    parser.add_argument('--first', type=int, default=1000, help='first seed')
+    parser.add_argument('--samples', type=int, default=12)
+    parser.add_argument('--jobs', type=int, default=1)
     given = parser.parse_args()
     samples = range(given.first, given.first + given.samples)
     groups = [
-        [Case(task, strategy, sample, given.budget, given.turns, 0) for sample in samples]
+        [Case(task, strategy, sample, given.budget, given.turns) for sample in samples]
         for task, strategy in itertools.product(given.task, given.strategy)
     ]
-
-    def changed(case: Case, prior: Prior, every: int) -> Case:
-        return case._replace(prior=prior, tune_every=every, amplitude=given.amplitude)
-
-    priors = GRID if given.grid else (SHIPPED,)
-    variants = list(itertools.product(priors, given.tune_every))
+    kernels = [Kernel(*each) for each in itertools.product(given.amplitude, given.kernel_shape)]
     plain = [case for group in groups for case in group]
-    cases = [*plain, *(changed(case, p, k) for p, k in variants for case in plain)]
     worlds: dict[tuple[str, int], list[Case]] = {}
-    for case in cases:
+    for case in [*plain, *(case._replace(kernel=kernel) for kernel in kernels for case in plain)]:
         worlds.setdefault((case.task, case.sample), []).append(case)
     outcomes: dict[Case, Outcome] = {}
-    with ProcessPoolExecutor(os.cpu_count()) as pool:
+    with ProcessPoolExecutor(given.jobs) as pool:
         for played in pool.map(play_all, worlds.values()):
             outcomes |= played
 
     rows = []
-    for prior, every in variants:
-        for group in (plain,) if given.grid else (*groups, plain):
+    for kernel in kernels:
+        for group in (*groups, plain):
             name = 'all' if group is plain else f'{group[0].task} {group[0].strategy}'
-            if given.grid:
-                name = f'factors {prior[:2]}, deviations {prior[2:]}'
-            tuned = [outcomes[changed(case, prior, every)] for case in group]
-            rows.append(row(name, every, [outcomes[case] for case in group], tuned))
-        if not given.grid:
-            rows.append([])
-    title = f'budget {given.budget:g}, {given.turns} turns, seeds {samples.start} to {samples.stop - 1}'
+            changed = [outcomes[case._replace(kernel=kernel)] for case in group]
+            rows.append(row(name, kernel, [outcomes[case] for case in group], changed))
+        rows.append([])
+    title = f'{Kernel()}, budget {given.budget:g}, {given.turns} turns, seeds {samples.start} to {samples.stop - 1}'
     print_table(title, COLUMNS, rows)
 
 

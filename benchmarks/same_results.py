@@ -68,7 +68,7 @@ def write_session(folder: Path) -> None:
     world = PerceivedWorld(WorldSpec(task, 4, 4).open())
     teacher = ScriptedTeacher(task.symbols, task.relevant_groups, 4)
     members = {'task': 'prepare_lunch', 'seed': 4, 'sample': 4, 'dataset': None}
-    settings = episode_settings(task, 'dt_task_env', 12.0, 16, tune_every=3)
+    settings = episode_settings(task, 'dt_task_env', 12.0, 16)
     moments = itertools.count(FIRST_MOMENT_NS, 10**9)
     with mock.patch('time.time_ns', moments.__next__):
         started = EpisodeStarted('e1', settings, 4, 1e-3, members, '1')
@@ -83,7 +83,6 @@ def write_session(folder: Path) -> None:
             elif query is not None:
                 durable.take(teacher.answer(query, world.truth(turn)))
                 durable.take(teacher.answer(query, world.truth(turn)))
-            durable.tune()
         durable.take(Answer('q1', 'b1', 'bert', Outcome.SKIP))
         durable.take(Answer('q1', 'c1', 'scripted', Outcome.UNKNOWN, replaces='q1/scripted'))
         durable.note_rejected('pudding', 'it does not answer')

@@ -10,7 +10,7 @@ from __future__ import annotations
 
 import contextlib
 from collections import defaultdict
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Collection, Iterator, Mapping, Sequence
 from pathlib import Path
 from typing import NamedTuple
 
@@ -60,7 +60,9 @@ def decode_run(source: Path, recorded: Recorded, run: Run, document: Document) -
             without = f'turn {min(missing)} was recorded without its learner_state'
             raise InputError(f'{without}: what was known then cannot be said, as an answer was corrected')
     records, told = _course(states)
-    decoder, events = _Decoder(recorded, run, started, tuple(document['feature_names'])), list[EpisodeEvent]()
+    tuned_turns = document.get('tuned_turns') or _multiples(document.get('tune_every', 0), last)
+    decoder = _Decoder(recorded, run, started, tuple(document['feature_names']), tuned_turns)
+    events: list[EpisodeEvent] = []
     for turn in range(1, last + 1):
         events += (*decoder.decided(turn), *decoder.ended(turn, told[turn]))
     if not events:
@@ -74,8 +76,16 @@ def decode_run(source: Path, recorded: Recorded, run: Run, document: Document) -
 class _Decoder:
     """Turns the messages of a run into events, turn by turn."""
 
-    def __init__(self, recorded: Recorded, run: Run, started: EpisodeStarted, feature_names: tuple[str, ...]) -> None:
+    def __init__(
+        self,
+        recorded: Recorded,
+        run: Run,
+        started: EpisodeStarted,
+        feature_names: tuple[str, ...],
+        tuned_turns: Collection[int],
+    ) -> None:
         self.feature_names = feature_names
+        self._tuned_turns = tuned_turns
         self._recorded, self._run, self._settings = recorded, run, started.settings
         self._query_ids: dict[int, str] = {}
         self._answers: dict[int, int] = {}
@@ -111,7 +121,7 @@ class _Decoder:
             yield AnswerAccepted(self._answer(record))
         if self._query_ids and max(self._query_ids) not in self._answers:
             yield TurnTimedOut(turn)
-        if self._settings.tunes_after(turn):
+        if turn in self._tuned_turns:
             yield KernelTuned(turn)
 
     def _answer(self, record: QueryRecord) -> Answer:
@@ -197,6 +207,11 @@ def _course(states: Sequence[_State]) -> tuple[dict[int, QueryRecord], Mapping[i
             # A correction does not tell its own turn, but the first state with it does.
             told[(record.answered_in or record.turn) if is_first else state.decided].append(record)
     return records, told
+
+
+def _multiples(step: int, last: int) -> Collection[int]:
+    """Return the multiples of a step up to the last turn; none of 0."""
+    return range(step, last + 1, step) if step else ()
 
 
 def _content(record: QueryRecord) -> Content:

@@ -54,6 +54,7 @@ class _Writing:
 
     def __init__(self, summary: SessionSummary, bag: BagWriter) -> None:
         self._started = summary.started
+        self._tuned_turns = summary.episode.tuned_turns
         self._replay = replay_of(summary.started)
         self._bag = bag
         self._stamp = 0
@@ -94,7 +95,8 @@ class _Writing:
         if observed is None or decision is None:
             return
         if event.turn == 1:
-            self._say('episode', episode_members(self._started, observed.scene.feature_names))
+            names = observed.scene.feature_names
+            self._say('episode', episode_members(self._started, names, self._tuned_turns))
         symbols = self._started.settings.symbols
         cloud = cloud_of_decision(decision, symbols, self._header(observed), self._cloud_types, observed.scene)
         self._send('decision', cloud)

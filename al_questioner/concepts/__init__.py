@@ -3,7 +3,7 @@
 from al_questioner.concepts.concept_learner import VIEW_TOLERANCE, ConceptLearner
 from al_questioner.concepts.concept_models import ConceptModels, compile_models
 from al_questioner.concepts.feature_selection import Selector, rank_p_values, select_features
-from al_questioner.concepts.laplace.hyperparameters import Kernel
+from al_questioner.concepts.kernel import Kernel
 from al_questioner.concepts.standardiser import Standardiser
 from al_questioner.concepts.view_memory import ViewMemory
 

@@ -11,8 +11,8 @@ from numpy.typing import NDArray
 
 from al_questioner.concepts.concept_models import ConceptModels
 from al_questioner.concepts.feature_selection import Selector, select_features
-from al_questioner.concepts.kernel import RBF, KernelShape
-from al_questioner.concepts.laplace.hyperparameters import Kernel, tuned_kernel
+from al_questioner.concepts.kernel import RBF, Kernel, KernelShape
+from al_questioner.concepts.laplace.earlier_tuning import tuned_kernel
 from al_questioner.concepts.seen_views import SeenViews
 from al_questioner.concepts.standardiser import Standardiser
 from al_questioner.domain import (
@@ -60,7 +60,7 @@ class ConceptLearner:
 
     The features are standardised with the observed views. They are restricted to those that the teacher called
     relevant, and, if there is a selector, to those that it selects from the labels so far. Models are fitted at every
-    event. The kernel is the configured one until `tune` is called.
+    event.
 
     Args:
         symbols: the concepts to ground.
@@ -130,11 +130,12 @@ class ConceptLearner:
         """Kernel of the models, for the features in use; its length scale is in standard deviations."""
         return Kernel(self._models.amplitude, self._models.length_scale_of(int(self._active.sum())))
 
-    def tune(self) -> bool:
-        """Replace the kernel by the one that explains the labels so far best, see `tuned_kernel`; this is an event too.
+    def repeat_tuning(self) -> bool:
+        """Replace the kernel by the one that a learner of an earlier version found; this is an event too.
 
-        The kernel depends on the labels, the features in use and the configured kernel, not on earlier results. From
-        then on its length scale is a multiple of the root of the number of features in use, even if these change.
+        It is the one that explains the labels so far best, see `tuned_kernel`. It depends on the labels, the features
+        in use and the configured kernel, not on earlier results. From then on its length scale is a multiple of the
+        root of the number of features in use, even if these change.
 
         Returns:
             Whether the kernel has changed. If it has not, nothing has changed, and the version is the same.

@@ -28,6 +28,19 @@ CHUNK_NUMBERS = 500_000
 
 
 @dataclass(frozen=True)
+class Kernel:
+    """Size and reach of a covariance: of the RBF kernel, amplitude * exp(-d^2 / (2 length_scale^2)).
+
+    Attributes:
+        amplitude: variance of the process.
+        length_scale: length scale, in the unit of the points.
+    """
+
+    amplitude: float
+    length_scale: float
+
+
+@dataclass(frozen=True)
 class KernelShape:
     """Treatment of groups of features and of large differences by a kernel.
 

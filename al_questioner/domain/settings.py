@@ -36,9 +36,6 @@ KERNEL_SHAPE = Setting(
 CLASS_BALANCE = Setting(
     'class_balance', 0.5, 'share of the effect of the counts of examples that is taken from the beliefs', '', 0, 1
 )
-TUNE_EVERY = Setting(
-    'tune_every', 0, 'time between re-optimisations of amplitude and length scale; 0: never', 'turns', 0, LARGEST_TURN
-)
 COSTS: Mapping[str, Setting[float]] = {
     'label': Setting('cost_label', 1.0, 'cost of a label query', 'budget', lower=0),
     'demonstration': Setting('cost_demonstration', 2.0, 'cost of a demonstration query', 'budget', lower=0),
@@ -131,7 +128,6 @@ class EpisodeSettings:
             the number of features in use.
         kernel_shape: how the kernel treats groups of features and large differences: `grouped` or `rbf`.
         class_balance: how much of the effect of the counts of examples is taken from the beliefs, 0 to 1.
-        tune_every: turns from one re-optimisation of amplitude and length scale to the next; 0 for never.
 
     Raises:
         SettingsError: a value outside its range.
@@ -148,7 +144,6 @@ class EpisodeSettings:
     length_scale: float | None = LENGTH_SCALE.default
     kernel_shape: str = KERNEL_SHAPE.default
     class_balance: float = CLASS_BALANCE.default
-    tune_every: int = TUNE_EVERY.default
 
     def __post_init__(self) -> None:
         symbols = listed(self.symbols)
@@ -163,7 +158,7 @@ class EpisodeSettings:
             raise SettingsError(f'{NO_SYMBOL!r} cannot be a symbol: it stands for things that belong to no symbol')
         for setting in (BUDGET, AMPLITUDE, CLASS_BALANCE):
             setting.check(getattr(self, setting.name))
-        for number_of_turns in (TURNS, CHANGE_INTERVAL, TUNE_EVERY):
+        for number_of_turns in (TURNS, CHANGE_INTERVAL):
             # Their upper limits are for nodes and commands; a program may give more, and so may an old log.
             replace(number_of_turns, upper=math.inf).check(getattr(self, number_of_turns.name))
         if self.kernel_shape not in KERNEL_SHAPE.choices:
@@ -182,7 +177,3 @@ class EpisodeSettings:
     def classifiers(self) -> Classifiers:
         """Settings of the classifiers."""
         return Classifiers(self.amplitude, self.kernel_shape, self.class_balance)
-
-    def tunes_after(self, turn: int) -> bool:
-        """Return whether amplitude and length scale are re-optimised at the end of this turn."""
-        return self.tune_every > 0 and turn > 0 and turn % self.tune_every == 0

@@ -12,7 +12,6 @@ from al_questioner.event_log.events import (
     EpisodeEvent,
     EpisodeStarted,
     InputRejected,
-    KernelTuned,
     LateAnswerKept,
     SceneObserved,
     TurnTimedOut,
@@ -152,18 +151,6 @@ class DurableEpisode:
             raise RuntimeError('no query waits for its answer')
         self._write(TurnTimedOut(self.episode.turn, query.query_id))
         self.episode.time_out()
-
-    def tune(self) -> bool:
-        """See `Episode.tune`.
-
-        Raises:
-            LogWriteError: that the kernel is another one cannot be written.
-        """
-        if not self.episode.tune_is_due:
-            return False
-        changed = self.episode.tune()
-        self._write(KernelTuned(self.episode.turn, self.episode.concepts.model_version))
-        return changed
 
     def close(self) -> None:
         """Close the log."""

@@ -85,7 +85,10 @@ class InputRejected:
 
 @dataclass(frozen=True)
 class KernelTuned:
-    """The kernel was re-optimised at the end of a turn; `model_version` is that after it, None in a bag."""
+    """The kernel was tuned at the end of a turn, as learners of earlier versions could.
+
+    To what is not recorded: it follows from the labels. `model_version` is that after it, None in a bag.
+    """
 
     turn: int
     model_version: int | None = None

@@ -81,7 +81,7 @@ class Replay:
         elif isinstance(event, TurnTimedOut):
             self._time_out(event)
         elif isinstance(event, KernelTuned):
-            self._tune(event)
+            self._repeat_tuning(event)
 
     def _decide(self, recorded: ActionChosen) -> None:
         observed, self._next_observed = self._next_observed, None
@@ -107,8 +107,8 @@ class Replay:
             raise ReplayError(f'turn {recorded.turn}: query {recorded.query_id} does not wait for an answer')
         self.episode.time_out()
 
-    def _tune(self, recorded: KernelTuned) -> None:
-        self.episode.tune()
+    def _repeat_tuning(self, recorded: KernelTuned) -> None:
+        self.episode.repeat_tuning()
         version = self.episode.concepts.model_version
         if self.episode.turn != recorded.turn or recorded.model_version not in (None, version):
             raise ReplayError(

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import dataclasses
 import statistics
-from collections.abc import Mapping, Sequence
+from collections.abc import Collection, Mapping, Sequence
 
 import numpy as np
 from numpy.typing import NDArray
@@ -15,14 +15,20 @@ from al_questioner.messages.documents import Document
 from al_questioner.questioning import Episode
 
 
-def episode_members(started: EpisodeStarted, feature_names: Sequence[str]) -> Document:
-    """Members of the `episode` document, once the features are known."""
+def episode_members(
+    started: EpisodeStarted, feature_names: Sequence[str], tuned_turns: Collection[int] = ()
+) -> Document:
+    """Members of the `episode` document, once the features are known.
+
+    The tuned turns are those at whose end an earlier version, with which the session was begun, tuned the kernel.
+    """
     return {
         **documents.settings_members(started.settings),
         'feature_names': list(feature_names),
         'view_tolerance': started.view_tolerance,
         'seed': started.seed,
         'world': started.world,
+        **({'tuned_turns': sorted(tuned_turns)} if tuned_turns else {}),
     }
 
 

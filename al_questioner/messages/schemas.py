@@ -113,8 +113,10 @@ SCHEMAS: dict[str, JsonSchema] = {
             'world': {'oneOf': [_WORLD, {'type': 'null'}]},
         },
         {
-            # Wider than the settings, as it has always been.
+            # Of learners of earlier versions, which tuned their kernel every so many turns; 0: never.
             'tune_every': _COUNT,
+            # Of sessions that such a learner began: the turns at whose end it did.
+            'tuned_turns': {'type': 'array', 'items': _TURN},
             'amplitude': _POSITIVE,
             'kernel_shape': _member(KERNEL_SHAPE),
             'class_balance': _member(CLASS_BALANCE),

@@ -16,11 +16,12 @@ from al_questioner.questioning.reliability import label_beliefs
 
 
 class ConceptHistory:
-    """The concepts of an episode, and the scenes and the tunings that they come from beside the queries.
+    """The concepts of an episode, and the scenes that they come from beside the queries.
 
     Attributes:
         concepts: what is known now.
         scenes: those of the turns so far, without the sensors' noise.
+        tuned_turns: at whose end the kernel was tuned, as learners of earlier versions could.
         beliefs: by turn, (L,) what was believed of the thing that was named in it, before it was named.
     """
 
@@ -31,9 +32,9 @@ class ConceptHistory:
         self._new_concepts = partial(new_concept_learner, settings, selector, tolerance)
         self._views = ViewMemory() if view_tolerance == AUTO else None
         self._queries = queries
-        self._tuned_turns: set[int] = set()
         self.concepts = self._new_concepts()
         self.scenes: list[Scene] = []
+        self.tuned_turns: set[int] = set()
         self.beliefs: dict[int, NDArray[np.float64]] = {}
 
     @property
@@ -67,19 +68,15 @@ class ConceptHistory:
     def learn(self, record: QueryRecord, is_correction: bool) -> None:
         """Learn what came of a query, as if it had been known in the query's turn."""
         # After it was tuned, a turn's answer comes too late for the order in which everything else is learnt.
-        if record.turn == len(self.scenes) and not is_correction and record.turn not in self._tuned_turns:
+        if record.turn == len(self.scenes) and not is_correction and record.turn not in self.tuned_turns:
             self._learn(self.concepts, record)
         else:
             self._learn_again()
 
-    def was_tuned(self, turn: int) -> bool:
-        """Return whether the kernel was tuned at the end of a turn."""
-        return turn in self._tuned_turns
-
-    def tune(self) -> bool:
-        """Re-optimise the kernel, and return whether the beliefs may have changed."""
-        self._tuned_turns.add(len(self.scenes))
-        return self.concepts.tune()
+    def repeat_tuning(self) -> None:
+        """Tune the kernel as a learner of an earlier version did at the end of this turn."""
+        self.tuned_turns.add(len(self.scenes))
+        self.concepts.repeat_tuning()
 
     def _learn(self, concepts: ConceptLearner, record: QueryRecord) -> None:
         """Learn what came of a query, after a note of what was believed of the thing before."""
@@ -97,6 +94,6 @@ class ConceptHistory:
             concepts.observe(scene)
             if turn in records:
                 self._learn(concepts, records[turn])
-            if turn in self._tuned_turns:
-                concepts.tune()
+            if turn in self.tuned_turns:
+                concepts.repeat_tuning()
         self.concepts = concepts

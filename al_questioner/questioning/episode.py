@@ -36,11 +36,10 @@ from al_questioner.questioning.turn_context import LastResult, TurnContext
 class Episode:
     """One learning episode (section 2.3 of the paper), with the ask-and-tell interface of Optuna and scikit-optimize.
 
-    Each turn: `ask(scene)`; if the decision holds a query, `tell(answer)`, or `time_out()` if nobody answers; at the
-    turn's end `tune()`. An answer that replaces one that was wrong can be told at any time. Callers whose answers
-    may be late, or sent twice, give them to `take`. A scene or an answer that is refused leaves the episode as it was,
-    so that the turn can be tried again. The same settings, scenes, answers and generator give the same queries in any
-    process.
+    Each turn: `ask(scene)`; if the decision holds a query, `tell(answer)`, or `time_out()` if nobody answers. An
+    answer that replaces one that was wrong can be told at any time. Callers whose answers may be late, or sent twice,
+    give them to `take`. A scene or an answer that is refused leaves the episode as it was, so that the turn can be
+    tried again. The same settings, scenes, answers and generator give the same queries in any process.
 
     Args:
         settings: what is given to the learner before it asks.
@@ -161,9 +160,9 @@ class Episode:
         return teacher_records(self.answers, self._queries.by_id, self.settings.symbols, self._history.beliefs)
 
     @property
-    def tune_is_due(self) -> bool:
-        """True if `tune` would do something at the end of this turn, or has yet to."""
-        return self.settings.tunes_after(self.turn) and not self._history.was_tuned(self.turn)
+    def tuned_turns(self) -> frozenset[int]:
+        """Turns at whose end the kernel was tuned, as learners of earlier versions could."""
+        return frozenset(self._history.tuned_turns)
 
     def ask(self, scene: Scene) -> Decision:
         """Start the next turn and decide what to ask.
@@ -320,17 +319,14 @@ class Episode:
         """Keep an answer that is known to be late; a replay has it from what was recorded."""
         self.answers.keep_late(answer)
 
-    def tune(self) -> bool:
-        """Re-optimise the kernel if this turn is one for it; call it at the end of a turn, when nobody waits.
-
-        Returns:
-            Whether the beliefs may have changed.
+    def repeat_tuning(self) -> None:
+        """Tune the kernel as a learner of an earlier version did at the end of this turn; a replay of its log needs it.
 
         Raises:
             RuntimeError: the turn is not over: it waits for an answer.
         """
         self._check_not_awaiting()
-        return self.tune_is_due and self._history.tune()
+        self._history.repeat_tuning()
 
     def _check_not_awaiting(self) -> None:
         if self.awaited is not None:

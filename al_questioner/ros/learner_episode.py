@@ -38,7 +38,6 @@ def settings_of(task: Task, given: Mapping[str, Any]) -> EpisodeSettings:
         kernel_shape=given['kernel_shape'],
         class_balance=given['class_balance'],
         length_scale=given['length_scale'] or None,
-        tune_every=given['tune_every'],
     )
 
 

@@ -16,6 +16,11 @@ from al_questioner.ros.settings import Settings
 
 Value = str | int | float | bool
 
+REMOVED = {
+    'tune_every': 'amplitude and length scale stay as configured, or as they were last in a session that was tuned'
+}
+"""Parameters of earlier versions, and what holds now; a file may still set such a parameter to 0, which was `never`."""
+
 _TYPES = {
     bool: ParameterType.PARAMETER_BOOL,
     int: ParameterType.PARAMETER_INTEGER,
@@ -77,8 +82,11 @@ def reject_unknown(node: Node, known_elsewhere: Collection[str]) -> None:
     """
     known = {name for name in node.get_parameters_by_prefix('') if not is_override(name)}
     # rclpy tells of overrides only through this attribute; it drops those that are not declared in silence.
-    for name in node._parameter_overrides:
-        if name not in known and name not in known_elsewhere and not is_override(name):
+    for name, given in node._parameter_overrides.items():
+        if name in REMOVED:
+            if given.value != 0:
+                raise InputError(f'parameter {name} was removed: {REMOVED[name]}; leave it out')
+        elif name not in known and name not in known_elsewhere and not is_override(name):
             raise InputError(f'unknown parameter {name}; known: {", ".join(sorted(known))}')
 
 

@@ -18,7 +18,6 @@ from al_questioner.domain import (
     LENGTH_SCALE,
     NEVER,
     SAME_VIEW,
-    TUNE_EVERY,
     TURNS,
     Setting,
 )
@@ -75,7 +74,6 @@ LEARNER_SETTINGS: Settings = (
     CLASS_BALANCE,
     # No parameter can be None.
     replace(LENGTH_SCALE, default=0.0, lower=0.0),
-    TUNE_EVERY,
     SAME_VIEW,
     TURN_PERIOD,
     Setting('episode_id', '', 'of the episode in all documents; empty: one that is not used again'),

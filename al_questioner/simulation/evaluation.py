@@ -6,7 +6,7 @@ never sees. For a learner in another process, the evaluation fits models of its 
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Collection, Sequence
 from dataclasses import dataclass
 from fractions import Fraction
 
@@ -80,6 +80,7 @@ class Evaluation:
         settings: settings of the episode.
         selector: selects features computationally, as the strategy of the episode does; None for none.
         world: that world, if it is open already: episodes that share it draw and measure every view once.
+        tuned_turns: turns at whose end the kernel was tuned, as learners of earlier versions could.
     """
 
     def __init__(
@@ -88,11 +89,12 @@ class Evaluation:
         settings: EpisodeSettings,
         selector: Selector | None,
         world: SeenWorld | None = None,
+        tuned_turns: Collection[int] = (),
     ) -> None:
         self.world_spec = world_spec
         self.settings = settings
         self.world: SeenWorld = PerceivedWorld(world_spec.open()) if world is None else world
-        self._selector = selector
+        self._selector, self._tuned_turns = selector, tuned_turns
         self._concepts = new_concept_learner(settings, selector)
         self._features, self._labels = self.world.test_set
         self._queries: list[QueryRecord] = []
@@ -157,5 +159,5 @@ class Evaluation:
         self._concepts.observe(scene)
         if record is not None:
             self._concepts.learn(record, scene)
-        if self.settings.tunes_after(self.turn + 1):
-            self._concepts.tune()
+        if self.turn + 1 in self._tuned_turns:
+            self._concepts.repeat_tuning()

@@ -58,5 +58,4 @@ def turns(episode: Episode, world: SeenWorld, teacher: Teacher) -> Iterator[tupl
         record = None
         if decision.query is not None:
             record = episode.tell(teacher.answer(decision.query, world.truth(turn)))
-        episode.tune()
         yield decision, record

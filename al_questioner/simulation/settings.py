@@ -10,7 +10,6 @@ from al_questioner.domain import (
     CLASS_BALANCE,
     KERNEL_SHAPE,
     LENGTH_SCALE,
-    TUNE_EVERY,
     Costs,
     EpisodeSettings,
     SettingsError,
@@ -31,7 +30,6 @@ def episode_settings(
     length_scale: float | None = LENGTH_SCALE.default,
     kernel_shape: str = KERNEL_SHAPE.default,
     class_balance: float = CLASS_BALANCE.default,
-    tune_every: int = TUNE_EVERY.default,
 ) -> EpisodeSettings:
     """Settings of an episode; what is not given comes from the task, and the weights from `config/weights`.
 
@@ -64,5 +62,4 @@ def episode_settings(
         length_scale=length_scale,
         kernel_shape=kernel_shape,
         class_balance=class_balance,
-        tune_every=tune_every,
     )

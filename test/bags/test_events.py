@@ -12,7 +12,7 @@ from al_questioner.bags import RecordedEpisode, read_episodes
 from al_questioner.bags.events import NOT_RECORDED
 from al_questioner.bags.from_session import write_bag
 from al_questioner.domain import Answer, Outcome, QueryKind, QueryRecord
-from al_questioner.event_log.events import ActionChosen, AnswerAccepted, KernelTuned, SceneObserved, TurnTimedOut
+from al_questioner.event_log.events import ActionChosen, AnswerAccepted, SceneObserved, TurnTimedOut
 from al_questioner.event_log.log import read_log
 from al_questioner.event_log.replay import first_divergence
 from al_questioner.event_log.summary import summarise_session
@@ -45,11 +45,9 @@ def log(tmp_path: Path) -> Path:
     assert late.query is None
     assert durable.episode.pending is not None
     durable.take(Answer(durable.episode.pending.query_id, 'a3', 'bert', Outcome.SKIP))
-    durable.tune()
     play_turns(durable, world, 1)
     assert ask(durable, world).query is not None
     durable.time_out()
-    durable.tune()
     durable.close()
     return tmp_path / 'log'
 
@@ -71,7 +69,6 @@ def with_relevance(tmp_path: Path) -> Path:
     ask(durable, world)
     durable.take(Answer(first.query_id, 'c1', 'anna', Outcome.ANSWERED, (), replaces=first.answer_id))
     durable.take(answer(durable, world))
-    durable.tune()
     play_turns(durable, world, 3)
     durable.close()
     return tmp_path / 'log'
@@ -95,9 +92,8 @@ def test_bag_and_log_tell_of_the_same_events(log: Path, recorded: RecordedEpisod
     """A replay does not depend on where the episode was written down."""
     started, *others = events(log)
     assert dataclasses.replace(recorded.started, version=started.version) == started
-    expected = [dataclasses.replace(e, model_version=None) if isinstance(e, KernelTuned) else e for e in others]
-    assert [(type(event), told(event)) for event in recorded.events] == [(type(e), told(e)) for e in expected]
-    assert {type(event) for event in others} == {SceneObserved, ActionChosen, AnswerAccepted, KernelTuned, TurnTimedOut}
+    assert [(type(event), told(event)) for event in recorded.events] == [(type(e), told(e)) for e in others]
+    assert {type(event) for event in others} == {SceneObserved, ActionChosen, AnswerAccepted, TurnTimedOut}
     assert first_divergence(started, others) is None
     assert first_divergence(recorded.started, recorded.events) is None
 
@@ -117,8 +113,7 @@ def test_a_bag_tells_what_was_said_to_matter(with_relevance: Path, tmp_path: Pat
     (recorded,) = read_episodes(tmp_path / 'bag')
     started, *others = events(with_relevance)
     assert recorded.started.settings == started.settings == WITH_RELEVANCE
-    expected = [dataclasses.replace(e, model_version=None) if isinstance(e, KernelTuned) else e for e in others]
-    assert [(type(event), told(event)) for event in recorded.events] == [(type(e), told(e)) for e in expected]
+    assert [(type(event), told(event)) for event in recorded.events] == [(type(e), told(e)) for e in others]
     assert first_divergence(started, others) is None
     assert first_divergence(recorded.started, recorded.events) is None
     assert recorded.records[0] == QueryRecord(1, QueryKind.RELEVANCE, None, None, 4.0, Outcome.ANSWERED, objects=())

@@ -215,7 +215,7 @@ def test_tuned_kernel_is_that_of_the_labels_and_used_everywhere(taught, scene):
     untuned = taught.predict_proba(scene.features)
     version = taught.model_version
     assert taught.kernel == Kernel(4.0, 2.0)
-    assert taught.tune()
+    assert taught.repeat_tuning()
     assert taught.model_version == version + 1
     assert taught.kernel != Kernel(4.0, 2.0)
     assert not np.allclose(taught.predict_proba(scene.features), untuned, atol=1e-4)
@@ -229,7 +229,7 @@ def test_tuned_kernel_is_that_of_the_labels_and_used_everywhere(taught, scene):
 
 def test_tuned_length_scale_follows_the_number_of_features(taught):
     """Otherwise after a feature subset query the kernel would be far too wide for the few features that are left."""
-    taught.tune()
+    taught.repeat_tuning()
     before = taught.kernel
     taught.restrict_to_groups(('size',))
     assert taught.kernel.amplitude == before.amplitude
@@ -245,7 +245,7 @@ def test_events_after_tuning_keep_the_tuned_kernel_on_any_features():
     concepts = learner(many)
     for i, label in enumerate(labels):
         if i == 3:
-            assert concepts.tune()
+            assert concepts.repeat_tuning()
         concepts.label(i, many.features[i], label, i)
     points = standardised(many)
     kernel, chosen = concepts.kernel, select_features(points[:5], labels)
@@ -263,25 +263,25 @@ def test_events_after_tuning_keep_the_tuned_kernel_on_any_features():
 
 def test_tuning_again_without_news_changes_nothing(taught):
     """Otherwise the kernel would drift with every call, and the version would tell of models that are not new."""
-    assert taught.tune()
+    assert taught.repeat_tuning()
     kernel, version = taught.kernel, taught.model_version
-    assert not taught.tune()
+    assert not taught.repeat_tuning()
     assert (taught.kernel, taught.model_version) == (kernel, version)
 
 
 def test_tuning_without_labels_keeps_the_configured_kernel(scene):
     """Otherwise a robot that has been told nothing would change its mind."""
     concepts = ConceptLearner(SYMBOLS, 9.0, 5.0)
-    assert not concepts.tune(), 'not even a scene'
+    assert not concepts.repeat_tuning(), 'not even a scene'
     concepts.observe(scene)
-    assert not concepts.tune()
+    assert not concepts.repeat_tuning()
     assert (concepts.kernel, concepts.model_version) == (Kernel(9.0, 5.0), 1)
 
 
 def test_tuning_moves_from_the_length_scale_that_was_configured(scene):
     """Otherwise a user's length scale would be forgotten at the first tuning."""
     concepts = learner(scene, labels=['snack'], length_scale=40.0)
-    concepts.tune()
+    concepts.repeat_tuning()
     assert 20 <= concepts.kernel.length_scale <= 80
 
 

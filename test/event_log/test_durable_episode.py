@@ -19,7 +19,6 @@ from al_questioner.event_log.events import (
     ActionChosen,
     AnswerAccepted,
     InputRejected,
-    KernelTuned,
     LateAnswerKept,
     SceneObserved,
 )
@@ -57,8 +56,8 @@ def test_killed_at_every_write_point(tmp_path: Path) -> None:
     """An acknowledged answer is not lost or counted twice, and the next question stays the same."""
     result = drive('points', tmp_path)
     assert result['problems'] == []
-    assert result['kills'] > 80
-    kinds = {'answer', 'correction', 'late', 'passed', 'tune', 'decision', 'scene', 'episode'}
+    assert result['kills'] > 70
+    kinds = {'answer', 'correction', 'late', 'passed', 'decision', 'scene', 'episode'}
     assert kinds == set(result['kinds'])
 
 
@@ -83,7 +82,6 @@ def test_what_matters_is_known_after_resuming(start: Start, tmp_path: Path, worl
             said = answer(durable, world)
             durable.take(said)
             assert durable.take(said).receipt is Receipt.DUPLICATE
-        durable.tune()
         play_turns(oracle, world, 1)
         if turn == 3:
             for each in (durable, oracle):
@@ -234,16 +232,6 @@ def test_of_late_answers_to_one_query_so_many_are_kept(start: Start, tmp_path: P
     for number in range(120):
         assert durable.take(dataclasses.replace(first, answer_id=f'late {number}')).receipt is Receipt.LATE
     assert sum(isinstance(event, LateAnswerKept) for event in events(tmp_path)) == 100
-
-
-def test_tuning_is_on_the_disk(start: Start, tmp_path: Path, world: PerceivedWorld) -> None:
-    """Otherwise a resumed learner would tune once more, or not at all."""
-    durable = start()
-    play_turns(durable, world, 2)
-    resumed = start()
-    assert not resumed.episode.tune_is_due
-    assert resumed.episode.concepts.kernel == durable.episode.concepts.kernel
-    assert sum(isinstance(event, KernelTuned) for event in events(tmp_path)) == 1
 
 
 @pytest.mark.parametrize(

@@ -22,10 +22,14 @@ def contents(query, choose):
 
 
 @settings(max_examples=15, deadline=None, suppress_health_check=[HealthCheck.function_scoped_fixture])
-@given(data=st.data(), strategy=st.sampled_from(['u_sampling', 'random_fsq', 'rarest_demo', 'dt_iros']))
-def test_a_corrected_episode_is_that_of_the_right_answer(toy, data, strategy):
-    """A wrong answer that was taken back would leave its traces in what the robot believes."""
-    own = toy.settings(strategy, turns=8, budget=20.0, tune_every=3)
+@given(
+    data=st.data(),
+    strategy=st.sampled_from(['u_sampling', 'random_fsq', 'rarest_demo', 'dt_iros']),
+    is_tuned=st.booleans(),
+)
+def test_a_corrected_episode_is_that_of_the_right_answer(toy, data, strategy, is_tuned):
+    """A wrong answer that was taken back would leave its traces in what the robot believes, tuned once or not."""
+    own = toy.settings(strategy, turns=8, budget=20.0)
     world, scenes = toy.world(data.draw(st.integers(0, 5))), []
     episode = Episode(own, random_stream(1, 'strategy'))
     queries, last_ids, expected = [], {}, {}
@@ -47,7 +51,7 @@ def test_a_corrected_episode_is_that_of_the_right_answer(toy, data, strategy):
 
     def check():
         assert list(episode.records) == [expected[turn] for turn in sorted(expected)]
-        oracle = toy.learnt(own, scenes, episode.records)
+        oracle = toy.learnt(own, scenes, episode.records, episode.tuned_turns)
         features = scenes[-1].features
         np.testing.assert_array_equal(episode.concepts.predict_proba(features), oracle.predict_proba(features))
         assert episode.concepts.model_version == oracle.model_version
@@ -59,15 +63,15 @@ def test_a_corrected_episode_is_that_of_the_right_answer(toy, data, strategy):
     while not episode.done:
         scenes.append(world.scene(episode.turn + 1))
         query = episode.ask(scenes[-1]).query
-        # Not in a turn without a question that has yet to be tuned: the oracle takes such a turn for one not over.
-        if query is not None and queries and data.draw(st.booleans()):
+        if queries and data.draw(st.booleans()):
             correct()
         if query is not None:
             outcome, content = contents(query, choose)
             expected[query.turn] = episode.tell(Answer(query.query_id, 'a1', 'anna', outcome, content))
             queries.append(query)
             last_ids[query.query_id] = ['a1']
-        episode.tune()
+        if is_tuned and episode.turn % 3 == 0:
+            episode.repeat_tuning()
     if queries:
         correct()
 

@@ -339,22 +339,6 @@ def test_asking_out_of_turn(scripted, toy):
         ask(NOTHING)
 
 
-def test_tuning_is_done_once_at_the_end_of_a_turn_that_is_due(toy):
-    """Otherwise it would be done while the teacher is waited for, at other turns, or twice."""
-    world = toy.world(2)
-    episode = Episode(toy.settings('u_sampling', tune_every=3), random_stream(0, 'strategy'))
-    assert not episode.tune(), 'before the first turn'
-    for turn in range(1, 8):
-        query = episode.ask(world.scene(turn)).query
-        with pytest.raises(RuntimeError, match='has not been answered yet'):
-            episode.tune()
-        episode.tell(world.answer(query))
-        before = episode.concepts.model_version
-        assert episode.tune() == (turn in (3, 6))
-        assert not episode.tune()
-        assert episode.concepts.model_version == before + (turn in (3, 6))
-
-
 @pytest.mark.parametrize('strategy', ['u_sampling', 'dt_task_env', 'rarest_demo'])
 def test_replaying_the_records_gives_the_same_knowledge(toy, strategy):
     """Accuracy is measured outside the learner by replaying what it was told."""

@@ -51,7 +51,7 @@ def test_a_turn_passes_and_the_question_stays(start, scene):
     with pytest.raises(RuntimeError, match='q1 has not been answered'):
         episode.ask(scene)
     with pytest.raises(RuntimeError, match='q1 has not been answered'):
-        episode.tune()
+        episode.repeat_tuning()
     episode.time_out()
     assert (episode.awaits_answer, episode.turns_over, episode.pending) == (False, 1, query)
     decision = episode.ask(scene)
@@ -195,7 +195,7 @@ def test_what_nobody_can_name_is_not_asked_again_while_it_looks_the_same(toy, sc
 @given(data=st.data(), strategy=st.sampled_from(['u_sampling', 'random_fsq', 'rarest_demo', 'dt_iros']))
 def test_however_answers_come_what_is_known_is_what_was_said(toy, data, strategy):
     """An episode in which the teacher comes and goes would know other things than were said, or overspend."""
-    own = toy.settings(strategy, turns=8, budget=9.0, costs=Costs(unknown=0.5, skip=0.0), tune_every=3)
+    own = toy.settings(strategy, turns=8, budget=9.0, costs=Costs(unknown=0.5, skip=0.0))
     world, scenes, open_queries = toy.world(data.draw(st.integers(0, 5)), change_interval=2), [], []
     episode = Episode(own, random_stream(1, 'strategy'))
 
@@ -224,7 +224,6 @@ def test_however_answers_come_what_is_known_is_what_was_said(toy, data, strategy
         answer_some()
         if episode.awaits_answer:
             episode.time_out()
-        episode.tune()
         # Between the turns, too.
         answer_some()
         assert episode.spent <= own.budget + 1e-9

@@ -50,13 +50,6 @@ def test_one_process_plays_the_offline_episode(processes: Any, tmp_path: Path) -
 
 
 @pytest.mark.slow
-def test_processes_tune_as_the_offline_episode_does(processes: Any, tmp_path: Path) -> None:
-    """Otherwise the option would not reach the learner, or it would tune at other turns than the evaluation assumes."""
-    tuned = [*SMALL, '--strategy', 'u_sampling_fsq', '--tune-every', '2']
-    assert play(processes, tmp_path / 'graph', *tuned) == play_offline(tmp_path, *tuned)
-
-
-@pytest.mark.slow
 @pytest.mark.skipif(not CROPS.is_dir(), reason='the real RGB-D crops are not beside this checkout')
 def test_real_crops_are_learnt_through_the_graph(processes: Any, tmp_path: Path) -> None:
     """Otherwise the robot would learn from drawings alone."""

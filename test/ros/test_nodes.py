@@ -50,20 +50,18 @@ def test_the_teacher_shows_what_is_known_if_told_to(graph: Any) -> None:
     assert asked != offline_queries('rarest_demo', 40.0, 14)
 
 
-def test_tuning_learner_asks_what_an_offline_run_asks_and_tells_its_kernel(graph: Any) -> None:
-    """Otherwise the graph would tune at other turns, or nobody could see what it tuned to."""
-    states, episodes = graph.listen('learner_state', profile=qos.RECORDED_LATCHED), graph.listen('episode')
-    kernel = {'amplitude': 4.0}
-    graph.start_robot(strategy='u_sampling', budget=8.0, turns=12, tune_every=2, **kernel)
+def test_a_learner_with_another_kernel_asks_what_an_offline_run_asks_and_tells_it(graph: Any) -> None:
+    """Otherwise the parameter would not reach the models, or nobody could see with which kernel it learns."""
+    states, episodes = graph.listen('learner_state'), graph.listen('episode')
+    kernel = {'amplitude': 4.0, 'kernel_shape': 'rbf'}
+    graph.start_robot(strategy='u_sampling', budget=8.0, turns=12, **kernel)
     graph.start(TeacherNode, **graph.world)
     asked = graph.wait_for_end(states)['queries']
-    assert asked == offline_queries('u_sampling', 8.0, 12, tune_every=2, **kernel)
-    assert asked != offline_queries('u_sampling', 8.0, 12, **kernel)
+    assert asked == offline_queries('u_sampling', 8.0, 12, **kernel)
+    assert asked != offline_queries('u_sampling', 8.0, 12)
     graph.wait_for(lambda: episodes, 'what the episode is about')
-    assert episodes[-1]['tune_every'] == 2
-    by_turn = {state['turn']: state['kernel'] for state in states}
-    assert by_turn[1]['amplitude'] == 4.0
-    assert by_turn[12]['amplitude'] != 4.0
+    assert {name: episodes[-1][name] for name in kernel} == kernel
+    assert states[-1]['kernel']['amplitude'] == 4.0
 
 
 def test_every_topic_tells_the_same_story(graph: Any) -> None:

@@ -21,9 +21,9 @@ from shared.checkout import ROOT
 
 LEARNER = ROOT / 'test' / 'shared' / 'killed_learner.py'
 OVER = 'the episode is over'
-EPISODE = {'task': 'prepare_lunch', 'seed': 4, 'budget': 7.0, 'turns': 6, 'strategy': 'random_fsq', 'tune_every': 2}
-WRITE_POINTS = 4 * (1 + 6 + 6 + 3)
-"""Four for each of: the episode, a scene with its decision, an answer, a tuning; asking in every turn."""
+EPISODE = {'task': 'prepare_lunch', 'seed': 4, 'budget': 7.0, 'turns': 6, 'strategy': 'random_fsq'}
+WRITE_POINTS = 4 * (1 + 6 + 6)
+"""Four for each of: the episode, a scene with its decision, an answer; asking in every turn."""
 
 LONGEST_LIFE = 0.4
 """Seconds that a learner lives at most after it is up, where it is killed at random."""

@@ -20,7 +20,7 @@ WORLD = {'task': 'prepare_lunch', 'seed': 4, 'sample': 4, 'dataset': None}
 Start = Callable[..., DurableEpisode]
 
 
-WITH_RELEVANCE = dataclasses.replace(episode_settings(TASK, 'human', 20.0, 6, tune_every=2), costs=Costs(relevance=4.0))
+WITH_RELEVANCE = dataclasses.replace(episode_settings(TASK, 'human', 20.0, 6), costs=Costs(relevance=4.0))
 """Settings of an episode whose questioner may ask which things matter."""
 
 
@@ -35,7 +35,7 @@ def ask_what_matters(context: TurnContext) -> int:
 
 
 def episode_started(**changes: object) -> EpisodeStarted:
-    settings = episode_settings(TASK, 'u_sampling_fsq', 8.0, 6, tune_every=2)
+    settings = episode_settings(TASK, 'u_sampling_fsq', 8.0, 6)
     return dataclasses.replace(EpisodeStarted('e1', settings, 4, 1e-3, WORLD, '1'), **changes)
 
 
@@ -68,7 +68,6 @@ def play_turns(durable: DurableEpisode, world: PerceivedWorld, n: int) -> list[A
         if ask(durable, world).query is not None:
             said.append(answer(durable, world))
             assert durable.take(said[-1]).receipt is Receipt.ACCEPTED
-        durable.tune()
     return said
 
 

@@ -27,7 +27,7 @@ from al_questioner.simulation import PerceivedWorld, WorldSpec, episode_settings
 from shared.durable_sessions import TASK, TEACHER, WITH_RELEVANCE, ask_what_matters, durable_of
 from shared.storages import WatchedStorage, killer
 
-SETTINGS = episode_settings(TASK, 'u_sampling_fsq', 6.0, 5, change_interval=2, tune_every=2)
+SETTINGS = episode_settings(TASK, 'u_sampling_fsq', 6.0, 5, change_interval=2)
 BEGUN = EpisodeStarted('e1', SETTINGS, 4, 1e-3, None, '0')
 
 
@@ -73,7 +73,6 @@ def play(folder: Path, acknowledge: Callable[[Answer], None], at_write_point: Ca
             for answer in said(episode.awaited):
                 if durable.take(answer).receipt is not Receipt.LATE:
                     acknowledge(answer)
-        durable.tune()
         if episode.done:
             break
         turn = episode.turn + 1

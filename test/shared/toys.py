@@ -123,16 +123,16 @@ def play(episode, world, watch=None):
     return decisions
 
 
-def learnt(settings, scenes, records):
-    """Return the state of a learner that had these records from the beginning."""
+def learnt(settings, scenes, records, tuned_turns=()):
+    """Return the state of a learner that had these records from the beginning, tuned at the end of some turns."""
     selector = make_strategy(settings.strategy, settings.weights).selector
     concepts, by_turn = new_concept_learner(settings, selector), {record.turn: record for record in records}
     for turn, scene in enumerate(scenes, start=1):
         concepts.observe(scene)
         if turn in by_turn:
             concepts.learn(by_turn[turn], scene)
-        if settings.tunes_after(turn) and (turn < len(scenes) or turn in by_turn):
-            concepts.tune()
+        if turn in tuned_turns:
+            concepts.repeat_tuning()
     return concepts
 
 

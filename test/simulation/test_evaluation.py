@@ -58,20 +58,21 @@ def test_what_is_said_later_is_measured_as_if_it_had_been_said_at_once() -> None
     assert evaluation.result() == before
 
 
-@pytest.mark.parametrize('tune_every', [0, 3])
+@pytest.mark.parametrize('tuned_turns', [(), (3, 6, 12)])
 @pytest.mark.parametrize('strategy', ['dt_task', 'u_sampling', 'farthest_fsq'])
-def test_evaluation_believes_what_the_learner_believes(strategy: str, tune_every: int) -> None:
+def test_evaluation_believes_what_the_learner_believes(strategy: str, tuned_turns: tuple[int, ...]) -> None:
     """Otherwise accuracy would be that of other models than the robot has."""
-    settings = episode_settings(TASK, strategy, budget=8, turns=12, tune_every=tune_every)
+    settings = episode_settings(TASK, strategy, budget=8, turns=12)
     episode = Episode(settings, random_stream(4, 'learner'))
-    evaluation = Evaluation(WORLD_SPEC, settings, episode.strategy.selector)
+    evaluation = Evaluation(WORLD_SPEC, settings, episode.strategy.selector, tuned_turns=tuned_turns)
     features, labels = evaluation.world.test_set
     for turn in range(1, 13):
         decision = episode.ask(evaluation.world.scene(turn))
         record = None
         if decision.query is not None:
             record = episode.tell(teacher().answer(decision.query, evaluation.world.truth(turn)))
-        episode.tune()
+        if turn in tuned_turns:
+            episode.repeat_tuning()
         measured = evaluation.next_turn(record)
         assert measured == accuracy(episode.concepts.predict_proba(features), labels, TASK.symbols)
     assert evaluation.result().kernel == episode.concepts.kernel

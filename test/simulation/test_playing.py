@@ -6,7 +6,7 @@ from collections.abc import Mapping
 
 import pytest
 
-from al_questioner.domain import AMPLITUDE, DECISION_FEATURES, Answer, Costs, EpisodeSettings, Query, QueryKind
+from al_questioner.domain import DECISION_FEATURES, Answer, Costs, EpisodeSettings, Query, QueryKind
 from al_questioner.questioning import STRATEGIES
 from al_questioner.questioning.strategies.value_per_cost import VALUE_FEATURES
 from al_questioner.simulation import EpisodeResult, PerceivedWorld, WorldSpec, episode_settings, load_task, run_episode
@@ -41,19 +41,6 @@ def test_the_teacher_shows_what_the_learner_does_not_know(task: str) -> None:
     assert repeats(once) == 0
     assert repeats(run_episode(world_spec, settings, teacher(repeat_shown=True))) > 0
     assert run_episode(world_spec, settings, StartedAnew()) == once
-
-
-def test_playing_tunes_at_the_turns_that_are_due() -> None:
-    """Otherwise the option would have no effect on what is asked, or also where it is off."""
-    plain, often, never_due = (
-        run_episode(WORLD_SPEC, episode_settings(TASK, 'u_sampling_fsq', 8, 12, tune_every=every), teacher())
-        for every in (0, 2, 13)
-    )
-    assert plain.queries == never_due.queries
-    assert plain.accuracy == never_due.accuracy
-    assert plain.kernel == never_due.kernel
-    assert often.accuracy != plain.accuracy
-    assert often.kernel.amplitude != plain.kernel.amplitude == AMPLITUDE.default
 
 
 def test_episodes_on_an_open_world_are_those_on_a_new_one() -> None:
@@ -95,9 +82,9 @@ def test_a_teacher_who_never_knows_teaches_nothing() -> None:
 @pytest.mark.parametrize(
     'changes',
     [
-        {'length_scale': 1e-3, 'amplitude': 1e3, 'tune_every': 2},
-        {'length_scale': 1e3, 'amplitude': 1e3, 'tune_every': 2},
-        {'length_scale': 1e3, 'amplitude': 1e-3, 'tune_every': 2},
+        {'length_scale': 1e-3, 'amplitude': 1e3},
+        {'length_scale': 1e3, 'amplitude': 1e3},
+        {'length_scale': 1e3, 'amplitude': 1e-3},
         {'budget': 1e12, 'costs': Costs(1e12, 1.0, 0.0)},
         {'strategy': 'dt_task_env', 'weights': dict.fromkeys(DECISION_FEATURES, 1e9)},
         {'weights': dict.fromkeys(VALUE_FEATURES, -1e9)},

@@ -6,7 +6,7 @@ import argparse
 from collections.abc import Sequence
 from pathlib import Path
 
-from al_questioner.domain import BUDGET, TUNE_EVERY, TURNS, InputError
+from al_questioner.domain import BUDGET, TURNS, InputError
 from al_questioner.questioning.strategies.names import STRATEGY
 from al_questioner.questioning.strategies.weights import WEIGHTS_FILE
 from al_questioner.ros.settings import TURN_PERIOD
@@ -31,7 +31,6 @@ def parser() -> Parser:
     add_option(result, WEIGHTS_FILE, 'those that ship', help='YAML file with weights of the strategy (those that ship)')
     add_option(result, BUDGET, "the task's")
     add_option(result, TURNS, "the task's")
-    add_option(result, TUNE_EVERY, metavar='K')
     add_option(result, SEED)
     add_option(result, SAMPLE, default=None, help=SAMPLE.description)
     for setting in (WRONG_RATE, UNKNOWN_RATE, RELEVANCE_OMISSION, RELEVANCE_FALSE_ALARM, REPEAT_SHOWN):

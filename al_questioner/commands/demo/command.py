@@ -44,7 +44,6 @@ def main(given: argparse.Namespace) -> int:
         given.budget,
         given.turns,
         weights_file=given.weights_file,
-        tune_every=given.tune_every,
     )
     made_up = MadeUpWorld(world_spec.task, world_spec.seed, world_spec.sample) if given.dry_run else None
     views = 'images' if made_up is None else 'made-up views'
@@ -144,7 +143,7 @@ def _play_graph(given: argparse.Namespace, evaluation: Evaluation, watch: TurnWa
             },
             'learner': {
                 **world,
-                **{name: getattr(settings, name) for name in ('strategy', 'budget', 'turns', 'tune_every')},
+                **{name: getattr(settings, name) for name in ('strategy', 'budget', 'turns')},
                 'weights_file': given.weights_file or '',
                 'turn_period': given.turn_period,
                 'episode_id': episode_id,

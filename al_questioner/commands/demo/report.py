@@ -41,7 +41,6 @@ def episode_document(result: EpisodeResult, teacher: ScriptedTeacher, world: Per
         'change_interval': settings.change_interval,
         **settings.classifiers._asdict(),
         'length_scale': settings.length_scale,
-        'tune_every': settings.tune_every,
         'kernel': asdict(result.kernel),
         'wrong_rate': teacher.wrong_rate,
         'unknown_rate': teacher.unknown_rate,
@@ -77,9 +76,6 @@ def summary(result: EpisodeResult, views: str = 'images') -> Table:
     turns = number_of(settings.turns, 'turn')
     table.add_row('budget spent', f'{result.spent:g} of {settings.budget:g}, in {turns}')
     table.add_row('queries', f'{len(result.queries)}: {asked}' if asked else 'none')
-    if settings.tune_every:
-        kernel = f'amplitude {result.kernel.amplitude:.3g}, length scale {result.kernel.length_scale:.3g}'
-        table.add_row(f'kernel, tuned every {settings.tune_every} turns', kernel)
     told = ', '.join(f'{count} {symbol}' for symbol, count in labels_told(result).items())
     table.add_row('told', escape(told))
     return table

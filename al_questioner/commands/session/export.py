@@ -65,8 +65,11 @@ def measured_accuracy(summary: SessionSummary) -> tuple[list[float], str | None]
     try:
         dataset = None if world['dataset'] is None else Path(world['dataset'])
         world_spec = WorldSpec(load_task(world['task']), world['seed'], world['sample'], dataset)
-        evaluation = Evaluation(world_spec, summary.started.settings, summary.episode.strategy.selector)
-        by_turn = {record.turn: record for record in summary.episode.records}
+        episode = summary.episode
+        evaluation = Evaluation(
+            world_spec, summary.started.settings, episode.strategy.selector, tuned_turns=episode.tuned_turns
+        )
+        by_turn = {record.turn: record for record in episode.records}
         for observed in summary.observed[: summary.turns_over]:
             if not evaluation.world.scene(observed.turn).equals(observed.scene):
                 return [], f'the scene of turn {observed.turn} is not that of the simulated world'

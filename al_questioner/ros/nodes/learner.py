@@ -219,7 +219,9 @@ class LearnerNode(QuestionerNode):
 
     def _announce(self, scene: Scene) -> None:
         """Publish what the episode is about, as soon as the features are known."""
-        self._publish_episode(episode_members(self._durable.started, scene.feature_names))
+        self._publish_episode(
+            episode_members(self._durable.started, scene.feature_names, self._durable.episode.tuned_turns)
+        )
 
     def _hear(self, message: String) -> None:
         """Take an answer, or the correction of one, and say whether it was taken: not before it is on the disk."""
@@ -261,10 +263,9 @@ class LearnerNode(QuestionerNode):
         return read_plain_answer(content, self._durable.episode.pending)
 
     def _end_turn(self) -> None:
-        """Tune the models if it is time, tell what is known now, and begin the next turn unless this was the last."""
+        """Tell what is known now, and begin the next turn unless this was the last."""
         self._question.stop()
         self._patience.clear()
-        self._durable.tune()
         episode = self._durable.episode
         if episode.done:
             self._tell_state()

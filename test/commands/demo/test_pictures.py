@@ -17,7 +17,7 @@ from shared.durable_sessions import TASK, TEACHER, WITH_RELEVANCE, ask_what_matt
 
 def test_a_relevance_query_is_drawn(tmp_path: Path) -> None:
     """Otherwise the pictures of an episode with one would be missing."""
-    settings = dataclasses.replace(WITH_RELEVANCE, turns=3, tune_every=0)
+    settings = dataclasses.replace(WITH_RELEVANCE, turns=3)
     world_spec, asks = WorldSpec(TASK, 4, 4), Human(ask_what_matters)
     world = PerceivedWorld(world_spec.open())
     result = run_episode(world_spec, settings, TEACHER, world=world, strategy=asks)

@@ -50,7 +50,7 @@ from shared.durable_sessions import (
 from shared.little_room import little_room
 
 EPISODE = ['--task', 'prepare_lunch', '--strategy', 'dt_iros', '--budget', '6', '--turns', '7', '--seed', '4']
-BEGUN = EpisodeStarted('e1', episode_settings(TASK, 'dt_iros', 6.0, 7, tune_every=3), 4, 1e-3, WORLD, '1')
+BEGUN = EpisodeStarted('e1', episode_settings(TASK, 'dt_iros', 6.0, 7), 4, 1e-3, WORLD, '1')
 
 
 @pytest.fixture(scope='module')
@@ -67,7 +67,6 @@ def write_session(
     while not durable.episode.done:
         if ask(durable, world).query is not None:
             durable.take(answer(durable, world))
-        durable.tune()
     if corrected:
         assert durable.take(Answer('q1', 'b1', 'bert', Outcome.SKIP)).receipt is Receipt.LATE
         durable.take(Answer('q1', 'c1', 'scripted', Outcome.UNKNOWN, replaces='q1/scripted'))
@@ -91,8 +90,6 @@ def test_a_teacher_who_was_away_leaves_a_session_like_any_other(
             durable.time_out()
         elif durable.episode.pending is not None:
             durable.take(answer(durable, world))
-        if not durable.episode.awaits_answer:
-            durable.tune()
         durable.close()
     asked = durable.episode.records
     assert any(record.answered_in == 4 for record in asked) == comes_back
@@ -113,7 +110,7 @@ def test_the_json_of_a_session_is_that_of_the_demo(tmp_path: Path, world: Percei
     """Sessions with people can be compared with episodes that were played."""
     write_session(tmp_path / 'log', world)
     played = tmp_path / 'demo.json'
-    arguments = [*EPISODE, '--tune-every', '3', '--offline', '--out', str(tmp_path), '--json', str(played)]
+    arguments = [*EPISODE, '--offline', '--out', str(tmp_path), '--json', str(played)]
     assert main(['demo', *arguments]) == 0
     exported = tmp_path / 'session.json'
     assert main(['session', str(tmp_path / 'log'), '--json', str(exported)]) == 0
@@ -273,8 +270,6 @@ def test_what_was_corrected_later_is_replayed_as_it_was_known(
         if query is not None:
             taken.append(TEACHER.answer(query, world.truth(turn)))
             take(taken[-1])
-        durable.tune()
-        live.tune()
         if turn == 5:
             # After the turn, and for good.
             take(Answer('q2', 'c3', 'anna', Outcome.SKIP, replaces=taken[1].answer_id))
@@ -387,7 +382,6 @@ def test_what_was_said_to_matter_is_exported(
     first = answer(durable, world)
     durable.take(dataclasses.replace(first, content=(3, 1)))
     durable.take(dataclasses.replace(first, answer_id='late', teacher_id='bert', content=()))
-    durable.tune()
     durable.close()
     command = ['session', str(tmp_path / 'log'), '--json', str(tmp_path / 'x.json'), '--csv', str(tmp_path / 'csv')]
     assert main(command) == 0

@@ -1,15 +1,15 @@
-"""Amplitude and length scale of the kernel by marginal likelihood, one kernel for all classifiers.
+"""The kernel that learners of earlier versions found by marginal likelihood, where their user wanted it.
 
-Equations and algorithms are those of Rasmussen and Williams, Gaussian Processes for Machine Learning (2006) (below:
-R&W). `docs/explanation/kernel_tuning.md` gives the reasons for the bounds and the prior.
+Learners do so no more (docs/results/hyperparameters.md), but a session log tells only when it was done and not what was
+found: without this such a log could be neither checked nor gone on with. Equations and algorithms are those of
+Rasmussen and Williams, Gaussian Processes for Machine Learning (2006) (below: R&W).
 """
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-
 import numpy as np
 
+from al_questioner.concepts.kernel import Kernel
 from al_questioner.concepts.laplace.gaussian_process import expit, find_modes, well_conditioned
 from al_questioner.support.arrays import Array
 from al_questioner.support.late_imports import late
@@ -23,19 +23,6 @@ LENGTH_SCALE_FACTOR = 2.0
 
 PRIOR_DEVIATIONS = np.array([1.0, 0.25])
 """Standard deviations of log amplitude and log length scale in the normal prior around the configured kernel."""
-
-
-@dataclass(frozen=True)
-class Kernel:
-    """The covariance amplitude * exp(-d^2 / (2 length_scale^2)).
-
-    Attributes:
-        amplitude: variance of the process.
-        length_scale: length scale, in the unit of the points.
-    """
-
-    amplitude: float
-    length_scale: float
 
 
 def log_marginal_likelihood(squared_distances: Array, targets: Array, kernel: Kernel) -> tuple[float, Array]:

@@ -7,7 +7,7 @@ from sklearn.gaussian_process import GaussianProcessClassifier
 from sklearn.gaussian_process.kernels import RBF, ConstantKernel
 
 from al_questioner.concepts import ConceptModels, Kernel
-from al_questioner.concepts.laplace.hyperparameters import (
+from al_questioner.concepts.laplace.earlier_tuning import (
     AMPLITUDE_FACTOR,
     LENGTH_SCALE_FACTOR,
     log_marginal_likelihood,
