@@ -72,7 +72,7 @@ class Tested(NamedTuple):
 
 
 def play(task_name: str, strategy: str, sample: int) -> list[Tested]:
-    """What the learners with each of the compared classifiers say after an episode in the same world."""
+    """Play an episode with each of the compared classifiers in the same world."""
     task = load_task(task_name).of_sample(sample)
     world = PerceivedWorld(WorldSpec(task, sample, sample).open())
     condition = PAPER_CONDITIONS['C1']

@@ -31,6 +31,7 @@ from al_questioner.messages import documents
 from al_questioner.messages.clouds import decision_of_cloud, scene_of_cloud
 from al_questioner.messages.documents import Document
 from al_questioner.questioning.query_status import query_id
+from al_questioner.questioning.semantics import EARLIEST_SEMANTICS
 
 NOT_RECORDED = 'not recorded'
 """The teacher of an answer of which a bag holds only what came of it."""
@@ -51,6 +52,7 @@ def decode_run(source: Path, recorded: Recorded, run: Run, document: Document) -
         view_tolerance=document.get('view_tolerance', EARLIER_VIEW_TOLERANCE),
         world=document['world'],
         version='',
+        semantics=document.get('semantics', EARLIEST_SEMANTICS),
     )
     states = _states(recorded, run)
     last = states[-1].document['turn'] if states else 0

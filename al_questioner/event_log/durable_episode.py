@@ -22,7 +22,7 @@ from al_questioner.questioning import Episode, PreparedAnswer, Receipt, Strategy
 from al_questioner.support.differences import differences
 from al_questioner.support.rate_limiter import RateLimiter
 
-NOT_SETTINGS = frozenset({'version'})
+NOT_SETTINGS = frozenset({'version', 'semantics'})
 """Members of an episode's first event that a learner that goes on with it need not share."""
 REJECTED_KEPT, REJECTED_PERIOD = 10, 60.0
 """Number of texts that were no answers and are kept word for word in a period; of a flood the rest is counted."""

@@ -25,6 +25,7 @@ from al_questioner.event_log.log import LogContents
 from al_questioner.event_log.storage import Event
 from al_questioner.messages import documents
 from al_questioner.messages.documents import Document
+from al_questioner.questioning.semantics import EARLIEST_SEMANTICS
 from al_questioner.support.text import one_line
 
 LONGEST_REFUSED = 1000
@@ -86,6 +87,7 @@ def _decode(event: Event, members: Document, last: Scene | None) -> EpisodeEvent
         return EpisodeStarted(
             settings=documents.settings_of(members),
             **{name: members[name] for name in ('episode_id', 'seed', 'view_tolerance', 'world', 'version')},
+            semantics=members.get('semantics', EARLIEST_SEMANTICS),
         )
     if event.kind == 'scene':
         scene = last if members['scene'] is None else _scene_of(members['scene'])

@@ -7,6 +7,7 @@ from dataclasses import dataclass
 from al_questioner.domain import Action, Answer, Decision, EpisodeSettings, Query, Scene, ViewTolerance
 from al_questioner.messages import documents
 from al_questioner.messages.documents import Document
+from al_questioner.questioning.semantics import SEMANTICS
 
 
 @dataclass(frozen=True)
@@ -18,6 +19,7 @@ class EpisodeStarted:
         view_tolerance: of the learner, see `questioning.Episode`.
         world: the simulated world, as `task`, `seed`, `sample` and `dataset`; None if it is another one.
         version: of this package; empty where it is not recorded.
+        semantics: version of the method by which it decides.
     """
 
     episode_id: str
@@ -26,6 +28,7 @@ class EpisodeStarted:
     view_tolerance: ViewTolerance
     world: Document | None
     version: str
+    semantics: int = SEMANTICS
 
     def members(self) -> Document:
         """Return the event as a JSON object."""

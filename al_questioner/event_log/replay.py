@@ -20,6 +20,10 @@ from al_questioner.event_log.events import (
     kind_of,
 )
 from al_questioner.questioning import Episode, Human, Strategy, TurnContext, make_strategy
+from al_questioner.questioning.semantics import SEMANTICS
+from al_questioner.questioning.strategies.as_recorded import AsRecorded
+
+_ANOTHER_VERSION = f'recorded with version {{}} of the method, this is version {SEMANTICS}'
 
 ROUNDING = 1e-5
 """Difference, absolute or relative, up to which numbers are equal.
@@ -35,7 +39,8 @@ class ReplayError(InputError):
 class Replay:
     """Plays the events of an episode to an Episode, in the order in which they came about.
 
-    The strategy decides again, but a person's choices are taken as recorded.
+    The strategy decides again, but a person's choices are taken as recorded, and so are, unless `is_strict`, those of
+    another version of the method.
 
     Attributes:
         episode: as it is after the events played so far.
@@ -43,7 +48,9 @@ class Replay:
         decision: of the present turn; None before the first.
     """
 
-    def __init__(self, started: EpisodeStarted, strategy: Strategy) -> None:
+    def __init__(self, started: EpisodeStarted, strategy: Strategy, is_strict: bool = False) -> None:
+        if started.semantics != SEMANTICS and not is_strict and not isinstance(strategy, Human):
+            strategy = AsRecorded(strategy)
         rng = random_stream(started.seed, 'learner')
         self.episode = Episode(started.settings, rng, started.view_tolerance, strategy)
         self.observed: SceneObserved | None = None
@@ -88,10 +95,10 @@ class Replay:
         if observed is None or observed.turn != self.episode.turn + 1 or recorded.turn != observed.turn:
             raise ReplayError(f'turn {recorded.turn}: the decision is not about the scene of the next turn')
         strategy = self.episode.strategy
-        if isinstance(strategy, Human):
+        if isinstance(strategy, Human | AsRecorded):
             strategy.recorded = recorded.action
         decision = self.episode.ask(observed.scene)
-        if isinstance(strategy, Human):
+        if isinstance(strategy, Human | AsRecorded):
             strategy.recorded = None
         found = _difference(decision, recorded)
         if found:
@@ -117,13 +124,14 @@ class Replay:
             )
 
 
-def replay_of(started: EpisodeStarted) -> Replay:
-    """Return the replay of an episode by the strategy that its settings name.
+def replay_of(started: EpisodeStarted, is_strict: bool = False) -> Replay:
+    """Return the replay of an episode by the strategy that its settings name; see `Replay`.
 
     Raises:
         InputError: the strategy, or its weights, do not exist.
     """
-    return Replay(started, make_strategy(started.settings.strategy, started.settings.weights, _refuse_to_pick))
+    strategy = make_strategy(started.settings.strategy, started.settings.weights, _refuse_to_pick)
+    return Replay(started, strategy, is_strict)
 
 
 def _refuse_to_pick(context: TurnContext) -> int:
@@ -142,16 +150,17 @@ def first_divergence(started: EpisodeStarted, events: Iterable[EpisodeEvent]) ->
     Raises:
         InputError: the strategy of the episode, or its weights, do not exist.
     """
-    replay = replay_of(started)
+    replay = replay_of(started, is_strict=True)
+    of_another = f' ({_ANOTHER_VERSION.format(started.semantics)})' if started.semantics != SEMANTICS else ''
     for event in events:
         try:
             replay.play(event)
         except ReplayError as error:
-            return str(error)
+            return f'{error}{of_another}'
         if isinstance(event, ActionChosen) and event.weighed is not None and replay.decision is not None:
             found = _difference_of_numbers(replay.decision, event.weighed)
             if found:
-                return f'turn {event.turn}: {found}'
+                return f'turn {event.turn}: {found}{of_another}'
     return None
 
 

@@ -28,6 +28,7 @@ def episode_members(
         'view_tolerance': started.view_tolerance,
         'seed': started.seed,
         'world': started.world,
+        'semantics': started.semantics,
         **({'tuned_turns': sorted(tuned_turns)} if tuned_turns else {}),
     }
 

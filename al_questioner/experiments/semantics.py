@@ -5,11 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 from typing import Any
 
-SEMANTICS = 2
-"""Present version. Raise it with every change after which the same settings give another episode.
-
-`test/experiments/test_semantics.py` compares a few episodes with those of this version.
-"""
+from al_questioner.questioning.semantics import EARLIEST_SEMANTICS
 
 SOURCES_OF_1 = ('f2692c07bc960135', '88588064bb742b17', '5b84a455e9410d92', '5a10b2e0f61fa920')
 """Hashes of the source in older manifests, which have no version; these sources gave the episodes of version 1."""
@@ -18,4 +14,4 @@ SOURCES_OF_1 = ('f2692c07bc960135', '88588064bb742b17', '5b84a455e9410d92', '5a1
 def semantics_of(manifest: Mapping[str, Any]) -> object:
     """Return the version of a manifest, or the hash of the source that an older one holds."""
     source = manifest.get('code')
-    return manifest.get('semantics', 1 if source in SOURCES_OF_1 else source)
+    return manifest.get('semantics', EARLIEST_SEMANTICS if source in SOURCES_OF_1 else source)

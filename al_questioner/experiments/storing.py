@@ -19,7 +19,8 @@ from al_questioner import __version__
 from al_questioner.domain import InputError, SettingsError
 from al_questioner.experiments.plan import Cell, Plan, task_label
 from al_questioner.experiments.playing import EPISODE_COLUMNS, TURN_COLUMNS, Played, Row
-from al_questioner.experiments.semantics import SEMANTICS, semantics_of
+from al_questioner.experiments.semantics import semantics_of
+from al_questioner.questioning.semantics import SEMANTICS
 from al_questioner.support.differences import differences
 from al_questioner.support.files import make_folder, write_text
 

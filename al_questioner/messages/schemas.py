@@ -117,6 +117,7 @@ SCHEMAS: dict[str, JsonSchema] = {
             'tune_every': _COUNT,
             # Of sessions that such a learner began: the turns at whose end it did.
             'tuned_turns': {'type': 'array', 'items': _TURN},
+            'semantics': _COUNT,
             'amplitude': _POSITIVE,
             'kernel_shape': _member(KERNEL_SHAPE),
             'class_balance': _member(CLASS_BALANCE),

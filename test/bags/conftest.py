@@ -15,6 +15,7 @@ from al_questioner.messages import documents
 from al_questioner.messages.clouds import CloudTypes, cloud_of_decision, cloud_of_scene
 from al_questioner.messages.stamps import stamp_members
 from al_questioner.questioning import Episode
+from al_questioner.questioning.semantics import SEMANTICS
 from al_questioner.simulation import PerceivedWorld, ScriptedTeacher, WorldSpec, episode_settings, load_task, turns
 
 START = 1_700_000_000_000_000_000
@@ -94,6 +95,7 @@ def episode_members(settings, scene, members):
         'feature_names': list(scene.feature_names),
         'seed': 3,
         'world': members,
+        'semantics': SEMANTICS,
     }
 
 

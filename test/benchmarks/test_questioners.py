@@ -61,7 +61,7 @@ def test_experiments_are_read_as_one(tmp_path: Path, run: Run) -> None:
 
 
 def test_a_variant_is_compared_with_the_strategy(tmp_path: Path, run: Run) -> None:
-    """What a question is worth is seen beside the same strategy without it."""
+    """The same strategy without a question shows what the question is worth."""
     strategies = write(tmp_path / 'a', 'random_fsq', 'value_per_cost')
     page = tmp_path / 'page.md'
     variant = f'never={write(tmp_path / "b", "value_per_cost")}'

@@ -19,8 +19,8 @@ from al_questioner.experiments.plan import Cell, Condition, Plan, Variation
 from al_questioner.experiments.playing import Played, play_cells, play_episode
 from al_questioner.experiments.results import read_results
 from al_questioner.experiments.running import run
-from al_questioner.experiments.semantics import SEMANTICS
 from al_questioner.experiments.storing import Store
+from al_questioner.questioning.semantics import SEMANTICS
 from al_questioner.simulation import WorldSpec, episode_settings, run_episode
 from shared.lunches import TASK, teacher_of
 from shared.task_files import task_content, write_task

@@ -10,9 +10,10 @@ import pytest
 
 from al_questioner.domain import SettingsError
 from al_questioner.experiments.plan import Condition, Plan
-from al_questioner.experiments.semantics import SEMANTICS, SOURCES_OF_1
+from al_questioner.experiments.semantics import SOURCES_OF_1
 from al_questioner.experiments.storing import Store
 from al_questioner.questioning import STRATEGIES
+from al_questioner.questioning.semantics import SEMANTICS
 from al_questioner.simulation import PerceivedWorld, ScriptedTeacher, WorldSpec, episode_settings, run_episode
 from al_questioner.simulation.made_up_world import MadeUpWorld, made_up_scene
 from shared.lunches import TASK

@@ -35,7 +35,7 @@ ANSWERS = [
 ]
 
 DIGESTS = {
-    'episode': '2dd43fad66f4cea7',
+    'episode': '5c463a57991ee5fb',
     'turn': '8eb0cae17fdfbbfa',
     'query': '80c276465c88668d',
     'answer': '319db1540a418d8f',

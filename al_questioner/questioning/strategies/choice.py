@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from al_questioner.concepts import Selector
-from al_questioner.domain import Action, Outcome, QueryKind
+from al_questioner.domain import Action, InputError, Outcome, QueryKind
 from al_questioner.questioning.turn_context import TurnContext
 
 TIE = 1e-9
@@ -125,3 +125,14 @@ def rows_of(context: TurnContext, kind: QueryKind) -> NDArray[np.intp]:
 def has_asked(context: TurnContext, kind: QueryKind) -> bool:
     """Return whether the teacher was asked a query of this kind in this episode, whatever its outcome."""
     return any(record.kind is kind for record in context.history)
+
+
+def index_of(recorded: Action, context: TurnContext) -> int:
+    """Return the index of a recorded choice among the candidates.
+
+    Raises:
+        InputError: it is not one of them.
+    """
+    if recorded not in context.candidates:
+        raise InputError(f'{recorded} was chosen, which is not a candidate here')
+    return context.candidates.index(recorded)

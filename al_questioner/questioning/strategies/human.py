@@ -6,8 +6,8 @@ from collections.abc import Callable
 
 import numpy as np
 
-from al_questioner.domain import Action, InputError
-from al_questioner.questioning.strategies.choice import Choice
+from al_questioner.domain import Action
+from al_questioner.questioning.strategies.choice import Choice, index_of
 from al_questioner.questioning.strategies.expected_utility import expected_features
 from al_questioner.questioning.turn_context import TurnContext
 
@@ -43,13 +43,7 @@ class Human:
         """
         # Computed before the question, so that the person does not wait after the answer.
         features = expected_features(context)
-        index = self._pick(context) if self.recorded is None else _index_of(self.recorded, context)
+        index = self._pick(context) if self.recorded is None else index_of(self.recorded, context)
         utilities = np.zeros(len(context.candidates))
         utilities[index] = 1.0
         return Choice(index, utilities, features)
-
-
-def _index_of(recorded: Action, context: TurnContext) -> int:
-    if recorded not in context.candidates:
-        raise InputError(f'{recorded} was chosen, which is not a candidate here')
-    return context.candidates.index(recorded)

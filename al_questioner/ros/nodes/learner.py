@@ -36,6 +36,7 @@ from al_questioner.messages.pictures import markers
 from al_questioner.messages.stamps import nanoseconds, stamp_members
 from al_questioner.questioning import Receipt, make_strategy, read_plain_answer, respelt
 from al_questioner.questioning.answer_acknowledgement import acknowledgement
+from al_questioner.questioning.semantics import SEMANTICS
 from al_questioner.ros import qos
 from al_questioner.ros.learner_episode import durable_episode_of, settings_of
 from al_questioner.ros.node import QuestionerNode
@@ -122,6 +123,10 @@ class LearnerNode(QuestionerNode):
         self.get_logger().info(
             f'going on with {self.episode_id}, in turn {observed.turn}, from {self._given["session"]}'
         )
+        if self._durable.started.semantics != SEMANTICS:
+            self.get_logger().warning(
+                'another version of the method began this session: its questions so far are taken as they were asked'
+            )
         self._stamps = TurnStamps(observed.stamp)
         self._announce(observed.scene)
         if not self._durable.episode.awaits_answer:
