@@ -32,7 +32,7 @@ from al_questioner.support.arrays import Array
 from al_questioner.support.files import write_bytes
 
 VARIANT = ', '
-"""What stands between the name of a strategy and that of its variant."""
+"""Separator of the name of a strategy and that of its variant."""
 PAGE_HEAD = """\
 # Tables of the questioners
 

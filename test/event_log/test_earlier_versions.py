@@ -93,7 +93,7 @@ def test_a_check_tells_that_another_version_decided(
 def test_a_session_of_an_earlier_version_is_shown_whole(
     earlier: EpisodeStarted, tmp_path: Path, world: PerceivedWorld
 ) -> None:
-    """What was taught in it can be exported."""
+    """It can be exported with all that was taught in it."""
     before = started_durable(tmp_path, LabelAt(0), earlier)
     play_turns(before, world, 3)
     before.close()
