@@ -22,7 +22,7 @@ OPTIONS := -m pytest -n 2 --dist loadfile
 PYTEST := $(VENV)/bin/python $(OPTIONS)
 NOBLE_PYTEST := $(NOBLE)/bin/python $(OPTIONS)
 
-.PHONY: setup demo test test-all test-noble test-noble-quick reproduction generated docs lint clean
+.PHONY: setup demo test test-all test-noble test-noble-quick reproduction questioner generated docs lint clean
 
 setup: $(INSTALLED)
 
@@ -73,6 +73,36 @@ reproduction: setup
 	$(RUN) al_questioner train_weights bags/expert_0 bags/expert_1 bags/expert_2 --out out/reproduction/weights.yaml
 	$(RUN) al_questioner experiment --out out/reproduction --weights-file out/reproduction/weights.yaml --samples 20 \
 		--task prepare_lunch pack_lunchbox kitchen_table --amplitude 4 --cost-relevance never --repeat-shown --ceilings --studies --page docs/results/reproduction.md
+
+# docs/results/questioner_tables.md and the figures of questioner.md: our questioner beside all others, at the settings that ship,
+# then without the relevance query, and with teachers who err.
+EXPERIMENT := $(RUN) al_questioner experiment
+QUESTIONER := out/questioner
+TABLES := --samples 20 --task prepare_lunch pack_lunchbox kitchen_table
+KITCHENS := --samples 60 --task mixed_kitchens
+PAPER := u_sampling dt_iros dt_task dt_task_env
+CONTROLS := u_sampling_fsq random_fsq farthest_fsq rarest_demo typiclust probcover
+NEVER := --strategy value_per_cost --cost-relevance never
+MISJUDGED := --strategy value_per_cost --relevance-omission 0.1 --relevance-false-alarm 0.05
+ERRING := --samples 20 --task prepare_lunch pack_lunchbox kitchen_table mixed_kitchens \
+	--strategy value_per_cost u_sampling_fsq farthest_fsq rarest_demo
+
+questioner: setup
+	$(EXPERIMENT) --out $(QUESTIONER)/tables $(TABLES) --strategy $(PAPER) value_per_cost $(CONTROLS)
+	$(EXPERIMENT) --out $(QUESTIONER)/kitchens $(KITCHENS) --strategy value_per_cost $(CONTROLS)
+	$(EXPERIMENT) --out $(QUESTIONER)/kitchens_paper --samples 20 --task mixed_kitchens --strategy $(PAPER)
+	$(EXPERIMENT) --out $(QUESTIONER)/ceilings --samples 20 --task kitchen_table --strategy all_labels greedy_oracle
+	$(EXPERIMENT) --out $(QUESTIONER)/never $(NEVER) --samples 20 --task kitchen_table
+	$(EXPERIMENT) --out $(QUESTIONER)/kitchens_never $(NEVER) $(KITCHENS)
+	$(EXPERIMENT) --out $(QUESTIONER)/misjudged $(MISJUDGED) --samples 20 --task kitchen_table
+	$(EXPERIMENT) --out $(QUESTIONER)/kitchens_misjudged $(MISJUDGED) $(KITCHENS)
+	$(EXPERIMENT) --out $(QUESTIONER)/wrong $(ERRING) --wrong-rate 0.1
+	$(EXPERIMENT) --out $(QUESTIONER)/unknown $(ERRING) --unknown-rate 0.1
+	$(VENV)/bin/python benchmarks/questioners.py $(addprefix $(QUESTIONER)/,tables kitchens kitchens_paper ceilings) \
+		$(addprefix no_relevance=$(QUESTIONER)/,never kitchens_never) \
+		$(addprefix misjudged=$(QUESTIONER)/,misjudged kitchens_misjudged) \
+		$(foreach rate,wrong unknown,$(rate)=$(QUESTIONER)/$(rate)) \
+		--page docs/results/questioner_tables.md --figures docs/results/figures/questioner
 
 # The site, in out/site; a link that leads nowhere is an error.
 docs: $(DOCUMENTED)

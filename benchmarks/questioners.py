@@ -66,7 +66,7 @@ def main() -> int:
         if given.page:
             write_bytes(given.page, '\n'.join([PAGE_HEAD, *lines, '']).encode())
         if given.figures:
-            common = on_common_samples(results)
+            common = on_common_samples(without_variants(results))
             print(*(draw_cost_curves(common, task, given.figures) for task in common.tasks), sep='\n')
     except InputError as error:
         print(f'questioners: {error}', file=sys.stderr)
@@ -106,6 +106,13 @@ def renamed(results: Results, variant: str) -> Results:
 def variant_of(cell: CellOfExperiment, variant: str) -> CellOfExperiment:
     """The cell of a variant of the strategy."""
     return replace(cell, strategy=f'{cell.strategy}{VARIANT}{variant}')
+
+
+def without_variants(results: Results) -> Results:
+    """The results of the strategies themselves: more lines would not be told apart in a figure."""
+    return Results(
+        *([row for row in rows if VARIANT not in row.cell.strategy] for rows in (results.episodes, results.turns))
+    )
 
 
 def lines_of(results: Results, strategy: str) -> Iterator[str]:
