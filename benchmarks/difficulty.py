@@ -18,7 +18,8 @@ import numpy as np
 from al_questioner.concepts import ConceptLearner
 from al_questioner.domain import NO_SYMBOL, Scene, random_stream
 from al_questioner.perception import perceive
-from al_questioner.simulation import Task, World, WorldSpec, accuracy, load_task
+from al_questioner.questioning import new_concept_learner
+from al_questioner.simulation import Task, World, WorldSpec, accuracy, episode_settings, load_task
 
 LABELS = 25
 POOL = 400
@@ -35,7 +36,7 @@ def test_set(world: World) -> tuple[np.ndarray, tuple[str, ...]]:
 
 def told(task: Task, pool: Scene, labels: list[str], rows: list[int], with_subset: bool) -> ConceptLearner:
     """A learner that saw the whole pool and was told the labels of some rows."""
-    concepts = ConceptLearner(task.symbols, 4.0)
+    concepts = new_concept_learner(episode_settings(task), None)
     concepts.observe(pool)
     if with_subset:
         concepts.restrict_to_groups(task.relevant_groups)
