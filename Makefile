@@ -84,7 +84,7 @@ PAPER := u_sampling dt_iros dt_task dt_task_env
 CONTROLS := u_sampling_fsq random_fsq farthest_fsq rarest_demo typiclust probcover
 NEVER := --strategy value_per_cost --cost-relevance never
 MISJUDGED := --strategy value_per_cost --relevance-omission 0.1 --relevance-false-alarm 0.05
-ERRING := --samples 20 --task prepare_lunch pack_lunchbox kitchen_table mixed_kitchens \
+ERRING := --samples 10 --task prepare_lunch pack_lunchbox kitchen_table mixed_kitchens \
 	--strategy value_per_cost u_sampling_fsq farthest_fsq rarest_demo
 
 questioner: setup
