@@ -37,12 +37,16 @@ Noise is removed earlier, by a `ViewMemory`.
 
 @dataclass(frozen=True, eq=False)
 class LabelledView:
-    """One object that the teacher named: its features, its label, and the turn of the label."""
+    """One object that the teacher named: its features, its label, and the turn of the label.
+
+    It was left out if it is an example of `NO_SYMBOL` only because it was not among the things that matter.
+    """
 
     object_id: int
     features: NDArray[np.float32]
     label: str
     turn: int
+    was_left_out: bool = False
 
 
 @dataclass(frozen=True, eq=False)
@@ -71,7 +75,7 @@ class ConceptLearner:
         view_tolerance: largest change of an object's features in the same view; root mean square over the features, in
             standard deviations. The default allows rounding only.
         shape: how the kernel treats groups of features and single large differences.
-        class_balance: how much of the effect of the counts of examples is taken from the degrees, 0 to 1.
+        class_balance: how much of the effect of the counts of examples is removed from the degrees, 0 to 1.
 
     Attributes:
         seen: the distinct views that were observed.
@@ -211,7 +215,10 @@ class ConceptLearner:
         Raises:
             InputError: an unknown symbol, or features that do not fit those observed.
         """
-        self.labelled_views.append(self._labelled_view(object_id, features, symbol, turn))
+        view = self._labelled_view(object_id, features, symbol, turn)
+        self.labelled_views.append(view)
+        if symbol == NO_SYMBOL:
+            self.judged_views = [one for one in self.judged_views if not self._is_view_of(one, [view])]
         self._fit_models()
 
     def label_scene(self, scene: Scene, symbols: Mapping[int, str], turn: int) -> None:
@@ -242,22 +249,31 @@ class ConceptLearner:
     def judge_scene(self, scene: Scene, mattering: Collection[int], turn: int) -> None:
         """Learn which objects of a scene matter, by their ids: these are of some symbol, all others of none.
 
-        The others are examples of `NO_SYMBOL` from now on, unless their views have a label. It is kept which view was
-        judged how.
+        The others are examples of `NO_SYMBOL` from now on, unless their views have a label. What was said of the same
+        views before no longer counts.
 
         Raises:
             InputError: an object is not in the scene.
         """
         for object_id in mattering:
             _row(scene, object_id)
-        labelled = self.is_labelled(scene)
-        self.judged_views += [
+        judged = [
             JudgedView(object_id, np.array(row, dtype=np.float32), object_id in mattering, turn)
             for object_id, row in zip(scene.object_ids, scene.features, strict=True)
         ]
-        left_out = [i for i, known in zip(scene.object_ids, labelled, strict=True) if not known and i not in mattering]
-        if left_out:
-            self.label_scene(scene, dict.fromkeys(left_out, NO_SYMBOL), turn)
+        self.judged_views = [one for one in self.judged_views if not self._is_view_of(one, judged)] + judged
+        named = [view for view in judged if view.matters]
+        kept = [one for one in self.labelled_views if not (one.was_left_out and self._is_view_of(one, named))]
+        has_changed = len(kept) < len(self.labelled_views)
+        self.labelled_views = kept
+        left_out = [
+            LabelledView(view.object_id, view.features, NO_SYMBOL, turn, was_left_out=True)
+            for view, is_known in zip(judged, self.is_labelled(scene), strict=True)
+            if not (view.matters or is_known)
+        ]
+        self.labelled_views += left_out
+        if left_out or has_changed:
+            self._fit_models()
 
     def restrict_to_groups(self, groups: Iterable[str]) -> None:
         """Use the features of these groups only, as the answer to a feature subset query.
@@ -428,6 +444,13 @@ class ConceptLearner:
         features = np.array(known, dtype=np.float32).reshape(len(among), len(self.feature_names))
         same = self._same_views(features, scene.features[rows])
         return rows[same], among[same]
+
+    def _is_view_of(self, view: LabelledView | JudgedView, among: Sequence[LabelledView | JudgedView]) -> bool:
+        """Return whether one of some views is of the same object, and the same view of it."""
+        same_ids = [other.features for other in among if other.object_id == view.object_id]
+        if not same_ids:
+            return False
+        return bool(self._same_views(np.array(same_ids), np.array([view.features])).any())
 
     def _same_views(self, first: FloatArray, second: FloatArray) -> NDArray[np.bool_]:
         """Return (k,) booleans: whether each of (k, m) raw features shows the same view as its counterpart."""

@@ -118,9 +118,8 @@ def saturating_kernel(
         difference = first[start : start + rows, None] - second
         np.square(difference, out=difference)
         difference *= -0.5 / saturation**2
-        np.exp(difference, out=difference)
         # Of equal points this is 0 exactly, whatever the shares add up to.
-        difference -= 1
+        np.expm1(difference, out=difference)
         covariance[start : start + rows] = np.matmul(difference, shares)
     covariance *= (saturation / length_scale) ** 2
     np.exp(covariance, out=covariance)

@@ -22,7 +22,7 @@ from al_questioner.domain.spelling import (
     without_accents,
 )
 
-COMMAS = ',،、'
+COMMAS = ',،、，'
 """Comma characters of ASCII and of other scripts."""
 LONGEST_QUOTED = 60
 """Largest number of typed characters that an error message repeats."""

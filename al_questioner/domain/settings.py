@@ -34,7 +34,7 @@ KERNEL_SHAPE = Setting(
     choices=('grouped', 'rbf'),
 )
 CLASS_BALANCE = Setting(
-    'class_balance', 0.5, 'share of the effect of the counts of examples that is taken from the beliefs', '', 0, 1
+    'class_balance', 0.5, 'share of the effect of the counts of examples that is removed from the beliefs', '', 0, 1
 )
 COSTS: Mapping[str, Setting[float]] = {
     'label': Setting('cost_label', 1.0, 'cost of a label query', 'budget', lower=0),
@@ -127,7 +127,7 @@ class EpisodeSettings:
         length_scale: length scale of the kernel in standard deviations of a feature; None for the square root of
             the number of features in use.
         kernel_shape: how the kernel treats groups of features and large differences: `grouped` or `rbf`.
-        class_balance: how much of the effect of the counts of examples is taken from the beliefs, 0 to 1.
+        class_balance: how much of the effect of the counts of examples is removed from the beliefs, 0 to 1.
 
     Raises:
         SettingsError: a value outside its range.
@@ -169,6 +169,8 @@ class EpisodeSettings:
         for name, price in COSTS.items():
             price.check(getattr(self.costs, name), f'costs.{name}')
         if self.costs.relevance is not None:
+            if not isinstance(self.costs.relevance, int | float):
+                raise SettingsError(f'costs.relevance must be a number or None, not {self.costs.relevance!r}')
             COST_RELEVANCE.check(self.costs.relevance, 'costs.relevance')
         for name, weight in self.weights.items():
             WEIGHT.check(weight, f'the weight of {name}')

@@ -24,6 +24,8 @@ from al_questioner.support.rate_limiter import RateLimiter
 
 NOT_SETTINGS = frozenset({'version', 'semantics'})
 """Members of an episode's first event that a learner that goes on with it need not share."""
+NEW_DEFAULTS = frozenset({'kernel_shape', 'class_balance', 'costs.relevance'})
+"""Members whose defaults are not those of the earlier version of the method, in which they could not be set."""
 REJECTED_KEPT, REJECTED_PERIOD = 10, 60.0
 """Number of texts that were no answers and are kept word for word in a period; of a flood the rest is counted."""
 
@@ -178,6 +180,9 @@ def _same_episode(log: SessionLog, first: EpisodeEvent, wanted: EpisodeStarted) 
     if wanted.view_tolerance == AUTO:
         # Older logs have the number that was the default then, and keep it.
         ignored |= {'view_tolerance'}
+    if first.semantics != wanted.semantics:
+        # The defaults were others, too; the episode keeps what it began with.
+        ignored |= NEW_DEFAULTS
     differing = differences(first.members(), wanted.members(), ignored)
     if differing:
         raise SessionLogError(f'{log.folder}: the session there has {"; ".join(differing)}')

@@ -56,15 +56,15 @@ def _content(text: str, query: Query, others: Collection[str]) -> Content | Outc
     if not found and kind is QueryKind.FEATURE_SUBSET:
         return tuple(_only(part, meant(part, query.choices), query, others) for part in _parts(text, query))
     if not found and kind is QueryKind.RELEVANCE:
-        return tuple(int(_only(part, meant(part, query.choices), query, others)) for part in _numbers(text, query))
+        return tuple(_id_of(_only(part, meant(part, query.choices), query, others)) for part in _numbers(text, query))
     word = _only(text, found, query, others)
     if kind is QueryKind.RELEVANCE and word == NO_SYMBOL:
         return ()
     if word not in query.choices:
         return OUTCOMES.get(word, word)
     if kind is QueryKind.RELEVANCE:
-        return (int(word),)
-    return int(word) if kind is QueryKind.DEMONSTRATION else (word,) if kind is QueryKind.FEATURE_SUBSET else word
+        return (_id_of(word),)
+    return _id_of(word) if kind is QueryKind.DEMONSTRATION else (word,) if kind is QueryKind.FEATURE_SUBSET else word
 
 
 def _words(query: Query) -> tuple[str, ...]:
@@ -85,8 +85,17 @@ def _only(text: str, found: list[str], query: Query, others: Collection[str]) ->
     if found:
         return found[0]
     hint = suggestion(text, query.choices, (*_other_words(query), *others))
+    amount = 'numbers with commas between, of' if query.action.kind is QueryKind.RELEVANCE else 'one of'
     expected = ', '.join(choice for choice in _words(query) if choice != 'unknown')
-    raise AnswerError(f'{word} does not answer {query.text!r}{hint}; expected one of: {expected}')
+    raise AnswerError(f'{word} does not answer {query.text!r}{hint}; expected {amount}: {expected}')
+
+
+def _id_of(word: str) -> int:
+    """Return the object that a choice stands for."""
+    try:
+        return int(word)
+    except ValueError as error:
+        raise AnswerError(f'{quoted(word)} is no number of an object') from error
 
 
 def _numbers(text: str, query: Query) -> list[str]:

@@ -122,10 +122,11 @@ class PoolWorld:
             raise InputError(f'unknown feature group {unknown[0]!r}; known: {", ".join(self.pool.groups)}')
         object.__setattr__(self, 'relevant_groups', groups or self.pool.groups)
         for name, least in (('split', 0), ('in_view', 1), ('change_interval', 1)):
-            if getattr(self, name) < least:
-                raise InputError(f'{name} must be {least} or more, not {getattr(self, name)}')
-        if not 0 < self.test_share < 1:
-            raise InputError(f'test_share must lie between 0 and 1, not be {self.test_share}')
+            number = getattr(self, name)
+            if not isinstance(number, int | np.integer) or number < least:
+                raise InputError(f'{name} must be a whole number of {least} or more, not {number!r}')
+        if not (isinstance(self.test_share, int | float) and 0 < self.test_share < 1):
+            raise InputError(f'test_share must be a number between 0 and 1, not {self.test_share!r}')
         if len(self._training) < self.in_view:
             raise InputError(f'{len(self._training)} things are not held out, too few for {self.in_view} on a table')
         if not self.test_set[1]:

@@ -142,7 +142,7 @@ class ScriptedTeacher:
 
     def _relevance(self, query: Query, truth: Mapping[int, str], wrong: bool, rng: np.random.Generator) -> Content:
         """Return the things that matter, each misjudged by its own chance; a wrong answer misjudges one thing more."""
-        things = [object_id for object_id in map(int, query.choices) if object_id in truth]
+        things = [int(choice) for choice in query.choices if choice.isdecimal() and int(choice) in truth]
         mattering = np.array([truth[object_id] != NO_SYMBOL for object_id in things], dtype=bool)
         chances = np.where(mattering, self.relevance_omission, self.relevance_false_alarm)
         named = mattering ^ (rng.random(len(things)) < chances)

@@ -22,7 +22,7 @@ SMALLEST_SCENE = 4
 MOST_CHOICES = 200
 """Largest number of choices that are shown; no screen has room for more."""
 LONGEST_ID = 12
-"""Number of digits that no number of an object has."""
+"""Number of digits from which on a number is too long for an object."""
 HISTORY = 4
 """Number of rows that are kept for earlier answers, so that map and picture do not move when more come."""
 

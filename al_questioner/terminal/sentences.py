@@ -115,7 +115,9 @@ def _shown(symbol: str | None, object_id: int | None) -> str:
 
 
 def _mattering(objects: Sequence[object]) -> str:
-    return 'of these things ' + (f'{_listed(objects)} matter' if objects else 'none matters')
+    return 'of these things ' + (
+        f'{_listed(objects)} {"matters" if len(objects) == 1 else "matter"}' if objects else 'none matters'
+    )
 
 
 def _listed(names: Sequence[object]) -> str:

@@ -356,6 +356,35 @@ def test_what_matters_is_known_of_a_view_and_not_of_a_thing_that_has_changed(sce
     assert concepts.matters(scene).tolist() == [True, False, True, False, False, False]
 
 
+def test_a_thing_that_was_forgotten_first_matters_once_it_is_named(taught, scene):
+    """The last answer counts: otherwise one omission would make it a thing of no symbol for ever."""
+    taught.judge_scene(scene, (1,), turn=7)
+    assert taught.labels_of(scene)[4] == NO_SYMBOL
+    taught.judge_scene(scene, (1, 4), turn=8)
+    assert taught.labels_of(scene) == ('snack', 'fruit', NO_SYMBOL, NO_SYMBOL, None, NO_SYMBOL)
+    assert taught.matters(scene).tolist() == [False, False, False, False, True, False]
+    oracle = learner(scene, labels=TOLD)
+    oracle.label_scene(scene, {3: NO_SYMBOL, 5: NO_SYMBOL}, 7)
+    np.testing.assert_allclose(taught.predict_proba(scene.features), oracle.predict_proba(scene.features), atol=1e-8)
+
+
+def test_a_label_none_of_its_own_is_not_taken_back_by_a_later_judgement(taught, scene):
+    """A word about the thing itself counts more than one about many."""
+    taught.label(4, scene.features[4], NO_SYMBOL, 7)
+    taught.judge_scene(scene, (4,), turn=8)
+    assert taught.labels_of(scene)[4] == NO_SYMBOL
+
+
+def test_what_was_taken_back_is_no_longer_near(scene):
+    """A false alarm would make all that looks like it seem to be of some symbol."""
+    concepts = learner(scene)
+    concepts.judge_scene(scene, (1, 4), turn=1)
+    concepts.label(4, scene.features[4], NO_SYMBOL, 2)
+    assert concepts.distances_to_mattering(scene).shape == (6, 1)
+    concepts.judge_scene(scene, (), turn=3)
+    assert concepts.distances_to_mattering(scene).shape == (6, 0)
+
+
 def test_distances_to_what_matters(scene):
     """Beliefs in later scenes depend on them."""
     concepts = learner(scene)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import dataclasses
 import json
 from pathlib import Path
 
@@ -12,7 +13,7 @@ from al_questioner.domain import QueryKind
 from al_questioner.event_log.durable_episode import DurableEpisode
 from al_questioner.event_log.encoding import decoded
 from al_questioner.event_log.events import EpisodeStarted
-from al_questioner.event_log.log import LogContents, SessionLog, read_log
+from al_questioner.event_log.log import LogContents, SessionLog, SessionLogError, read_log
 from al_questioner.event_log.replay import ReplayError, first_divergence
 from al_questioner.event_log.state_documents import episode_members
 from al_questioner.event_log.storage import Event
@@ -110,3 +111,23 @@ def test_logs_and_bags_without_a_version_are_of_the_earliest(earlier: EpisodeSta
     recorded, damage = decoded(LogContents((Event(1, 'episode', 0, json.dumps(members).encode(), b''),), None))
     assert damage is None
     assert recorded == [earlier]
+
+
+def test_a_session_from_before_the_new_defaults_is_resumed_with_these(tmp_path: Path, world: PerceivedWorld) -> None:
+    """Nobody has to know which parameters a new version has to start the learner as the day before."""
+    now = episode_started()
+    settings = dataclasses.replace(now.settings, kernel_shape='rbf', class_balance=0.0)
+    before = started_durable(tmp_path, LabelAt(0), episode_started(semantics=EARLIEST_SEMANTICS, settings=settings))
+    play_turns(before, world, 2)
+    before.close()
+    costs = dataclasses.replace(now.settings.costs, relevance=4.0)
+    wanted = episode_started(settings=dataclasses.replace(now.settings, costs=costs))
+    after = started_durable(tmp_path, LabelAt(0), wanted)
+    assert after.started.settings.classifiers == settings.classifiers
+    assert after.started.settings.costs.relevance is None
+    assert after.episode.records == before.episode.records
+    after.close()
+    with pytest.raises(SessionLogError, match=r'budget 8\.0, not 9\.0'):
+        DurableEpisode(
+            episode_started(settings=dataclasses.replace(now.settings, budget=9.0)), LabelAt(0), SessionLog(tmp_path)
+        )

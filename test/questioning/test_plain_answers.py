@@ -33,7 +33,7 @@ def query(kind: QueryKind, choices: tuple[str, ...] = ()) -> Query:
         (QueryKind.FEATURE_SUBSET, 'colour,weight', ('colour', 'weight')),
         (QueryKind.FEATURE_SUBSET, 'Size , ', ('size',)),
         (QueryKind.FEATURE_SUBSET, '"size", colour', ('size', 'colour')),
-        *((QueryKind.RELEVANCE, text, (3, 10, 27)) for text in ('3,10,27', ' 3 , 10,27\n', '3 10 27', '#3, #10、２７')),
+        *((QueryKind.RELEVANCE, text, (3, 10, 27)) for text in ('3,10,27', ' 3 , 10,27\n', '3 10 27', '#3, #10、２７', '３，１０，27')),
         *((QueryKind.RELEVANCE, text, (10, 3)) for text in ('10,3', 'object 10 and object 3', 'Objects 10, 3,')),
         *((QueryKind.RELEVANCE, text, (3,)) for text in ('3', '#3', 'object 3')),
         (QueryKind.RELEVANCE, '3,3', (3, 3)),
@@ -170,7 +170,7 @@ def test_random_text_is_refused_or_a_choice(text: str) -> None:
 @pytest.mark.parametrize(
     ('text', 'reason'),
     [
-        ('3,99', "'99' does not answer 'What?'; expected one of: 3, 10, 27, none, ?, skip"),
+        ('3,99', "'99' does not answer 'What?'; expected numbers with commas between, of: 3, 10, 27, none, ?, skip"),
         ('snack', "'snack' does not answer"),
         ('3,none', "'3,none' does not answer 'What?': each of none, ?, skip stands alone"),
         ('3 ?', 'stands alone'),

@@ -67,10 +67,12 @@ def test_a_pool_that_cannot_be_used_is_refused(changes: dict[str, object], reaso
 @pytest.mark.parametrize(
     ('changes', 'reason'),
     [
-        ({'split': -1}, 'split must be 0 or more, not -1'),
-        ({'in_view': 0}, 'in_view must be 1 or more, not 0'),
-        ({'change_interval': 0}, 'change_interval must be 1 or more, not 0'),
-        ({'test_share': 1.0}, 'test_share must lie between 0 and 1, not be 1.0'),
+        ({'split': -1}, 'split must be a whole number of 0 or more, not -1'),
+        ({'in_view': 0}, 'in_view must be a whole number of 1 or more, not 0'),
+        ({'in_view': 2.5}, 'in_view must be a whole number of 1 or more, not 2.5'),
+        ({'split': '0'}, "split must be a whole number of 0 or more, not '0'"),
+        ({'change_interval': 0}, 'change_interval must be a whole number of 1 or more, not 0'),
+        ({'test_share': 1.0}, 'test_share must be a number between 0 and 1, not 1.0'),
         ({'in_view': 31}, '30 things are not held out, too few for 31 on a table'),
         ({'test_share': 0.001}, 'nothing of a symbol is held out'),
         ({'relevant_groups': ('taste',)}, "unknown feature group 'taste'; known: size, colour, noise"),

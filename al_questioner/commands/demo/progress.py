@@ -68,7 +68,8 @@ def answer_text(record: QueryRecord) -> str:
     if record.kind is QueryKind.FEATURE_SUBSET:
         return f'{", ".join(record.groups)}.'
     if record.kind is QueryKind.RELEVANCE:
-        return f'Objects {", ".join(map(str, sorted(record.objects)))}.' if record.objects else 'Nothing here.'
+        things = ', '.join(map(str, sorted(record.objects or ())))
+        return f'Object{"s" if len(record.objects or ()) > 1 else ""} {things}.' if things else 'Nothing here.'
     if record.kind is QueryKind.DEMONSTRATION:
         return 'None is here.' if record.object_id is None else f'Object {record.object_id}.'
     return 'None of these.' if record.symbol == NO_SYMBOL else f'{record.symbol}.'

@@ -77,5 +77,5 @@ def summary(result: EpisodeResult, views: str = 'images') -> Table:
     table.add_row('budget spent', f'{result.spent:g} of {settings.budget:g}, in {turns}')
     table.add_row('queries', f'{len(result.queries)}: {asked}' if asked else 'none')
     told = ', '.join(f'{count} {symbol}' for symbol, count in labels_told(result).items())
-    table.add_row('told', escape(told))
+    table.add_row('named', escape(told))
     return table

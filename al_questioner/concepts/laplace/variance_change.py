@@ -3,8 +3,8 @@
 In the scaled coordinates of `mode_shift`, with c and d the covariances of the examples with two points, the covariance
 of the points falls by c' (E^-1 + T)^-1 d. For any guess u of (E^-1 + T)^-1 d, with q = d - T u and the residual
 r = E q - u, that is c' u + q_c' r_d up to r_c' T' r_d, where T' = (T^-1 + E)^-1 lies below (I + E)^-1: the error is of
-second order in the residuals, and known to be small without any bound of eigenvalues. Derived in docs/method.md,
-"Look-ahead".
+second order in the residuals, and known to be small without any bound of eigenvalues. Derived in
+docs/explanation/look_ahead.md.
 """
 
 from __future__ import annotations

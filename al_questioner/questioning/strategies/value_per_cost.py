@@ -177,7 +177,8 @@ def relevance_gain(context: TurnContext, beliefs: Array, gains: Array) -> float:
     if cost is None or NO_SYMBOL not in labels:
         return 0.0
     symbols = beliefs[~context.labelled, :-1]
-    worth, named = (symbols * gains[~context.labelled]).sum(axis=1), symbols.sum()
+    worth = (symbols * gains[~context.labelled]).sum(axis=1) * _answered(context, QueryKind.LABEL)
+    named = symbols.sum()
     count = int(min(later_answers(context, cost), round(named)))
     if count == 0:
         return 0.0
@@ -202,7 +203,8 @@ def scarcity(context: TurnContext) -> float:
 def log_prices(context: TurnContext) -> Array:
     """Return the (C,) logarithms of the prices, as shares of the largest, as far as the budget is short."""
     costs = np.array([context.costs.price(action.kind) for action in context.candidates])
-    dearest = max(context.costs.label, context.costs.demonstration, context.costs.feature_subset)
+    asked = (kind for kind in QueryKind if kind is not QueryKind.NO_QUERY)
+    dearest = max(price for kind in asked if np.isfinite(price := context.costs.price(kind)))
     if dearest == 0:
         return np.zeros(len(costs))
     return scarcity(context) * np.log(np.maximum(costs / dearest, LEAST_PRICE))

@@ -47,7 +47,8 @@ def test_the_teacher_is_told_of(tmp_path: Path) -> None:
 
 
 @pytest.mark.parametrize(
-    ('objects', 'told'), [((3, 10), 'Objects 3, 10.'), ((), 'Nothing here.'), (None, 'I do not know.')]
+    ('objects', 'told'),
+    [((10, 3), 'Objects 3, 10.'), ((3,), 'Object 3.'), ((), 'Nothing here.'), (None, 'I do not know.')],
 )
 def test_what_matters_is_told_in_words(objects: tuple[int, ...] | None, told: str) -> None:
     """Otherwise the line of the turn would be empty, or that of a label."""
