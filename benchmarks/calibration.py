@@ -34,7 +34,7 @@ from al_questioner.questioning import STRATEGIES, Episode
 from al_questioner.simulation import PerceivedWorld, ScriptedTeacher, WorldSpec, episode_settings, load_task
 from al_questioner.support.arguments import NumberWithin
 from al_questioner.support.arrays import Array
-from al_questioner.support.plotting import STYLE, save
+from al_questioner.support.plotting import STYLE, put_legend_below, save
 
 TASKS = ('prepare_lunch', 'pack_lunchbox', 'kitchen_table', 'mixed_kitchens')
 COMPARED: Mapping[str, Classifiers] = {
@@ -132,7 +132,7 @@ def draw(by_task: Mapping[str, Sequence[Sequence[Tested]]], path: Path) -> Path:
         for below, label in zip(panels, ('probability of the name', 'q of a symbol y'), strict=True):
             for axes in below:
                 axes.set_xlabel(label)
-        panels[0][0].legend(fontsize=8, loc='upper left')
+        put_legend_below(figure, len(COMPARED), *panels[0][0].get_legend_handles_labels())
     return save(figure, path)
 
 

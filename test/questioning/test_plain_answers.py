@@ -33,7 +33,10 @@ def query(kind: QueryKind, choices: tuple[str, ...] = ()) -> Query:
         (QueryKind.FEATURE_SUBSET, 'colour,weight', ('colour', 'weight')),
         (QueryKind.FEATURE_SUBSET, 'Size , ', ('size',)),
         (QueryKind.FEATURE_SUBSET, '"size", colour', ('size', 'colour')),
-        *((QueryKind.RELEVANCE, text, (3, 10, 27)) for text in ('3,10,27', ' 3 , 10,27\n', '3 10 27', '#3, #10、２７', '３，１０，27')),
+        *(
+            (QueryKind.RELEVANCE, text, (3, 10, 27))
+            for text in ('3,10,27', ' 3 , 10,27\n', '3 10 27', '#3, #10、２７', '３，１０，27')
+        ),
         *((QueryKind.RELEVANCE, text, (10, 3)) for text in ('10,3', 'object 10 and object 3', 'Objects 10, 3,')),
         *((QueryKind.RELEVANCE, text, (3,)) for text in ('3', '#3', 'object 3')),
         (QueryKind.RELEVANCE, '3,3', (3, 3)),
