@@ -10,7 +10,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from al_questioner.concepts.laplace.active_set import factorise, select_active, substitute
+from al_questioner.concepts.laplace.active_set import LARGEST_PASSIVE, LOWER, SLOW, factorise, select_active, substitute
 from al_questioner.concepts.laplace.compiled import compiled
 from al_questioner.concepts.laplace.posterior import Posterior
 from al_questioner.support.arrays import Array
@@ -107,6 +107,7 @@ def _find_shifts(
     guess, spread = np.zeros((n_hypotheses, n)), np.zeros((n_hypotheses, n))
     residual, rows, matrix, pivots = np.empty(n), np.empty(n, np.intp), np.empty((n, n)), np.empty(n, np.intp)
     step_there = np.empty(n)
+    limit, before = np.full(n_hypotheses, LARGEST_PASSIVE), np.full(n_hypotheses, np.inf)
     active = np.arange(n_hypotheses)
     for step in range(1, steps + 1):
         if step > 1:
@@ -133,9 +134,12 @@ def _find_shifts(
             error[h] = np.sqrt(squared) + open_site
             if step == steps or error[h] <= tolerance:
                 continue
+            if error[h] > SLOW * before[h]:
+                limit[h] *= LOWER
+            before[h] = error[h]
             # Newton's matrix is I + E (T - coupling c c'): the new example follows the others.
             coupling = there * (1 - there) / (1 + variance[h] * there * (1 - there))
-            size = select_active(covariance, relative[h], rows)
+            size = select_active(covariance, relative[h], limit[h], rows)
             along = 0.0
             for i in range(n):
                 along += solved[h, i] * residual[i]
