@@ -13,7 +13,7 @@ from al_questioner.support.arrays import Array, Index
 LARGEST_PASSIVE = 0.2
 """Largest |E_i| T_ii of a row outside of the active set: smaller takes larger systems, larger takes more iterations."""
 
-SLOW = 0.3
+SLOW = 0.6
 """Share of the error that may remain after an iteration.
 
 Where more remains, many rows that change a little each change together, and the limit of the active set is lowered to

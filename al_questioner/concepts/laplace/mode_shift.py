@@ -140,11 +140,15 @@ def _find_shifts(
             # Newton's matrix is I + E (T - coupling c c'): the new example follows the others.
             coupling = there * (1 - there) / (1 + variance[h] * there * (1 - there))
             size = select_active(covariance, relative[h], limit[h], rows)
+            for x in range(size):
+                step_there[x] = residual[rows[x]]
+                residual[rows[x]] = 0.0
             along = 0.0
             for i in range(n):
+                # The others' own rows are solved for themselves alone.
+                own = covariance[i, i] - coupling * solved[h, i] * solved[h, i]
+                residual[i] /= 1 + relative[h, i] * own
                 along += solved[h, i] * residual[i]
-            for x in range(size):
-                along -= solved[h, rows[x]] * residual[rows[x]]
             for x in range(size):
                 i = rows[x]
                 passive = 0.0
@@ -152,10 +156,9 @@ def _find_shifts(
                     passive += covariance[i, j] * residual[j]
                 for z in range(size):
                     j = rows[z]
-                    passive -= covariance[i, j] * residual[j]
                     matrix[x, z] = relative[h, i] * (covariance[i, j] - coupling * solved[h, i] * solved[h, j])
                 matrix[x, x] += 1
-                step_there[x] = residual[i] - relative[h, i] * (passive - coupling * solved[h, i] * along)
+                step_there[x] -= relative[h, i] * (passive - coupling * solved[h, i] * along)
             factorise(matrix, pivots, size)
             substitute(matrix, pivots, size, step_there)
             for x in range(size):

@@ -8,12 +8,11 @@ f = K r.
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
-from functools import cached_property
 
 import numpy as np
 
 from al_questioner.concepts.laplace.gaussian_process import cholesky_factor, expit, find_modes
-from al_questioner.support.arrays import Array, Index, Single
+from al_questioner.support.arrays import Array, Index
 from al_questioner.support.late_imports import late
 
 dpotri = late('scipy.linalg.lapack', 'dpotri')
@@ -43,11 +42,6 @@ class Posterior:
     modes: Array
     root: Array
     covariance: Array
-
-    @cached_property
-    def single(self) -> Single:
-        """Covariance T in single precision, (|Y|, n, n)."""
-        return self.covariance.astype(np.float32)
 
     @property
     def gradient(self) -> Array:

@@ -97,7 +97,7 @@ def _find_variances(
     guess, value = np.empty((at_once, n_points, n)), np.empty((at_once, n_points, n))
     matrices, pivots = np.empty((at_once, n, n)), np.empty((at_once, n), np.intp)
     rows, sizes = np.empty((at_once, n), np.intp), np.empty(at_once, np.intp)
-    exact, scale = np.empty((n_points, n)), np.empty((at_once, n))
+    exact, scale, damping = np.empty((n_points, n)), np.empty((at_once, n)), np.empty((at_once, n))
     drops, joint, squared = np.empty(n_points), np.empty(n_points), np.empty(n_points)
     limit, before = np.empty(at_once), np.empty(at_once)
     for first in range(0, n_hypotheses, at_once):
@@ -107,10 +107,11 @@ def _find_variances(
             limit[a], before[a] = LARGEST_PASSIVE, np.inf
             for i in range(n):
                 scale[a, i] = 1 / (1 + relative[h, i])
+                damping[a, i] = 1 / (1 + relative[h, i] * covariance[i, i])
             sizes[a] = _factorise_active(covariance, relative[h], limit[a], rows[a], matrices[a], pivots[a])
             for k in range(n_points):
                 for i in range(n):
-                    guess[a, k, i] = relative[h, i] * points[k, i]
+                    guess[a, k, i] = relative[h, i] * points[k, i] * damping[a, i]
                 for x in range(sizes[a]):
                     guess[a, k, rows[a, x]] = 0.0
         for step in range(1, steps + 1):
@@ -137,11 +138,11 @@ def _find_variances(
                 for k in range(n_points):
                     # One pass over the examples, as it is this that takes the time beside the products.
                     drop, common, length = 0.0, 0.0, 0.0
-                    u, q = guess[a, k], value[a, k]
                     for i in range(n):
-                        residual = change[i] * q[i] - u[i]
-                        drop += points[k, i] * u[i] + q[i] * residual
-                        common += new_point[i] * u[i] + new_value[i] * residual
+                        u, q = guess[a, k, i], value[a, k, i]
+                        residual = change[i] * q - u
+                        drop += points[k, i] * u + q * residual
+                        common += new_point[i] * u + new_value[i] * residual
                         length += residual * residual * bound[i]
                     drops[k], joint[k], squared[k] = drop, cross[h, k] - common, length
                 weight = curvature[h] / (1 + curvature[h] * (variance[new] - drops[new]))
@@ -165,7 +166,8 @@ def _find_variances(
                 before[slot] = largest
                 for k in range(n_points):
                     for i in range(n):
-                        guess[n_left, k, i] = relative[h, i] * value[a, k, i]
+                        u = guess[a, k, i]
+                        guess[n_left, k, i] = u + (relative[h, i] * value[a, k, i] - u) * damping[slot, i]
                     for x in range(size):
                         guess[n_left, k, rows[slot, x]] = 0.0
                 active[n_left] = slot
