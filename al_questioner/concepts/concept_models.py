@@ -193,7 +193,7 @@ class ConceptModels:
 
         Args:
             scene_features: (|X|, m) standardised features.
-            exact: False for an approximation that takes |X|^2 |Y| n operations beyond `predict_proba`
+            exact: False for an approximation that takes some 10 |X| |Y| n (|X| + n) operations
                 (docs/results/look_ahead.md gives its error); None to use it, with a warning, above `EXACT_OPERATIONS`.
 
         Returns:

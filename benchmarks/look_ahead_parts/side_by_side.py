@@ -184,5 +184,5 @@ def report(state: State, rounds: Sequence[dict[str, list[float]]], errors: dict[
 
 
 def ratio(rounds: Sequence[dict[str, list[float]]], rival: str, name: str) -> float:
-    """How many times as long as a way its rival takes: the median over the rounds."""
+    """Time of a rival as a multiple of that of a way, the median over the rounds."""
     return float(np.median([np.median(each[rival]) / np.median(each[name]) for each in rounds]))

@@ -45,13 +45,13 @@ class Kind:
 SHIPPED = Kind(
     DEFAULT_CLASSIFIERS.amplitude, KERNEL_SHAPES[DEFAULT_CLASSIFIERS.kernel_shape], DEFAULT_CLASSIFIERS.class_balance
 )
-"""What a learner uses if it is told nothing else."""
+"""Settings of a learner that is told nothing else."""
 
 SHIPPED_RBF = Kind(DEFAULT_CLASSIFIERS.amplitude)
 """The same amplitude with the kernel that scikit-learn has, too."""
 
 SMALL_RBF = Kind(4.0)
-"""What `ConceptModels` uses if it is told nothing else."""
+"""Settings of `ConceptModels` that are told nothing else."""
 
 
 @dataclass(frozen=True, eq=False)
