@@ -2,6 +2,7 @@
 
 python benchmarks/look_ahead.py            # about five minutes
 python benchmarks/look_ahead.py --quick
+python benchmarks/look_ahead.py --only exactness
 python benchmarks/look_ahead.py --whole 1  # every hypothesis of every state: some minutes more
 """
 
@@ -26,6 +27,8 @@ STATES = 1000
 APPROXIMATED = 5
 """Number of other states for each one that tells the error of the approximate mode."""
 
+PARTS = ('side_by_side', 'exactness', 'approximation', 'growth', 'pool')
+
 GROWTH = (0, 20, 50, 150, 300, 1000), (12, 40, 200), (4, 20)
 QUICK_GROWTH = (0, 50), (12, 40), (4,)
 POOL, QUICK_POOL = 3200, 300
@@ -41,6 +44,9 @@ def parser() -> argparse.ArgumentParser:
         '--whole', type=int, default=4, help='refit the whole table of one state in so many (%(default)s)'
     )
     result.add_argument('--quick', action='store_true', help='small sizes only: within a minute')
+    result.add_argument(
+        '--only', nargs='+', choices=PARTS, default=PARTS, metavar='PART', help=f'of {", ".join(PARTS)}'
+    )
     result.add_argument('--json', type=Path, metavar='FILE', help='write the figures as JSON')
     return result
 
@@ -56,15 +62,15 @@ def main(arguments: Sequence[str] | None = None) -> int:
     start = time.perf_counter()
     print(machine.conditions())
     peak = machine.peak()
-    print(f'Matrix products: {peak.double / 1e9:.1f} GFLOP/s double, {peak.single / 1e9:.1f} single precision.\n')
-    figures = {
-        'peak': {'double': peak.double, 'single': peak.single},
-        'side_by_side': side_by_side.compare(QUICK_SIZES if given.quick else SIZES, repeats, peak),
-        'exactness': exactness.check(states, given.whole),
-        'approximation': exactness.check_approximation(max(1, states // APPROXIMATED)),
-        'growth': growth.grow(*(QUICK_GROWTH if given.quick else GROWTH)),
-        'pool': growth.score_pool(QUICK_POOL if given.quick else POOL, POOL_LABELS, POOL_SYMBOLS),
+    print(f'Matrix products: {peak / 1e9:.1f} GFLOP/s. All times are those of the CPU.\n')
+    parts = {
+        'side_by_side': lambda: side_by_side.compare(QUICK_SIZES if given.quick else SIZES, repeats, peak),
+        'exactness': lambda: exactness.check(states, given.whole),
+        'approximation': lambda: exactness.check_approximation(max(1, states // APPROXIMATED)),
+        'growth': lambda: growth.grow(*(QUICK_GROWTH if given.quick else GROWTH)),
+        'pool': lambda: growth.score_pool(QUICK_POOL if given.quick else POOL, POOL_LABELS, POOL_SYMBOLS),
     }
+    figures = {'peak': peak, **{name: part() for name, part in parts.items() if name in given.only}}
     print(f'All of this took {time.perf_counter() - start:.0f} s. {machine.conditions()}')
     if given.json is not None:
         given.json.write_text(json.dumps(figures, indent=1) + '\n', encoding='utf-8')

@@ -24,6 +24,9 @@ from functools import partial
 from pathlib import Path
 from typing import Any
 
+# As the executables do; it must be said before numpy is imported.
+os.environ.setdefault('OMP_NUM_THREADS', '1')
+
 import numpy as np
 from measuring import print_table
 from rclpy.context import Context

@@ -16,6 +16,9 @@ from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
+# As the executables do; it must be said before numpy is imported.
+os.environ.setdefault('OMP_NUM_THREADS', '1')
+
 import numpy as np
 from measuring import median_and_spread, print_table
 from numpy.typing import ArrayLike

@@ -10,7 +10,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from al_questioner.concepts.kernel import RBF, KernelShape, rbf_kernel, saturating_kernel
 from al_questioner.concepts.laplace.gaussian_process import expected_logistic
-from al_questioner.concepts.laplace.posterior import Marginals, Posterior, laplace_posterior
+from al_questioner.concepts.laplace.posterior import Marginals, Posterior, find_common_modes, laplace_posterior
 from al_questioner.domain import NO_SYMBOL, InputError
 from al_questioner.support.arrays import Array
 
@@ -109,9 +109,10 @@ class ConceptModels:
             kernel, start = self._with_one_more(points[-1:], targets[:, -1:])
         else:
             kernel = self._covariance(points, points)
-            start = np.zeros_like(targets)
+            gradient = np.zeros_like(targets)
             if names[:n_known] == self._labels:
-                start = np.matmul(self._posterior.gradient, kernel[:n_known])
+                gradient[:, :n_known] = self._posterior.gradient
+            start = find_common_modes(kernel, targets, gradient)
         self._posterior = laplace_posterior(kernel, targets, start)
         self._points, self._labels = points, names
         self._last_seen = self._last_table = None
@@ -192,7 +193,7 @@ class ConceptModels:
 
         Args:
             scene_features: (|X|, m) standardised features.
-            exact: False for an approximation that takes |X|^2 |Y| n operations beyond `predict_proba`
+            exact: False for an approximation that takes some 10 |X| |Y| n (|X| + n) operations
                 (docs/results/look_ahead.md gives its error); None to use it, with a warning, above `EXACT_OPERATIONS`.
 
         Returns:

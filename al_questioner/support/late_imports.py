@@ -13,8 +13,12 @@ from typing import Any
 
 def late(module: str, name: str) -> Callable[..., Any]:
     """Return a function that imports a module at its first call and then calls the function of this name in it."""
+    found: Callable[..., Any] | None = None
 
     def call(*arguments: Any, **named: Any) -> Any:
-        return getattr(import_module(module), name)(*arguments, **named)
+        nonlocal found
+        if found is None:
+            found = getattr(import_module(module), name)
+        return found(*arguments, **named)
 
     return call

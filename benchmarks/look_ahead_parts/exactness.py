@@ -10,9 +10,17 @@ from typing import Any
 import numpy as np
 from look_ahead_parts import refitting
 from look_ahead_parts.actions import choose, task_weights
-from look_ahead_parts.states import AMPLITUDE, State, clustered_state, random_state
+from look_ahead_parts.states import (
+    LARGEST_AMPLITUDE,
+    SHIPPED,
+    State,
+    clustered_state,
+    random_state,
+    without_odds,
+)
 from measuring import print_table
 
+from al_questioner.concepts.kernel import RBF
 from al_questioner.support.arrays import Array
 
 NEAR_TIE = 1e-9
@@ -27,8 +35,10 @@ SAMPLED = 2
 QUANTILES = (0.5, 0.9, 0.99, 0.999, 1.0)
 
 LEGEND = f"""\
-States: 0 to 150 examples, 10 to 70 features, 2 to 12 things, 2 to 5 symbols, amplitudes 1 to 100 by their logarithm;
-one in three repeats examples and shows labelled views again, one in ten knows a single class.
+States: 0 to 150 examples, 10 to 70 features in groups of 1 to 12, 2 to 12 things, 2 to 5 symbols; amplitudes 1 to
+{LARGEST_AMPLITUDE:g} by their logarithm; half with the RBF kernel, a quarter with the grouped one that ships, a quarter
+with other saturations and exponents; half with class balance .5, half without; one in three repeats examples and shows
+labelled views again, one in ten knows a single class.
 Refitted are fresh models: for a sampled label (x, y) of all symbols at once, for all labels of each distinct
 hypothesis. scikit-learn is refitted until it stands still, for one thing of every {EVERY}th state, as an example of
 each symbol and as none."""
@@ -58,12 +68,14 @@ def check(states: int, whole: int, seed: int = 0) -> Figures:
     """
     weights, rng = task_weights(), np.random.default_rng(seed)
     compared, direct, outside, unanswered = [], [], [], 0
+    by_kernel: dict[str, list[float]] = {}
     worst = (0.0, '')
     for number in range(states):
         state = random_state(rng)
         ahead = state.models().look_ahead(state.scene, exact=True)
         direct.append(sampled_error(state, ahead, rng))
         worst = max(worst, (direct[-1], described(state)))
+        by_kernel.setdefault('rbf' if state.kind.shape == RBF else 'grouped', []).append(direct[-1])
         if number % whole == 0:
             compared.append(compare(state, ahead, refitting.own_refits(state), weights))
             worst = max(worst, (compared[-1].error, described(state)))
@@ -77,6 +89,7 @@ def check(states: int, whole: int, seed: int = 0) -> Figures:
         ('', *(f'{quantile:.1%}' for quantile in QUANTILES), 'number'),
         [
             [f'of {SAMPLED} labels of a state, from ConceptModels refitted', *quantiles(direct), f'{len(direct)}'],
+            *([f'  with the {name} kernel', *quantiles(of), f'{len(of)}'] for name, of in sorted(by_kernel.items())),
             ['of all labels of a state', *quantiles(errors), f'{len(errors)}'],
             ['of a hypothesis, from scikit-learn refitted', *quantiles(outside), f'{len(outside)}'],
         ],
@@ -101,13 +114,13 @@ def sampled_error(state: State, ahead: Array, rng: np.random.Generator) -> float
 
 
 def check_approximation(states: int, seed: int = 1) -> Figures:
-    """Compare the approximate mode with the exact one where the amplitude is that of the learner.
+    """Compare the approximate mode with the exact one where the classifiers are those of the learner.
 
     So many states are of the kinds of `check`, and as many of the clusters that the other tables are about.
     """
     weights, rng = task_weights(), np.random.default_rng(seed)
     drawn = {
-        'states of all kinds': [random_state(rng, AMPLITUDE) for _ in range(states)],
+        'states of all kinds': [random_state(rng, SHIPPED) for _ in range(states)],
         'clusters, |X|=12, |Y|=4, m=60': [clustered_state(rng, int(rng.integers(151)), 12, 4) for _ in range(states)],
     }
     compared: dict[str, list[Compared]] = {kind: [] for kind in drawn}
@@ -118,7 +131,7 @@ def check_approximation(states: int, seed: int = 1) -> Figures:
             compared[kind].append(compare(state, cheap, exact, weights))
     errors = {kind: [result.error for result in results] for kind, results in compared.items()}
     print_table(
-        f'Approximate mode, exact=False against exact=True, at amplitude {AMPLITUDE:g} and n up to 150',
+        f'Approximate mode, exact=False against exact=True, n up to 150: {SHIPPED}',
         ('largest error of a state', *(f'{quantile:.1%}' for quantile in QUANTILES), 'number'),
         [[kind, *quantiles(of_kind), f'{len(of_kind)}'] for kind, of_kind in errors.items()],
     )
@@ -145,7 +158,8 @@ def against_scikit_learn(state: State, ahead: Array, thing: int) -> tuple[list[f
     for j, target in np.ndindex(len(state.symbols), 2):
         if len(np.unique([*state.targets(j), target])) == 2:
             label = j if target else (j + 1) % len(state.symbols)
-            errors.append(np.abs(refitting.converged(state, thing, j, target) - ahead[thing, label, :, j]).max())
+            truth = without_odds(refitting.converged(state, thing, j, target), state.odds()[label, j])
+            errors.append(np.abs(truth - ahead[thing, label, :, j]).max())
     found = [float(error) for error in errors if not np.isnan(error)]
     return found, 2 * len(state.symbols) - len(found)
 
@@ -175,5 +189,6 @@ def described(state: State) -> str:
     """A state in a few words."""
     return (
         f'n={len(state.labels)}, |X|={len(state.scene)}, |Y|={len(state.symbols)}, m={state.scene.shape[1]}, '
-        f'amplitude {state.amplitude:.3g}'
+        f'amplitude {state.kind.amplitude:.3g}, saturation {state.kind.shape.saturation:.3g}, '
+        f'class balance {state.kind.class_balance:g}'
     )

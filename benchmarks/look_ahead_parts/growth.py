@@ -13,7 +13,7 @@ from typing import Any
 
 import numpy as np
 from look_ahead_parts.actions import task_weights, utilities
-from look_ahead_parts.states import State, clustered_state
+from look_ahead_parts.states import SHIPPED, State, clustered_state
 from measuring import median_and_spread, print_table
 
 from al_questioner.concepts import ConceptModels
@@ -62,9 +62,9 @@ def grow(labels: Sequence[int], scenes: Sequence[int], symbols: Sequence[int], l
     largest = rate = 0.0
     for n, n_symbols in product(labels, symbols):
         whole = clustered_state(np.random.default_rng((n, n_symbols)), n, max(scenes), n_symbols)
-        start = time.perf_counter()
+        start = time.process_time()
         models = whole.models()
-        fitting = time.perf_counter() - start
+        fitting = time.process_time() - start
         for things in scenes:
             state = replace(whole, scene=whole.scene[:things])
             default = 'approximate' if approximates(models, state) else 'exact'
@@ -85,7 +85,7 @@ def grow(labels: Sequence[int], scenes: Sequence[int], symbols: Sequence[int], l
                 'default': default,
             }
     print_table(
-        'Growth: m=60, amplitude 4',
+        f'Growth: m=60, {SHIPPED}',
         ('', 'cold fit ms', 'exact ms', 'spread', 'MiB', 'approx. ms', 'spread', 'MiB', 'result', 'error', 'default'),
         rows,
     )
@@ -98,9 +98,9 @@ def measure(models: ConceptModels, state: State, exact: bool) -> Measured:
     forget = forgetting(models, state)
     tracemalloc.start()
     try:
-        start = time.perf_counter()
+        start = time.process_time()
         table = models.look_ahead(state.scene, exact)
-        seconds = [time.perf_counter() - start]
+        seconds = [time.process_time() - start]
         peak = tracemalloc.get_traced_memory()[1]
     finally:
         tracemalloc.stop()
@@ -108,9 +108,9 @@ def measure(models: ConceptModels, state: State, exact: bool) -> Measured:
         seconds = []
         while len(seconds) < CALLS and sum(seconds) < ENOUGH:
             forget()
-            start = time.perf_counter()
+            start = time.process_time()
             models.look_ahead(state.scene, exact)
-            seconds.append(time.perf_counter() - start)
+            seconds.append(time.process_time() - start)
     return Measured(seconds, peak, table)
 
 
@@ -167,13 +167,13 @@ def score_pool(things: int, n: int, symbols: int) -> Figures:
     expected, chunks, looking = np.empty(things), 0, 0.0
     tracemalloc.start()
     try:
-        start = begun = time.perf_counter()
+        start = begun = time.process_time()
         for rows, part in models.look_ahead_chunks(state.scene, exact=False):
-            looking += time.perf_counter() - begun
+            looking += time.process_time() - begun
             expected[rows] = (belief[rows] * utilities(state, part, weights)).sum(axis=1)
             chunks += 1
-            begun = time.perf_counter()
-        whole = time.perf_counter() - start
+            begun = time.process_time()
+        whole = time.process_time() - start
         peak = tracemalloc.get_traced_memory()[1]
     finally:
         tracemalloc.stop()

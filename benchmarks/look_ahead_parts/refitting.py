@@ -9,9 +9,11 @@ import numpy as np
 from look_ahead_parts.states import State
 from numpy.typing import NDArray
 from sklearn.gaussian_process import GaussianProcessClassifier
-from sklearn.gaussian_process.kernels import RBF, ConstantKernel
+from sklearn.gaussian_process.kernels import RBF, ConstantKernel, Kernel, NormalizedKernelMixin, StationaryKernelMixin
 
 from al_questioner.concepts import ConceptModels
+from al_questioner.concepts.kernel import RBF as OWN_RBF
+from al_questioner.concepts.kernel import saturating_kernel
 from al_questioner.domain import NO_SYMBOL
 from al_questioner.support.arrays import Array
 
@@ -20,24 +22,50 @@ STANDS_STILL = 1e-10
 """Largest change of a probability by one more fit at which scikit-learn is taken to have converged."""
 
 
-def as_users_write(state: State) -> Array:
-    """The table by scikit-learn, a multiclass classifier for each thing and symbol.
+class GroupedKernel(StationaryKernelMixin, NormalizedKernelMixin, Kernel):  # type: ignore[misc]
+    """The kernel of groups for scikit-learn: the same code as ours, so that only the look-aheads differ.
+
+    Args:
+        amplitude: variance of the process.
+        saturation: of single features.
+        shares: (m,) of the features.
+    """
+
+    def __init__(self, amplitude: float, saturation: float, shares: Array) -> None:
+        self.amplitude, self.saturation, self.shares = amplitude, saturation, shares
+
+    def __call__(self, first: Array, second: Array | None = None, eval_gradient: bool = False) -> Array:
+        """Return the covariance of every pair of rows; there are no hyperparameters, and so no gradient."""
+        other = first if second is None else second
+        return saturating_kernel(first, other, self.amplitude, 1.0, self.shares, self.saturation)
+
+    def diag(self, points: Array) -> Array:
+        """Return the variance of each row."""
+        return np.full(len(points), self.amplitude)
+
+
+def as_users_write(state: State, kernel: Any = None) -> Array:
+    """The table by scikit-learn, a multiclass classifier for each thing and symbol, with the state's kernel or another.
 
     Returns:
-        (|X|, |Y|, |X|, |Y|), which scikit-learn normalises over the symbols.
+        (|X|, |Y|, |X|, |Y|), which scikit-learn normalises over the symbols, without class balance.
     """
+    kernel = kernel_of(state) if kernel is None else kernel
     things, symbols = len(state.scene), len(state.symbols)
     table = np.empty((things, symbols, things, symbols))
     for i, thing in enumerate(state.scene):
         for j, symbol in enumerate(state.symbols):
-            classifier = GaussianProcessClassifier(kernel_of(state), optimizer=None)
+            classifier = GaussianProcessClassifier(kernel, optimizer=None)
             classifier.fit(np.vstack([state.features, thing]), [*state.labels, symbol])
             table[i, j] = classifier.predict_proba(state.scene)
     return table
 
 
 def distinct_fits(state: State) -> Array:
-    """The table by scikit-learn, a binary classifier for each thing and symbol and whether the one is the other."""
+    """The table by scikit-learn, a binary classifier for each thing and symbol and whether the one is the other.
+
+    There is no class balance in it.
+    """
     return assembled(state, lambda i, j, target: _binary(state, i, j, target).predict_proba(state.scene)[:, 1])
 
 
@@ -51,17 +79,18 @@ def own_refits(state: State) -> Array:
 
     def probabilities(i: int, j: int, target: int) -> Array:
         labels = ['is' if label == state.symbols[j] else NO_SYMBOL for label in state.labels]
-        models = ConceptModels(('is',), state.amplitude)
-        models.fit(np.vstack([state.features, state.scene[i]]), [*labels, 'is' if target else NO_SYMBOL])
+        models = ConceptModels(('is',), state.kind.amplitude, shape=state.kind.shape)
+        named = [*labels, 'is' if target else NO_SYMBOL]
+        models.fit(np.vstack([state.features, state.scene[i]]), named, state.groups)
         return models.predict_proba(state.scene)[:, 0]
 
-    return assembled(state, probabilities)
+    return state.balanced(assembled(state, probabilities))
 
 
 def own_refit(state: State, thing: int, symbol: int) -> Array:
     """(|X|, |Y|) one entry of the table, by fresh `ConceptModels` of all symbols."""
-    models = ConceptModels(state.symbols, state.amplitude)
-    models.fit(np.vstack([state.features, state.scene[thing]]), [*state.labels, state.symbols[symbol]])
+    models, labels = state.empty_models(), [*state.labels, state.symbols[symbol]]
+    models.fit(np.vstack([state.features, state.scene[thing]]), labels, state.groups)
     return models.predict_proba(state.scene)
 
 
@@ -95,8 +124,16 @@ def converged(state: State, thing: int, symbol: int, target: int) -> Array:
 
 
 def kernel_of(state: State) -> Any:
-    """The kernel of `ConceptModels`, with hyperparameters that stay as they are."""
-    return ConstantKernel(state.amplitude, 'fixed') * RBF(state.length_scale, 'fixed')
+    """The kernel of the state's classifiers for scikit-learn, with hyperparameters that stay as they are."""
+    kind = state.kind
+    if kind.shape == OWN_RBF:
+        return own_rbf_of(state)
+    return GroupedKernel(kind.amplitude, kind.shape.saturation, kind.shape.shares(state.groups))
+
+
+def own_rbf_of(state: State) -> Any:
+    """scikit-learn's own RBF kernel, of the same amplitude."""
+    return ConstantKernel(state.kind.amplitude, 'fixed') * RBF(state.length_scale, 'fixed')
 
 
 def _binary(state: State, thing: int, symbol: int, target: int) -> GaussianProcessClassifier:

@@ -9,24 +9,46 @@ import numpy as np
 import pytest
 
 
-@pytest.fixture
-def state():
+def state_of(kind):
     from look_ahead_parts.states import clustered_state
 
-    return clustered_state(np.random.default_rng(1), n=9, things=3, symbols=3, m=4)
+    return clustered_state(np.random.default_rng(1), n=9, things=3, symbols=3, m=20, kind=kind)
 
 
-def test_all_ways_make_the_same_table(state):
+@pytest.fixture
+def state():
+    from look_ahead_parts.states import SHIPPED
+
+    return state_of(SHIPPED)
+
+
+@pytest.mark.parametrize('kind', ['SHIPPED', 'SHIPPED_RBF', 'SMALL_RBF'])
+def test_all_ways_make_the_same_table(kind):
     """The rivals solve the same problem, so that the ratios of their times mean something."""
-    from look_ahead_parts import refitting
+    from look_ahead_parts import refitting, states
 
+    state = state_of(getattr(states, kind))
     truth = refitting.until_convergence(state)
     assert np.isfinite(truth).all()
     np.testing.assert_allclose(refitting.distinct_fits(state), truth, rtol=0, atol=1e-4)
-    np.testing.assert_allclose(refitting.own_refits(state), truth, rtol=0, atol=1e-6)
-    np.testing.assert_allclose(refitting.own_refit(state, 2, 1), truth[2, 1], rtol=0, atol=1e-6)
+    balanced = state.balanced(truth)
+    np.testing.assert_allclose(refitting.own_refits(state), balanced, rtol=0, atol=1e-6)
+    np.testing.assert_allclose(refitting.own_refit(state, 2, 1), balanced[2, 1], rtol=0, atol=1e-6)
     normalised = truth / truth.sum(axis=-1, keepdims=True)
     np.testing.assert_allclose(refitting.as_users_write(state), normalised, rtol=0, atol=1e-4)
+
+
+def test_what_ships_is_what_is_measured():
+    """A benchmark of other settings would tell nothing about a robot."""
+    from look_ahead_parts.states import SHIPPED
+
+    from al_questioner.concepts.kernel import KERNEL_SHAPES
+    from al_questioner.simulation import episode_settings, load_task
+
+    settings = episode_settings(load_task('prepare_lunch'), 'u_sampling')
+    assert SHIPPED.amplitude == settings.amplitude
+    assert SHIPPED.shape == KERNEL_SHAPES[settings.kernel_shape]
+    assert SHIPPED.class_balance == settings.class_balance
 
 
 def test_a_wrong_table_is_noticed(state):
@@ -53,10 +75,14 @@ def test_the_random_states_hold_what_the_table_says():
 
     rng = np.random.default_rng(0)
     states = [random_state(rng) for _ in range(300)]
-    numbers, amplitudes = [len(state.labels) for state in states], [state.amplitude for state in states]
+    numbers, amplitudes = [len(state.labels) for state in states], [state.kind.amplitude for state in states]
     assert min(numbers) == 0
     assert max(numbers) > 140
-    assert min(amplitudes) < 2 < 80 < max(amplitudes)
+    assert min(amplitudes) < 2 < 250 < max(amplitudes) < 300
+    assert {0.0, 0.5} == {state.kind.class_balance for state in states}
+    saturations = [state.kind.shape.saturation for state in states]
+    assert 100 < sum(np.isinf(saturations)) < 200
+    assert len(set(saturations)) > 30
     assert sum(len(state.labels) > 1 and len(set(state.labels)) == 1 for state in states) > 10
     shown_again = [(state.scene[:, None] == state.features).all(axis=2).any() for state in states]
     assert 50 < sum(shown_again) < 150
@@ -76,7 +102,8 @@ def test_it_runs(tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest
     path = tmp_path / 'look_ahead.json'
     assert look_ahead.main(['--quick', '--states', '5', '--repeats', '1', '--json', str(path)]) == 0
     figures = json.loads(path.read_text())
-    assert figures['side_by_side']['8'][side_by_side.COLD]['error'] < 1e-6
+    for of_kind in figures['side_by_side'].values():
+        assert of_kind['8'][side_by_side.COLD]['error'] < 1e-6
     assert figures['exactness']['errors']['1.0'] < 1e-6
     assert figures['exactness']['actions']['differ'] == 0
     assert figures['growth']['5,3,2']['default'] == 'exact'

@@ -13,19 +13,29 @@ from al_questioner.support.arrays import Array, Index
 LARGEST_PASSIVE = 0.2
 """Largest |E_i| T_ii of a row outside of the active set: smaller takes larger systems, larger takes more iterations."""
 
+SLOW = 0.6
+"""Share of the error that may remain after an iteration.
+
+Where more remains, many rows that change a little each change together, and the limit of the active set is lowered to
+`LOWER` times what it was.
+"""
+
+LOWER = 0.25
+
 
 @compiled
-def select_active(covariance: Array, relative: Array, rows: Index) -> int:
+def select_active(covariance: Array, relative: Array, limit: float, rows: Index) -> int:
     """Write the numbers of the active rows, and return how many they are.
 
     Args:
         covariance: (n, n) T.
         relative: (n,) diagonal of E.
+        limit: largest |E_i| T_ii of another row.
         rows: (n,) takes the numbers.
     """
     size = 0
     for i in range(len(relative)):
-        if abs(relative[i]) * covariance[i, i] > LARGEST_PASSIVE:
+        if abs(relative[i]) * covariance[i, i] > limit:
             rows[size] = i
             size += 1
     return size

@@ -4,12 +4,9 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from contextlib import suppress
-from functools import cache
 from typing import Any, TypeVar, cast
 
 import numba
-import numpy as np
-from scipy.linalg import blas
 
 Function = TypeVar('Function', bound=Callable[..., Any])
 
@@ -36,13 +33,3 @@ def _if_there_is_room(save: Callable[..., None]) -> Callable[..., None]:
             save(*arguments)
 
     return save_or_not
-
-
-@cache
-def touch_packing_buffers() -> None:
-    """Make the linear algebra library use more of its buffers than small products do.
-
-    OpenBLAS's kernels fetch data ahead of the packed matrices. If that memory was never touched, each fetch searches
-    for its page without result: a small product in single precision was measured to take three times as long.
-    """
-    blas.sgemm(1.0, *np.ones((2, 512, 512), np.float32))

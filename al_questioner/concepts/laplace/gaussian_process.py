@@ -14,15 +14,20 @@ from al_questioner.support.late_imports import late
 
 erf = late('scipy.special', 'erf')
 expit = late('scipy.special', 'expit')
+dpotrf = late('scipy.linalg.lapack', 'dpotrf')
+dpotrs = late('scipy.linalg.lapack', 'dpotrs')
 
-STEP_TOLERANCE = 1e-5
-"""Largest change of a latent value in the last full Newton step; the next step would be about its square."""
+STEP_TOLERANCE = 1e-7
+"""Largest change of a latent value in the last step; the next step would be no more than a fifth of it."""
+
+STALE_STEP = 0.15
+"""Change of a latent value by a step after which the curvatures are computed again; smaller ones change them little."""
 
 MAX_NEWTON_STEPS = 100
-MAX_HALVINGS = 40
+MAX_TRIALS = 60
 
-SUFFICIENT_INCREASE = 1e-4
-"""Smallest share of the predicted increase that a step must achieve."""
+FLAT_SHARE = 0.02
+"""Share of the slope at the start of a line at which its point counts as the top."""
 
 LOGISTIC_SLOPES = np.array([0.41, 0.40, 0.37, 0.44, 0.39])
 LOGISTIC_COEFFICIENTS = np.array([-1854.8214151, 3516.89893646, 221.29346712, 128.12323805, -2010.49422654])
@@ -41,16 +46,17 @@ PROBABILITY_MARGIN = 1e-9
 
 
 def find_modes(kernels: Array, owners: Index, targets: Array, start: Array) -> Array:
-    """Return the modes of the posteriors p(f | X, y), by Newton's method (R&W algorithm 3.1) with step halving.
+    """Return the modes of the posteriors p(f | X, y), by Newton's method (R&W algorithm 3.1) with exact line search.
 
-    The log posterior is concave and every accepted step raises it, so the method converges from any start, even if
-    the plain iteration would oscillate (large amplitudes, duplicated points with opposite targets).
+    The log posterior is concave and every step goes to about the top of a line that rises, so the method converges from
+    any start, even if the plain iteration would oscillate (large amplitudes, duplicated points with opposite targets)
+    or crawl (from 0, plain steps move the latent value of a certain example by about one each).
 
     Args:
         kernels: (K, n, n) kernel matrices.
         owners: (H,) the kernel of each problem.
         targets: (H, n) 1 for a positive, 0 for a negative example.
-        start: (H, n) first guess of K^-1 f.
+        start: (H, n) first guess of K^-1 f; 0 is taken where it is the better guess.
 
     Returns:
         (H, n) latent values f at the mode.
@@ -58,19 +64,23 @@ def find_modes(kernels: Array, owners: Index, targets: Array, start: Array) -> A
     Raises:
         ArithmeticError: no convergence, which only input that is not finite or not a covariance can cause.
     """
-    alpha = start.copy()
-    latent: Array = np.einsum('hij,hj->hi', kernels[owners], alpha)
-    active = np.arange(len(owners))
-    for _ in range(MAX_NEWTON_STEPS):
-        kernel, a, f, y = kernels[owners[active]], alpha[active], latent[active], targets[active]
-        alpha_step, latent_step = _newton_step(kernel, a, f, y)
-        length = _step_lengths(a, f, y, alpha_step, latent_step)[:, None]
-        alpha[active] = a + length * alpha_step
-        latent[active] = f + length * latent_step
-        active = active[~(np.abs(latent_step).max(axis=1, initial=0.0) <= STEP_TOLERANCE)]
-        if active.size == 0:
-            return latent
-    raise ArithmeticError(f'no posterior mode for {active.size} problems after {MAX_NEWTON_STEPS} Newton steps')
+    modes = np.empty(targets.shape)
+    if modes.size == 0:
+        return modes
+    n = targets.shape[1]
+    # All curvatures are 1/4 where f = 0, so that all problems of a kernel which start there share their first factor.
+    at_zero: dict[int, Array] = {}
+    buffer = np.empty((n, n))
+    for h, owner in enumerate(owners.tolist()):
+        kernel = kernels[owner]
+        alpha = start[h].copy()
+        latent = kernel @ alpha
+        if not (alpha.any() and _log_posterior(alpha, latent, targets[h]) > -n * np.log(2)):
+            alpha[:] = latent[:] = 0.0
+            if owner not in at_zero:
+                at_zero[owner] = cholesky_factor(kernel, np.full(n, 0.5), np.empty((n, n)))
+        modes[h] = _find_mode(kernel, targets[h], alpha, latent, at_zero.get(owner), buffer)
+    return modes
 
 
 def predict_probabilities(
@@ -113,46 +123,92 @@ def well_conditioned(kernel: Array, root: Array) -> Array:
     return matrix
 
 
-def _newton_step(kernel: Array, alpha: Array, latent: Array, targets: Array) -> tuple[Array, Array]:
-    """Return the full Newton step in K^-1 f and in f (R&W algorithm 3.1, lines 4 to 8)."""
-    probability = expit(latent)
-    curvature = probability * (1 - probability)
-    root = np.sqrt(curvature)
-    b = curvature * latent + targets - probability
-    kernel_b = np.einsum('hij,hj->hi', kernel, b)
-    solved = np.linalg.solve(well_conditioned(kernel, root), (root * kernel_b)[:, :, None])[:, :, 0]
-    alpha_step = b - root * solved - alpha
-    return alpha_step, np.einsum('hij,hj->hi', kernel, alpha_step)
+def cholesky_factor(kernel: Array, root: Array, buffer: Array) -> Array:
+    """Return the lower Cholesky factor of B = I + W^1/2 K W^1/2.
 
+    Args:
+        kernel: (n, n) K.
+        root: (n,) diagonal of W^1/2.
+        buffer: (n, n) takes the factor.
 
-def _step_lengths(alpha: Array, latent: Array, targets: Array, alpha_step: Array, latent_step: Array) -> Array:
-    """Return (H,) the largest of 1, 1/2, 1/4 ... with which each problem's step raises its log posterior enough.
+    Returns:
+        (n, n) in column order, a view of the buffer.
 
-    Enough is a share of the increase that the slope predicts (Armijo's rule). Otherwise the next step could undo a step
-    that gains nothing, without end.
+    Raises:
+        ArithmeticError: K is not a covariance.
     """
-    before = _log_posterior(alpha, latent, targets)
-    p = expit(latent)
-    # For Newton's step the slope is the step's squared length in the metric of the Hessian, K^-1 + W.
-    slope = np.einsum('hn,hn->h', alpha_step + p * (1 - p) * latent_step, latent_step)
-    # A converged problem gains less than the rounding of its objective; such a step is not halved.
-    floor = before - 1e-12 * (1 + np.abs(before))
-    length = np.ones(len(alpha))
-    for _ in range(MAX_HALVINGS):
-        scale = length[:, None]
-        after = _log_posterior(alpha + scale * alpha_step, latent + scale * latent_step, targets)
-        worse = after < floor + SUFFICIENT_INCREASE * length * slope
-        if not worse.any():
-            break
-        length[worse] /= 2
-    return length
+    np.multiply(kernel, root, out=buffer)
+    buffer *= root[:, None]
+    buffer.ravel()[:: len(buffer) + 1] += 1
+    # LAPACK is called directly: the wrappers' checks cost more than the factorisation of a few dozen examples.
+    factor, failed = dpotrf(buffer.T, lower=1, overwrite_a=1, clean=1)
+    if failed:
+        raise ArithmeticError('the kernel matrix is not a covariance')
+    return np.asarray(factor)
 
 
-def _log_posterior(alpha: Array, latent: Array, targets: Array) -> Array:
-    """Return (H,) log p(f | X, y) up to a constant (R&W equation 3.12)."""
-    log_prior: Array = -0.5 * np.einsum('hn,hn->h', alpha, latent)
-    log_likelihood: Array = -np.logaddexp(0, (1 - 2 * targets) * latent).sum(axis=1)
-    return log_prior + log_likelihood
+def _find_mode(
+    kernel: Array, targets: Array, alpha: Array, latent: Array, at_zero: Array | None, buffer: Array
+) -> Array:
+    """Return the (n,) mode of one problem.
+
+    A factor serves as long as the steps are small: by then they shrink to a small share each time, and cost a hundredth
+    of the factor.
+
+    Args:
+        kernel: (n, n) K.
+        targets: (n,) 1 for a positive, 0 for a negative example.
+        alpha: (n,) first guess of K^-1 f, overwritten.
+        latent: (n,) first guess of f, overwritten.
+        at_zero: factor of B where f = 0; needed if the first guess is 0.
+        buffer: (n, n) for other factors.
+    """
+    root = np.full(len(targets), 0.5)
+    factor, last = at_zero, np.inf if latent.any() else 0.0
+    for _ in range(MAX_NEWTON_STEPS):
+        p = expit(latent)
+        if factor is None or not last <= STALE_STEP:
+            root = np.sqrt(p * (1 - p))
+            factor = cholesky_factor(kernel, root, buffer)
+        gradient = targets - p - alpha
+        solved, _ = dpotrs(factor, root * (kernel @ (targets - p) - latent), lower=1)
+        # By Woodbury's identity K^-1 (K^-1 + W)^-1 = I - W^1/2 B^-1 W^1/2 K.
+        alpha_step = gradient - root * solved
+        latent_step = kernel @ alpha_step
+        length = _step_length(latent, targets, alpha, alpha_step, latent_step)
+        alpha += length * alpha_step
+        latent += length * latent_step
+        largest = float(np.abs(latent_step).max())
+        if largest <= STEP_TOLERANCE:
+            return latent
+        last = length * largest
+    raise ArithmeticError(f'no posterior mode after {MAX_NEWTON_STEPS} Newton steps')
+
+
+def _step_length(latent: Array, targets: Array, alpha: Array, alpha_step: Array, latent_step: Array) -> float:
+    """Return the length at which a step comes to about the top of its line.
+
+    The log posterior is concave along the line, so its slope falls, and Newton's method in one dimension finds where it
+    vanishes; a trial beyond the interval that must hold the top is replaced by its middle.
+    """
+    linear, quadratic = float(alpha @ latent_step), float(alpha_step @ latent_step)
+    first = float((targets - expit(latent)) @ latent_step) - linear
+    lower, upper, length = 0.0, np.inf, 1.0
+    for _ in range(MAX_TRIALS):
+        p = expit(latent + length * latent_step)
+        slope = float((targets - p) @ latent_step) - linear - length * quadratic
+        if abs(slope) <= FLAT_SHARE * first:
+            return length
+        lower, upper = (length, upper) if slope > 0 else (lower, length)
+        length += slope / (float((p * (1 - p)) @ latent_step**2) + quadratic)
+        if not lower < length < upper:
+            length = (lower + upper) / 2
+    return lower
+
+
+def _log_posterior(alpha: Array, latent: Array, targets: Array) -> float:
+    """Return log p(f | X, y) up to a constant (R&W equation 3.12)."""
+    return float(-0.5 * alpha @ latent - np.logaddexp(0, (1 - 2 * targets) * latent).sum())
 
 
 def expected_logistic(mean: Array, variance: Array) -> Array:

@@ -26,6 +26,10 @@ from al_questioner.support.arrays import Array, Index
 MAX_REFIT_NUMBERS = 1_000_000
 """Largest stack of kernel matrices that is refitted at once, in numbers: bounds its memory to some 50 MB."""
 
+ROUGH_STEPS = 3
+ROUGH_TOLERANCE = 1e-3
+"""Most steps of an approximate look-ahead in search of the modes, and the distance from them at which it ends."""
+
 
 def predict_each(
     posterior: Posterior, marginals: Marginals, things: Index, prior: Array, amplitude: float, tolerance: float | None
@@ -38,8 +42,8 @@ def predict_each(
         things: (e,) the points that are hypothetical examples.
         prior: (e, k) their prior covariance with all points.
         amplitude: prior variance of a point.
-        tolerance: a hypothesis whose probabilities may be off by more is refitted; None stops after the first step of
-            the modes and the first moment of the variances, and refits nothing.
+        tolerance: a hypothesis whose probabilities may be off by more is refitted; None stops after a few steps of the
+            modes and the first guess of the variances, and refits nothing.
 
     Returns:
         (|Y|, 2e, k) probability of the positive class.
@@ -68,14 +72,18 @@ def _predict(
     targets = np.repeat([0.0, 1.0], len(things))
     # Half of the tolerance is for the modes, half for the variances.
     mode_weight = MEAN_SLOPE[0] + VARIANCE_SLOPE[0] * np.sqrt(amplitude)
-    of_modes, steps = (0.0, 1) if tolerance is None else (tolerance / 2 / mode_weight, MOST_MODE_STEPS)
+    of_modes, steps = (
+        (ROUGH_TOLERANCE, ROUGH_STEPS) if tolerance is None else (tolerance / 2 / mode_weight, MOST_MODE_STEPS)
+    )
     shift = find_shift(posterior, points[:, both], variance[:, both], marginals.mean[:, both], targets, of_modes, steps)
     mean = marginals.mean[:, None] + cross * shift.pull[:, :, None] - np.matmul(shift.bend, marginals.solved)
     p = expit(shift.latent)
     curvature = p * (1 - p)
     if tolerance is None:
-        own = variance[:, None] - np.matmul(shift.relative, marginals.solved**2)
-        joint = cross - np.matmul(shift.relative * points[:, both], marginals.solved)
+        # The first guess of `find_variances`: the curvature of each example changes as if it were the only one.
+        alone = shift.relative / (1 + shift.relative * np.diagonal(posterior.covariance, axis1=1, axis2=2)[:, None])
+        own = np.maximum(variance[:, None] - np.matmul(alone, marginals.solved**2), 0)
+        joint = cross - np.matmul(alone * points[:, both], marginals.solved)
         weight = curvature[:, :, None] / (1 + curvature[:, :, None] * _at_new(own, both))
         return expected_logistic(mean, own - weight * joint**2), np.zeros_like(p)
     found, error = find_variances(

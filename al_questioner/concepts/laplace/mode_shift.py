@@ -10,7 +10,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from al_questioner.concepts.laplace.active_set import factorise, select_active, substitute
+from al_questioner.concepts.laplace.active_set import LARGEST_PASSIVE, LOWER, SLOW, factorise, select_active, substitute
 from al_questioner.concepts.laplace.compiled import compiled
 from al_questioner.concepts.laplace.posterior import Posterior
 from al_questioner.support.arrays import Array
@@ -107,6 +107,7 @@ def _find_shifts(
     guess, spread = np.zeros((n_hypotheses, n)), np.zeros((n_hypotheses, n))
     residual, rows, matrix, pivots = np.empty(n), np.empty(n, np.intp), np.empty((n, n)), np.empty(n, np.intp)
     step_there = np.empty(n)
+    limit, before = np.full(n_hypotheses, LARGEST_PASSIVE), np.full(n_hypotheses, np.inf)
     active = np.arange(n_hypotheses)
     for step in range(1, steps + 1):
         if step > 1:
@@ -133,14 +134,21 @@ def _find_shifts(
             error[h] = np.sqrt(squared) + open_site
             if step == steps or error[h] <= tolerance:
                 continue
+            if error[h] > SLOW * before[h]:
+                limit[h] *= LOWER
+            before[h] = error[h]
             # Newton's matrix is I + E (T - coupling c c'): the new example follows the others.
             coupling = there * (1 - there) / (1 + variance[h] * there * (1 - there))
-            size = select_active(covariance, relative[h], rows)
+            size = select_active(covariance, relative[h], limit[h], rows)
+            for x in range(size):
+                step_there[x] = residual[rows[x]]
+                residual[rows[x]] = 0.0
             along = 0.0
             for i in range(n):
+                # The others' own rows are solved for themselves alone.
+                own = covariance[i, i] - coupling * solved[h, i] * solved[h, i]
+                residual[i] /= 1 + relative[h, i] * own
                 along += solved[h, i] * residual[i]
-            for x in range(size):
-                along -= solved[h, rows[x]] * residual[rows[x]]
             for x in range(size):
                 i = rows[x]
                 passive = 0.0
@@ -148,10 +156,9 @@ def _find_shifts(
                     passive += covariance[i, j] * residual[j]
                 for z in range(size):
                     j = rows[z]
-                    passive -= covariance[i, j] * residual[j]
                     matrix[x, z] = relative[h, i] * (covariance[i, j] - coupling * solved[h, i] * solved[h, j])
                 matrix[x, x] += 1
-                step_there[x] = residual[i] - relative[h, i] * (passive - coupling * solved[h, i] * along)
+                step_there[x] -= relative[h, i] * (passive - coupling * solved[h, i] * along)
             factorise(matrix, pivots, size)
             substitute(matrix, pivots, size, step_there)
             for x in range(size):

@@ -7,16 +7,14 @@ f = K r.
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-from functools import cached_property
+from dataclasses import dataclass, replace
 
 import numpy as np
 
-from al_questioner.concepts.laplace.gaussian_process import expit, find_modes, well_conditioned
-from al_questioner.support.arrays import Array, Index, Single
+from al_questioner.concepts.laplace.gaussian_process import cholesky_factor, expit, find_modes
+from al_questioner.support.arrays import Array, Index
 from al_questioner.support.late_imports import late
 
-dpotrf = late('scipy.linalg.lapack', 'dpotrf')
 dpotri = late('scipy.linalg.lapack', 'dpotri')
 
 NEWTON_TOLERANCE = 1e-7
@@ -44,11 +42,6 @@ class Posterior:
     modes: Array
     root: Array
     covariance: Array
-
-    @cached_property
-    def single(self) -> Single:
-        """Covariance T in single precision, (|Y|, n, n)."""
-        return self.covariance.astype(np.float32)
 
     @property
     def gradient(self) -> Array:
@@ -109,17 +102,31 @@ def laplace_posterior(kernel: Array, targets: Array, start: Array) -> Posterior:
     Args:
         kernel: (n, n) K.
         targets: (|Y|, n) 1 for a positive, 0 for a negative example.
-        start: (|Y|, n) first guess of f; a better guess needs fewer steps.
+        start: (|Y|, n) f, known or guessed; the mode is searched for if it is not there.
 
     Raises:
         ArithmeticError: no convergence, which only input that is not finite or not a covariance can cause.
     """
     posterior, step = _posterior_and_step(kernel, targets, start)
     if not np.abs(step).max(initial=0.0) <= NEWTON_TOLERANCE:
-        owners: Index = np.zeros(len(targets), dtype=np.intp)
-        modes = find_modes(kernel[None], owners, targets, posterior.gradient)
+        modes = find_common_modes(kernel, targets, posterior.gradient)
         posterior, step = _posterior_and_step(kernel, targets, modes)
-    return Posterior(kernel, targets, posterior.modes + step, posterior.root, posterior.covariance)
+    return replace(posterior, modes=posterior.modes + step)
+
+
+def find_common_modes(kernel: Array, targets: Array, start: Array) -> Array:
+    """Return the (|Y|, n) modes of classifiers that share their examples, see `find_modes`.
+
+    Args:
+        kernel: (n, n) K.
+        targets: (|Y|, n) 1 for a positive, 0 for a negative example.
+        start: (|Y|, n) first guess of r, which is K^-1 f at the mode.
+
+    Raises:
+        ArithmeticError: no convergence, which only input that is not finite or not a covariance can cause.
+    """
+    owners: Index = np.zeros(len(targets), dtype=np.intp)
+    return find_modes(kernel[None], owners, targets, start)
 
 
 def _posterior_and_step(kernel: Array, targets: Array, modes: Array) -> tuple[Posterior, Array]:
@@ -127,23 +134,20 @@ def _posterior_and_step(kernel: Array, targets: Array, modes: Array) -> tuple[Po
     p = expit(modes)
     root = np.maximum(np.sqrt(p * (1 - p)), SMALLEST_ROOT)
     covariance = np.empty((*root.shape, root.shape[1]))
-    for k, b in enumerate(well_conditioned(kernel, root)):
-        covariance[k] = _scaled_covariance(b)
+    buffer = np.empty(covariance.shape[1:])
+    for k in range(len(root)):
+        _write_covariance(kernel, root[k], buffer, covariance[k])
     residual = root * (np.matmul(targets - p, kernel) - modes)
     step: Array = (residual - np.matmul(covariance, residual[:, :, None])[:, :, 0]) / root
     return Posterior(kernel, targets, modes, root, covariance), step
 
 
-def _scaled_covariance(b: Array) -> Array:
-    """Return T = I - B^-1 from B, which is overwritten."""
-    if len(b) == 0:
-        return b
-    # LAPACK is called directly: the wrappers' checks cost more than the factorisation of a few dozen examples.
-    factor, failed = dpotrf(b.T, lower=1, overwrite_a=1, clean=1)
-    if failed:
-        raise ArithmeticError('the kernel matrix is not a covariance')
-    lower, _ = dpotri(factor, lower=1, overwrite_c=1)
-    covariance: Array = -(lower + lower.T)
-    diagonal = np.arange(len(b))
+def _write_covariance(kernel: Array, root: Array, buffer: Array, covariance: Array) -> None:
+    """Write T = I - B^-1, by way of a buffer; all are (n, n) but for the root, (n,)."""
+    if len(root) == 0:
+        return
+    lower, _ = dpotri(cholesky_factor(kernel, root, buffer), lower=1, overwrite_c=1)
+    np.add(lower, lower.T, out=covariance)
+    np.negative(covariance, out=covariance)
+    diagonal = np.arange(len(root))
     covariance[diagonal, diagonal] = 1 - lower[diagonal, diagonal]
-    return covariance

@@ -11,7 +11,14 @@ from __future__ import annotations
 
 import numpy as np
 
-from al_questioner.concepts.laplace.active_set import factorise, select_active, substitute
+from al_questioner.concepts.laplace.active_set import (
+    LARGEST_PASSIVE,
+    LOWER,
+    SLOW,
+    factorise,
+    select_active,
+    substitute,
+)
 from al_questioner.concepts.laplace.compiled import compiled
 from al_questioner.concepts.laplace.gaussian_process import slope_in_variance
 from al_questioner.support.arrays import Array, Index
@@ -90,24 +97,21 @@ def _find_variances(
     guess, value = np.empty((at_once, n_points, n)), np.empty((at_once, n_points, n))
     matrices, pivots = np.empty((at_once, n, n)), np.empty((at_once, n), np.intp)
     rows, sizes = np.empty((at_once, n), np.intp), np.empty(at_once, np.intp)
-    exact, scale = np.empty((n_points, n)), np.empty((at_once, n))
+    exact, scale, damping = np.empty((n_points, n)), np.empty((at_once, n)), np.empty((at_once, n))
     drops, joint, squared = np.empty(n_points), np.empty(n_points), np.empty(n_points)
+    limit, before = np.empty(at_once), np.empty(at_once)
     for first in range(0, n_hypotheses, at_once):
         active = np.arange(min(at_once, n_hypotheses - first))
         for a in range(len(active)):
             h = first + a
-            sizes[a] = select_active(covariance, relative[h], rows[a])
+            limit[a], before[a] = LARGEST_PASSIVE, np.inf
             for i in range(n):
                 scale[a, i] = 1 / (1 + relative[h, i])
-            for x in range(sizes[a]):
-                i = rows[a, x]
-                for z in range(sizes[a]):
-                    matrices[a, x, z] = relative[h, i] * covariance[i, rows[a, z]]
-                matrices[a, x, x] += 1
-            factorise(matrices[a], pivots[a], sizes[a])
+                damping[a, i] = 1 / (1 + relative[h, i] * covariance[i, i])
+            sizes[a] = _factorise_active(covariance, relative[h], limit[a], rows[a], matrices[a], pivots[a])
             for k in range(n_points):
                 for i in range(n):
-                    guess[a, k, i] = relative[h, i] * points[k, i]
+                    guess[a, k, i] = relative[h, i] * points[k, i] * damping[a, i]
                 for x in range(sizes[a]):
                     guess[a, k, rows[a, x]] = 0.0
         for step in range(1, steps + 1):
@@ -134,25 +138,36 @@ def _find_variances(
                 for k in range(n_points):
                     # One pass over the examples, as it is this that takes the time beside the products.
                     drop, common, length = 0.0, 0.0, 0.0
-                    u, q = guess[a, k], value[a, k]
                     for i in range(n):
-                        residual = change[i] * q[i] - u[i]
-                        drop += points[k, i] * u[i] + q[i] * residual
-                        common += new_point[i] * u[i] + new_value[i] * residual
+                        u, q = guess[a, k, i], value[a, k, i]
+                        residual = change[i] * q - u
+                        drop += points[k, i] * u + q * residual
+                        common += new_point[i] * u + new_value[i] * residual
                         length += residual * residual * bound[i]
                     drops[k], joint[k], squared[k] = drop, cross[h, k] - common, length
                 weight = curvature[h] / (1 + curvature[h] * (variance[new] - drops[new]))
-                is_known = True
+                is_known, largest = True, 0.0
                 for k in range(n_points):
                     found[h, k] = variance[k] - drops[k] - weight * joint[k] * joint[k]
                     error[h, k] = (np.sqrt(squared[k]) + weight * abs(joint[k]) * np.sqrt(squared[new])) ** 2
-                    if not _slope_in_variance(np.maximum(found[h, k], 0)) * error[h, k] <= tolerance:
+                    of_probability = _slope_in_variance(np.maximum(found[h, k], 0)) * error[h, k]
+                    largest = max(largest, of_probability)
+                    # Not known either if it is not a number.
+                    if not of_probability <= tolerance:
                         is_known = False
                 if is_known or step == steps:
                     continue
+                if largest > SLOW * before[slot]:
+                    limit[slot] *= LOWER
+                    size = _factorise_active(
+                        covariance, relative[h], limit[slot], rows[slot], matrices[slot], pivots[slot]
+                    )
+                    sizes[slot] = size
+                before[slot] = largest
                 for k in range(n_points):
                     for i in range(n):
-                        guess[n_left, k, i] = relative[h, i] * value[a, k, i]
+                        u = guess[a, k, i]
+                        guess[n_left, k, i] = u + (relative[h, i] * value[a, k, i] - u) * damping[slot, i]
                     for x in range(size):
                         guess[n_left, k, rows[slot, x]] = 0.0
                 active[n_left] = slot
@@ -160,3 +175,18 @@ def _find_variances(
             active = active[:n_left]
             if n_left == 0:
                 break
+
+
+@compiled
+def _factorise_active(
+    covariance: Array, relative: Array, limit: float, rows: Index, matrix: Array, pivots: Index
+) -> int:
+    """Write the rows of the active set and the factors of its system (I + E T), and return its size."""
+    size = int(select_active(covariance, relative, limit, rows))
+    for x in range(size):
+        i = rows[x]
+        for z in range(size):
+            matrix[x, z] = relative[i] * covariance[i, rows[z]]
+        matrix[x, x] += 1
+    factorise(matrix, pivots, size)
+    return size

@@ -11,8 +11,9 @@ def test_rows_that_change_much_are_active():
     covariance = np.diag([1.0, 0.5, 0.01, 0.9])
     relative = np.array([LARGEST_PASSIVE * 0.99, -LARGEST_PASSIVE * 2.02, 1e3, -0.05])
     rows = np.full(4, -1)
-    assert select_active(covariance, relative, rows) == 2
+    assert select_active(covariance, relative, LARGEST_PASSIVE, rows) == 2
     assert list(rows[:2]) == [1, 2]
+    assert select_active(covariance, relative, LARGEST_PASSIVE / 2, rows) == 3
 
 
 @pytest.mark.parametrize('size', [0, 1, 2, 7, 20])

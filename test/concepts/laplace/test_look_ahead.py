@@ -258,6 +258,27 @@ def test_stacks_of_refits_stay_within_their_bound(learning_state, monkeypatch):
     assert sizes == [4 * 61 * 61] * 3
 
 
+@pytest.mark.parametrize('amplitude', [100.0, 300.0])
+def test_many_views_of_few_things_need_no_refit(monkeypatch, amplitude):
+    """There a label changes dozens of other examples a little, all in the same direction."""
+    rng = np.random.default_rng(4)
+    places, kinds = rng.normal(size=(6, 12)), rng.integers(6, size=120)
+    features = places[kinds] + 0.15 * rng.normal(size=(120, 12))
+    scene = places[rng.integers(6, size=8)] + 0.6 * rng.normal(size=(8, 12))
+    labels = [('a', 'b', 'c')[kind % 3] for kind in kinds]
+    fitted = ConceptModels(('a', 'b', 'c'), amplitude).fit(features, labels)
+
+    def refuse(*_):
+        raise AssertionError('a hypothesis was refitted')
+
+    with monkeypatch.context() as patched:
+        patched.setattr(look_ahead, 'find_modes', refuse)
+        table = fitted.look_ahead(scene)
+    for thing in range(8):
+        again = ConceptModels(('a', 'b', 'c'), amplitude).fit(np.vstack([features, scene[thing]]), [*labels, 'b'])
+        np.testing.assert_allclose(table[thing, 1], again.predict_proba(scene), rtol=0, atol=TOLERANCE)
+
+
 def test_models_with_another_kernel_do_not_say_it_again(learning_state, monkeypatch, caplog):
     """Otherwise a learner that tunes its kernel every few turns would repeat the warning each time."""
     state = learning_state(44, n=10, n_things=5, n_symbols=3, amplitude=4.0)
