@@ -9,11 +9,9 @@ from pathlib import Path
 from typing import Any
 
 from al_questioner.domain import (
-    AMPLITUDE,
     BUDGET,
-    CLASS_BALANCE,
+    CLASSIFIERS,
     COST_RELEVANCE,
-    KERNEL_SHAPE,
     TURNS,
     Classifiers,
     Setting,
@@ -97,7 +95,7 @@ def parser() -> Parser:
         RELEVANCE_FALSE_ALARM,
         REPEAT_SHOWN,
     )
-    for setting in (*teacher, AMPLITUDE, KERNEL_SHAPE, CLASS_BALANCE):
+    for setting in (*teacher, *CLASSIFIERS.values()):
         add_option(result, setting)
     add_option(result, DATASET, help=DATASET.description)
     add_option(result, JOBS, 'one for each processor')
@@ -145,7 +143,7 @@ def plan_of(given: argparse.Namespace, weights: Mapping[str, Mapping[str, float]
             given.wrong_rate,
             weights,
             unknown_rate=given.unknown_rate,
-            classifiers=Classifiers(given.amplitude, given.kernel_shape, given.class_balance),
+            classifiers=Classifiers(**{name: getattr(given, name) for name in CLASSIFIERS}),
             repeat_shown=given.repeat_shown,
             cost_relevance=given.cost_relevance,
             relevance_omission=given.relevance_omission,

@@ -15,7 +15,7 @@ from rich.table import Table
 
 from al_questioner.commands.experiment.arguments import plan_of
 from al_questioner.concepts import compile_models
-from al_questioner.domain import AMPLITUDE, CLASS_BALANCE, KERNEL_SHAPE, EpisodeError, SettingsError
+from al_questioner.domain import CLASSIFIERS, EpisodeError, SettingsError
 from al_questioner.experiments.figures import condition_name, draw_figures
 from al_questioner.experiments.plan import PROPOSED, Cell, Plan, shipped_weights
 from al_questioner.experiments.playing import Played
@@ -135,9 +135,9 @@ def _varied(given: argparse.Namespace) -> str:
         'chance {} that a thing of no symbol is named': given.relevance_false_alarm or None,
         'the teacher shows also what is known': given.repeat_shown or None,
         **{
-            f'{setting.name} {{}}': value
-            for setting in (AMPLITUDE, KERNEL_SHAPE, CLASS_BALANCE)
-            if (value := getattr(given, setting.name)) != setting.default
+            f'{name} {{}}': value
+            for name, setting in CLASSIFIERS.items()
+            if (value := getattr(given, name)) != setting.default
         },
     }
     return ', '.join(text.format(value) for text, value in parts.items() if value is not None)
