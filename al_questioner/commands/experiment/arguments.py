@@ -38,7 +38,7 @@ from al_questioner.simulation.scripted_teacher import (
 )
 from al_questioner.simulation.task import SCENE_INTERVAL, SYNCHRONY
 from al_questioner.simulation.world_spec import DATASET
-from al_questioner.support.arguments import JOBS, Parser, add_option
+from al_questioner.support.arguments import JOBS, NumberWithin, Parser, add_option
 from al_questioner.support.configuration import shipped_names
 
 SAMPLES = Setting('samples', 5, 'of each task', lower=1, upper=100_000)
@@ -75,7 +75,14 @@ def parser() -> Parser:
         help='C1 to C4, or BUDGET/TURNS',
     )
     result.add_argument('--strategy', nargs='+', default=[*PAPER_STRATEGIES, *CONTROLS], help='(%(default)s)')
-    result.add_argument('--ceilings', action='store_true', help=f'play {" and ".join(CEILINGS)} too')
+    result.add_argument(
+        '--ceilings',
+        nargs='?',
+        type=NumberWithin(int, SAMPLES.lower, SAMPLES.largest),
+        const=SAMPLES.largest,
+        metavar='SAMPLES',
+        help=f'play {" and ".join(CEILINGS)} too, on the first samples, or on all if no number is given',
+    )
     result.add_argument(
         '--studies',
         nargs='*',
@@ -149,4 +156,5 @@ def plan_of(given: argparse.Namespace, weights: Mapping[str, Mapping[str, float]
             relevance_omission=given.relevance_omission,
             relevance_false_alarm=given.relevance_false_alarm,
         ),
+        given.ceilings,
     )

@@ -189,9 +189,11 @@ def test_rollouts_train_the_same_twice(tmp_path: Path) -> None:
 )
 def test_the_shipped_weights_are_learnt_from_the_shipped_bags(tmp_path: Path) -> None:
     """Otherwise nobody could tell where the default questioner comes from."""
-    assert run(*BAGS, '--out', tmp_path / 'w.yaml') == 0
+    learners = ['--amplitude', 100, '--kernel-shape', 'grouped', '--class-balance', 0.5]
+    assert run(*BAGS, *learners, '--out', tmp_path / 'w.yaml') == 0
     found = yaml.safe_load((tmp_path / 'w.yaml').read_text())
-    assert found['training']['bags'] == SHIPPED['training']['bags']
+    for member in ('bags', 'settings'):
+        assert found['training'][member] == SHIPPED['training'][member]
     np.testing.assert_allclose(
         weights_of(tmp_path / 'w.yaml'), [SHIPPED['weights'][name] for name in DECISION_FEATURES], atol=0.01
     )
@@ -334,8 +336,7 @@ def test_only_weights_are_overwritten_and_by_a_whole_training(tmp_path: Path, re
 def test_the_shipped_weights_ask_as_the_documentation_says(budget: int, turns: int, least: int, latest: int) -> None:
     """The default questioner does not spend its budget at once, and asks where it may ask as much as it likes."""
     world_spec = WorldSpec(load_task('prepare_lunch'), 1, 1)
-    # Of the demonstrations that they were learnt from.
-    settings = episode_settings(world_spec.task, 'dt_task_env', budget, turns, amplitude=4.0)
+    settings = episode_settings(world_spec.task, 'dt_task_env', budget, turns)
     result = run_episode(world_spec, settings, teacher_of(world_spec))
     assert len(result.queries) >= least
     assert result.spent <= budget
