@@ -19,6 +19,7 @@ from al_questioner.imitation.max_entropy_irl import Iteration, Matching, match_f
 from al_questioner.imitation.settings import TrainingSettings
 from al_questioner.questioning import FeatureSet
 from al_questioner.support.arrays import Array
+from al_questioner.support.text import number_of
 
 
 @dataclass(frozen=True, eq=False)
@@ -152,7 +153,8 @@ def weights_document(training: Training, count: int, bags: Sequence[Mapping[str,
     That is the number of demonstrations, and `name` and `sha256` of each bag.
     """
     settings, matching = training.settings, training.matching
-    source = f'{count} recorded demonstration{"s" if count != 1 else ""} of an expert'
+    source = f'{number_of(count, "recorded demonstration")} of an expert, with '
+    source += ' and '.join(map(str, training.classifiers))
     method = 'maximum entropy inverse reinforcement learning' if matching else "likelihood of the expert's choices"
     details: dict[str, Any] = {'method': settings.method, 'version': __version__, 'bags': [dict(bag) for bag in bags]}
     if matching:
