@@ -160,7 +160,7 @@ def _among_the_papers_own(results: Results) -> str:
         return ''
     return (
         f"**Of the paper's own strategies, {PAPER_METHOD} is the most accurate, in the mean, in {first} of"
-        f' {number_of(cells, "cell")}**, significantly above each of the others in {sure}. {ABOUT_CELLS}'
+        f' {number_of(cells, "cell")}**, significantly above each of the others in {sure or "none"}. {ABOUT_CELLS}'
     )
 
 
@@ -205,7 +205,7 @@ def _against_controls(results: Results) -> tuple[str, str]:
     if beaten:
         where = f'{len(beaten)} of {number_of(cells, "cell")}'
         finding = f'**A simple control is more accurate, in the mean, than {PAPER_METHOD} in {where}**, significantly'
-        finding += f' in {sure}. {ABOUT_CONTROLS}'
+        finding += f' in {sure or "none"}. {ABOUT_CONTROLS}'
         how = 'one-tailed Mann-Whitney U tests, Holm-corrected for the number of controls'
         parts += [f'The best control of each cell ({how}):', '\n'.join(f'- {line}' for line in beaten)]
     else:
