@@ -6,7 +6,8 @@ The weights are learnt from the bags (those of bags/) by both methods and held a
 expert with other seeds, beside weights set by hand, all weights equal to zero (a uniform policy), and never asking.
 Log-likelihoods are of a softmax whose one scale is fitted to the bags, for every row alike. gap: length of the expert's
 minus the learner's feature counts, in units of the features' spread, the learner playing each held-out episode itself.
-The second table tells what a learner with the weights does in other conditions, over N samples.
+The second table tells what a learner with the weights does in other conditions, over N samples. All have the
+classifiers that learners have by default; the choices in the bags are as they were recorded.
 """
 
 from __future__ import annotations
@@ -24,7 +25,7 @@ os.environ.setdefault('OMP_NUM_THREADS', '1')
 import numpy as np
 from measuring import print_table
 
-from al_questioner.domain import DECISION_FEATURES, EpisodeSettings, QueryKind
+from al_questioner.domain import DECISION_FEATURES, DEFAULT_CLASSIFIERS, EpisodeSettings, QueryKind
 from al_questioner.imitation.assessment import Imitation, agreement, imitate
 from al_questioner.imitation.bags import read_demonstrations
 from al_questioner.imitation.choice_likelihood import fit_temperature
@@ -43,8 +44,6 @@ from al_questioner.simulation import (
 from al_questioner.support.configuration import config_dir
 from demonstrating import demonstrate
 
-AMPLITUDE = 4.0
-"""Of the demonstrations' learners."""
 CONDITIONS = ((15, 30), (25, 40), (25, 150), (500, 40), (500, 150))
 FIRST_HELD_OUT = 100
 BAGS = [Path(__file__).resolve().parents[1] / 'bags' / f'expert_{number}' for number in range(3)]
@@ -105,7 +104,7 @@ def condition_rows(policies: Mapping[str, Array], task_name: str, samples: int) 
     for name, weights in policies.items():
         for budget, turns in CONDITIONS:
             settings = dataclasses.replace(
-                episode_settings(task, 'dt_task_env', budget, turns, amplitude=AMPLITUDE),
+                episode_settings(task, 'dt_task_env', budget, turns),
                 weights=dict(zip(DECISION_FEATURES, map(float, weights), strict=True)),
             )
             results = []
@@ -134,7 +133,7 @@ def main() -> None:
     parser.add_argument('--jobs', type=int, default=os.cpu_count() or 1, help='processes of maxent (%(default)s)')
     parser.add_argument('--seed', type=int, default=0, help='of the rollouts (%(default)s)')
     given = parser.parse_args()
-    shown = read_demonstrations(given.bags)
+    shown = read_demonstrations(given.bags, classifiers=DEFAULT_CLASSIFIERS._asdict())
     matching = MatchingSettings(seed=given.seed, jobs=given.jobs)
     learnt = {
         method: train(shown, TrainingSettings(method, matching=matching)).weights for method in ('maxent', 'choice')

@@ -152,7 +152,7 @@ def quoted(choices: Iterable[str]) -> str:
 def option_row(action: argparse.Action) -> tuple[str, ...]:
     """Return the cells of an option."""
     value = str(action.metavar or action.dest.upper())
-    value = {'+': f'{value} ...', '*': f'[{value} ...]', 0: ''}.get(action.nargs, value)
+    value = {'+': f'{value} ...', '*': f'[{value} ...]', '?': f'[{value}]', 0: ''}.get(action.nargs, value)
     option = ' '.join(filter(None, [*action.option_strings, value]))
     default = ' '.join(map(str, action.default)) if isinstance(action.default, list) else action.default
     shown = '' if default in (None, '') or default is False else f'`{default}`'

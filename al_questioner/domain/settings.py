@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
-from typing import Final, Literal, NamedTuple
+from typing import Any, Final, Literal, NamedTuple
 
 from al_questioner.domain.errors import SettingsError
 from al_questioner.domain.names import listed
@@ -110,6 +110,8 @@ class Classifiers(NamedTuple):
 
 
 DEFAULT_CLASSIFIERS = Classifiers()
+CLASSIFIERS: Mapping[str, Setting[Any]] = {each.name: each for each in (AMPLITUDE, KERNEL_SHAPE, CLASS_BALANCE)}
+"""Declarations of the settings of the classifiers, by the names of the attributes of `Classifiers`."""
 
 
 @dataclass(frozen=True)

@@ -181,8 +181,9 @@ def _same_episode(log: SessionLog, first: EpisodeEvent, wanted: EpisodeStarted) 
         # Older logs have the number that was the default then, and keep it.
         ignored |= {'view_tolerance'}
     if first.semantics != wanted.semantics:
-        # The defaults were others, too; the episode keeps what it began with.
-        ignored |= NEW_DEFAULTS
+        # Defaults and weights were others, too; the episode keeps the classifiers that it began with.
+        weights = {*first.settings.weights, *wanted.settings.weights}
+        ignored |= NEW_DEFAULTS | {f'weights.{name}' for name in weights}
     differing = differences(first.members(), wanted.members(), ignored)
     if differing:
         raise SessionLogError(f'{log.folder}: the session there has {"; ".join(differing)}')

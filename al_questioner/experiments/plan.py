@@ -157,7 +157,7 @@ class Cell:
 
 @dataclass(frozen=True)
 class Plan:
-    """All episodes of an experiment: every combination.
+    """All episodes of an experiment: every combination, but the ceilings perhaps on the first samples only.
 
     Attributes:
         tasks: names in `config/tasks`.
@@ -165,6 +165,7 @@ class Plan:
         strategies: names.
         samples: numbers of samples of observations.
         variation: changes in all of them.
+        ceiling_samples: number of samples, the first ones, that the ceilings are played on; None for all.
 
     Raises:
         InputError: an unknown task or strategy, one that cannot be imported, or nothing to play.
@@ -175,6 +176,7 @@ class Plan:
     strategies: tuple[str, ...]
     samples: tuple[int, ...]
     variation: Variation = Variation()
+    ceiling_samples: int | None = None
 
     def __post_init__(self) -> None:
         for name, values in (
@@ -202,10 +204,12 @@ class Plan:
 
         They come sample by sample, so that the duration of the first ones predicts that of the others.
         """
+        with_ceilings = self.samples[: self.ceiling_samples]
         for sample, task in itertools.product(self.samples, self.tasks):
             yield tuple(
                 Cell(task, condition.budget, condition.turns, strategy, sample)
                 for condition, strategy in itertools.product(self.conditions, self.strategies)
+                if strategy not in CEILINGS or sample in with_ceilings
             )
 
     def cells(self) -> Sequence[Cell]:

@@ -10,7 +10,14 @@ from pathlib import Path
 import numpy as np
 
 from al_questioner.experiments.ceilings import CEILINGS
-from al_questioner.experiments.claims import BASELINES, PAPER_METHOD, SIGNIFICANT, Verdict, verdicts
+from al_questioner.experiments.claims import (
+    BASELINES,
+    PAPER_METHOD,
+    SIGNIFICANT,
+    Verdict,
+    baseline_comparisons,
+    verdicts,
+)
 from al_questioner.experiments.figures import condition_name
 from al_questioner.experiments.plan import CONTROLS, Condition
 from al_questioner.experiments.results import Results
@@ -30,8 +37,11 @@ from al_questioner.support.text import number_of
 
 PAPER_SAMPLES = 5
 
+ABOUT_CELLS = """\
+A cell is a task with a budget and a time."""
+
 ABOUT_CONTROLS = f"""\
-A cell is a task with a budget and a time; the controls, {', '.join(CONTROLS)}, follow one rule each."""
+The controls, {', '.join(CONTROLS)}, follow one rule each."""
 
 ABOUT_CLAIMS = """\
 A claim about significance counts as reproduced if one-tailed Mann-Whitney U tests of the accuracies at the end of the
@@ -94,9 +104,11 @@ def report(page: Page, folder: Path) -> str:
     """Write the page in Markdown, with links from the folder in which it will lie."""
     results = page.results
     against_controls, where = _against_controls(results)
+    for_the_paper = [_among_the_papers_own(results), _count_claims(results, page.change_intervals)]
     parts = [
         '# Reproduction' if PAPER_METHOD in results.strategies else '# Comparison of questioning strategies',
-        ' '.join(filter(None, [against_controls, _count_claims(results, page.change_intervals)])),
+        ' '.join(filter(None, for_the_paper)),
+        against_controls,
         f'**Varied throughout: {page.varied}.**' if page.varied else '',
         *_conclusions(verdicts(results, page.change_intervals)),
         *(['## Where others are more accurate', where] if where else []),
@@ -107,7 +119,7 @@ def report(page: Page, folder: Path) -> str:
         parts += ['## The weights', _weights(page.weights)]
         parts += [f'`{name}`: {weights.provenance}' for name, weights in page.weights.items() if weights.provenance]
     parts += ['## Accuracy at the end of the time', ABOUT_ACCURACIES]
-    parts += [ABOUT_CEILINGS if any(name in CEILINGS for name in results.strategies) else '']
+    parts += [_about_ceilings(results)]
     parts += [_accuracies(results, task) for task in results.tasks]
     if PAPER_METHOD in results.strategies:
         few = len(results.samples) < LEAST_FOR_INTERVAL
@@ -130,6 +142,36 @@ def _relative(path: Path, folder: Path) -> str:
         return path.resolve().relative_to(folder.resolve()).as_posix()
     except ValueError:
         return path.as_posix()
+
+
+def _among_the_papers_own(results: Results) -> str:
+    """Say in how many cells the method is the best of the paper's strategies; nothing if it stands beside none."""
+    cells, first, sure = 0, 0, 0
+    for task in results.tasks:
+        for condition in results.conditions(task):
+            accuracies = results.final_accuracies(task, condition)
+            others = [accuracies[name].mean() for name in BASELINES if name in accuracies]
+            if not others or not len(accuracies.get(PAPER_METHOD, ())):
+                continue
+            cells += 1
+            first += not exceeds(max(others), accuracies[PAPER_METHOD].mean())
+            sure += all(each.p_holm < SIGNIFICANT for each in baseline_comparisons(results, task, condition))
+    if not cells:
+        return ''
+    return (
+        f"**Of the paper's own strategies, {PAPER_METHOD} is the most accurate, in the mean, in {first} of"
+        f' {number_of(cells, "cell")}**, significantly above each of the others in {sure or "none"}. {ABOUT_CELLS}'
+    )
+
+
+def _about_ceilings(results: Results) -> str:
+    """Say what the ceilings are, and on how many samples they were played; nothing if they were not."""
+    samples = {row.cell.sample for row in results.episodes if row.cell.strategy in CEILINGS}
+    if not samples:
+        return ''
+    fewer = len(samples) < len(results.samples)
+    played = f' They were played on the first {number_of(len(samples), "sample")} alone.' if fewer else ''
+    return f'{ABOUT_CEILINGS}{played}'
 
 
 def _against_controls(results: Results) -> tuple[str, str]:
@@ -163,7 +205,7 @@ def _against_controls(results: Results) -> tuple[str, str]:
     if beaten:
         where = f'{len(beaten)} of {number_of(cells, "cell")}'
         finding = f'**A simple control is more accurate, in the mean, than {PAPER_METHOD} in {where}**, significantly'
-        finding += f' in {sure}. {ABOUT_CONTROLS}'
+        finding += f' in {sure or "none"}. {ABOUT_CONTROLS}'
         how = 'one-tailed Mann-Whitney U tests, Holm-corrected for the number of controls'
         parts += [f'The best control of each cell ({how}):', '\n'.join(f'- {line}' for line in beaten)]
     else:

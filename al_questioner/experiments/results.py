@@ -106,10 +106,14 @@ class Results:
         return float(np.mean(values)) if values else None
 
     def final_accuracies(self, task: str, condition: Condition) -> dict[str, Array]:
-        """Return (n,) accuracies at the end of the time by strategy, of the samples that all strategies have."""
+        """Return (n,) accuracies at the end of the time by strategy, of the samples that all strategies have.
+
+        A ceiling, which may have been played on fewer samples, takes none from the others.
+        """
         groups = {name: self.group(task, condition, name) for name in self.strategies}
         groups = {name: rows for name, rows in groups.items() if rows}
-        shared = set.intersection(*({row.cell.sample for row in rows} for rows in groups.values())) if groups else set()
+        compared = [rows for name, rows in groups.items() if name not in CEILINGS] or list(groups.values())
+        shared = set.intersection(*({row.cell.sample for row in rows} for rows in compared)) if groups else set()
         return {
             name: np.array([row.final_accuracy for row in rows if row.cell.sample in shared])
             for name, rows in groups.items()

@@ -48,6 +48,8 @@ def run(
         InputError: dask is not installed, or there is no scheduler at the address.
     """
     missing = [(number, group) for number, store in enumerate(stores) for group in store.missing()]
+    # One after the other what is played in the same world, since a process keeps the last worlds that it has opened.
+    missing.sort(key=lambda piece: _world_of(stores[piece[0]], piece[1][0]))
     if scheduler or len(missing) < GROUPS_PER_JOB * jobs:
         missing = [(number, part) for number, group in missing for part in _by_condition(group)]
     if begin is not None:
@@ -63,6 +65,12 @@ def run(
             if watch is not None:
                 watch(played)
     return failed
+
+
+def _world_of(store: Store, cell: Cell) -> tuple[int, str, str]:
+    """Return what distinguishes the world of a cell from others; samples come in their order."""
+    variation = store.plan.variation
+    return cell.sample, cell.task, f'{variation.change_interval} {variation.synchrony}'
 
 
 def _by_condition(cells: Sequence[Cell]) -> list[tuple[Cell, ...]]:

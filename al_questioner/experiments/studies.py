@@ -7,7 +7,7 @@ from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
 
-from al_questioner.domain import DECISION_FEATURES, SettingsError
+from al_questioner.domain import DECISION_FEATURES, Classifiers, SettingsError
 from al_questioner.experiments.plan import (
     PAPER_CONDITIONS,
     PAPER_STRATEGIES,
@@ -27,11 +27,14 @@ COMPARED = (*PAPER_STRATEGIES, 'u_sampling_fsq', 'farthest_fsq')
 """Strategies of the paper, and two strong controls."""
 TASK = PAPER_TASKS[0]
 
+AMPLITUDES = (4.0, 16.0, 100.0)
+KERNELS = (('rbf', 0.0), ('grouped', 0.5))
+"""Kernel and class balance: nothing of either, and what learners have by default."""
 CHANGE_INTERVALS = (5, 10, 20, 40)
 SYNCHRONIES = (0.0, 0.5, 1.0)
 WRONG_RATES = (0.0, 0.1)
-IROS_UNIFORMITY = (0.0, 0.05, 0.1, 0.11, 0.12, 0.15, 0.26, 0.5, 1.0)
-TASK_WEIGHTS = ((0, 0.05), (0.05, 0.05), (0.06, 0.05), (0.08, 0.05), (0.1, 0.05), (0.17, 0.05), (0.07, 0), (0.07, 0.2))
+IROS_UNIFORMITY = (0.0, 0.1, 0.15, 0.2, 0.22, 0.3, 1.0)
+TASK_WEIGHTS = ((0, 0.05), (0.05, 0.05), (0.1, 0.05), (0.14, 0.05), (0.2, 0.05), (0.12, 0), (0.12, 0.2))
 """Weights of class uniformity and prediction margin; discriminability and instance variation share the rest."""
 DISCRIMINABILITY_SHARE = 0.45 / (0.45 + 0.33)
 """Share of discriminability in this rest, as in the prototype of the design."""
@@ -133,6 +136,56 @@ def _varied(
     return {label.format(value): _plan(variation, samples, COMPARED) for value, variation in varied.items()}
 
 
+def _amplitude(base: Variation, samples: tuple[int, ...]) -> Study:
+    own = base.classifiers
+    return _classifiers(
+        base,
+        samples,
+        (TASK,),
+        'amplitude',
+        'The amplitude of the classifiers',
+        'The paper does not tell its kernel. All weights are as in the comparison.',
+        {f'{amplitude:g}': own._replace(amplitude=amplitude) for amplitude in AMPLITUDES},
+        f'{own.amplitude:g}',
+    )
+
+
+def _kernel(base: Variation, samples: tuple[int, ...]) -> Study:
+    def words(found: Classifiers) -> str:
+        return f'{found.kernel_shape}, class balance {found.class_balance:g}'
+
+    own = base.classifiers
+    varied = [own._replace(kernel_shape=shape, class_balance=balance) for shape, balance in KERNELS]
+    return _classifiers(
+        base,
+        samples,
+        PAPER_TASKS,
+        'kernel',
+        'The kernel of the classifiers, and the balance of their classes',
+        'Learners have grouped, class balance 0.5, unless told otherwise. All weights are as in the comparison.',
+        {words(classifiers): classifiers for classifiers in varied},
+        words(own),
+    )
+
+
+def _classifiers(
+    base: Variation,
+    samples: tuple[int, ...],
+    tasks: tuple[str, ...],
+    name: str,
+    title: str,
+    about: str,
+    variants: Mapping[str, Classifiers],
+    own: str,
+) -> Study:
+    plans = {
+        label: _plan(dataclasses.replace(base, classifiers=classifiers), samples, COMPARED, tasks)
+        for label, classifiers in variants.items()
+        if classifiers != base.classifiers
+    }
+    return Study(name, title, about, own, plans)
+
+
 def _change_interval(base: Variation, samples: tuple[int, ...]) -> Study:
     own = base.task(TASK).scenes.change_interval
     return Study(
@@ -218,6 +271,8 @@ def _ablation(base: Variation, samples: tuple[int, ...]) -> Study:
 
 
 STUDIES: Mapping[str, Callable[[Variation, tuple[int, ...]], Study]] = {
+    'amplitude': _amplitude,
+    'kernel': _kernel,
     'weights_iros': _weights_iros,
     'weights_task': _weights_task,
     'change_interval': _change_interval,

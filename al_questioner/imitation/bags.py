@@ -2,14 +2,17 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+import dataclasses
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from itertools import combinations
 from pathlib import Path
+from types import MappingProxyType
+from typing import Any
 
 import numpy as np
 
 from al_questioner.bags import BagError, LeftOut, RecordedEpisode, RecordedTurn, read_episodes
-from al_questioner.domain import DECISION_FEATURES, Decision, InputError
+from al_questioner.domain import DECISION_FEATURES, Decision, EpisodeSettings, InputError
 from al_questioner.event_log.events import ActionChosen
 from al_questioner.event_log.replay import Replay, ReplayError
 from al_questioner.imitation.demonstration import Demonstration, UnknownWorld, steps_of
@@ -17,13 +20,20 @@ from al_questioner.messages.documents import Document
 from al_questioner.questioning import FEATURE_SETS, Choice, FeatureRecorder, FeatureSet, TurnContext
 from al_questioner.simulation import WorldSpec, load_task
 
+AS_RECORDED: Mapping[str, Any] = MappingProxyType({})
+"""No setting of the classifiers by name: all are as they were recorded."""
+
 
 def read_demonstrations(
-    paths: Sequence[Path], feature_set: FeatureSet = FEATURE_SETS['dt_task_env'], left_out: list[str] | None = None
+    paths: Sequence[Path],
+    feature_set: FeatureSet = FEATURE_SETS['dt_task_env'],
+    left_out: list[str] | None = None,
+    classifiers: Mapping[str, Any] = AS_RECORDED,
 ) -> list[Demonstration]:
     """Return the demonstrations of several bags, in the order given; a bag may hold several episodes.
 
     If a list `left_out` is given, it takes what of the bags cannot be used, beside what can; if not, all must be.
+    `classifiers` are settings of the learner's classifiers, by name, that are not to be as recorded.
 
     Raises:
         InputError: a bag that is none, broken, of something else, or whose decisions hold nothing to learn from; or an
@@ -40,7 +50,7 @@ def read_demonstrations(
     for (name, one), (other_name, other) in combinations(named, 2):
         if is_same_episode(one, other):
             raise InputError(f'{other_name} holds the same episode as {name}: leave one of them out')
-    return [demonstration_of(episode, name, feature_set) for name, episode in named]
+    return [demonstration_of(episode, name, feature_set, classifiers) for name, episode in named]
 
 
 def is_same_episode(one: RecordedEpisode, other: RecordedEpisode) -> bool:
@@ -61,24 +71,34 @@ def _shown(turn: RecordedTurn) -> tuple[object, ...]:
 
 
 def demonstration_of(
-    episode: RecordedEpisode, name: str, feature_set: FeatureSet = FEATURE_SETS['dt_task_env']
+    episode: RecordedEpisode,
+    name: str,
+    feature_set: FeatureSet = FEATURE_SETS['dt_task_env'],
+    classifiers: Mapping[str, Any] = AS_RECORDED,
 ) -> Demonstration:
     """Return what a recorded episode shows of its questioner.
 
+    With other `classifiers`, see `read_demonstrations`, the choices are the recorded ones, and the features are what
+    these classifiers make of the scenes and answers.
+
     Raises:
         BagError: its decisions hold no decision features, or chose what was not considered.
+        SettingsError: a setting of the classifiers outside its range.
     """
     started = episode.started
+    settings = dataclasses.replace(started.settings, **classifiers)
     try:
         # A bag holds the decision features; all others are those of what the learner knew at the time.
-        as_recorded = feature_set.names == DECISION_FEATURES
-        decisions = [turn.decision for turn in episode.turns] if as_recorded else decisions_anew(episode, feature_set)
+        if feature_set.names == DECISION_FEATURES and settings == started.settings:
+            decisions: Iterable[Decision] = [turn.decision for turn in episode.turns]
+        else:
+            decisions = decisions_anew(episode, feature_set, settings)
         steps = steps_of(decisions, feature_set.passed_over)
     except InputError as error:
         raise BagError(f'{episode.source}: strategy {started.settings.strategy}: {error}') from error
     return Demonstration(
         name=name,
-        settings=started.settings,
+        settings=settings,
         world=None if started.world is None else _world(started.world, started.settings.symbols),
         turns=episode.turns_over,
         steps=steps,
@@ -90,14 +110,19 @@ def demonstration_of(
     )
 
 
-def decisions_anew(episode: RecordedEpisode, feature_set: FeatureSet) -> Iterator[Decision]:
+def decisions_anew(
+    episode: RecordedEpisode, feature_set: FeatureSet, settings: EpisodeSettings | None = None
+) -> Iterator[Decision]:
     """Yield the decisions of the turns that are over as they were made, but with features that were not recorded.
+
+    The settings are those of the episode, or, to have other classifiers, these.
 
     Raises:
         InputError: the recorded candidates are not those that the episode's scenes and settings make.
     """
     follower = _Follower()
-    replay = Replay(episode.started, FeatureRecorder(follower, feature_set))
+    started = episode.started if settings is None else dataclasses.replace(episode.started, settings=settings)
+    replay = Replay(started, FeatureRecorder(follower, feature_set))
     for event in episode.events:
         if isinstance(event, ActionChosen):
             follower.decision = event.weighed

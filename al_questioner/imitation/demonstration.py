@@ -64,6 +64,7 @@ class Demonstration:
 
     Attributes:
         name: where it comes from, for people.
+        settings: of the episode; the classifiers need not be those that the expert had, see `bags`.
         world: the simulated world it took place in; what is known of it if it cannot be played in; None if it was
             another one.
         turns: number of turns that were recorded.

@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 
 from al_questioner import __version__
-from al_questioner.domain import InputError
+from al_questioner.domain import Classifiers, InputError
 from al_questioner.imitation.assessment import Agreement, agreement
 from al_questioner.imitation.choice_likelihood import fit_choices, fit_temperature
 from al_questioner.imitation.demonstration import Demonstration, all_steps
@@ -19,6 +19,7 @@ from al_questioner.imitation.max_entropy_irl import Iteration, Matching, match_f
 from al_questioner.imitation.settings import TrainingSettings
 from al_questioner.questioning import FeatureSet
 from al_questioner.support.arrays import Array
+from al_questioner.support.text import number_of
 
 
 @dataclass(frozen=True, eq=False)
@@ -36,6 +37,7 @@ class Training:
             rollouts of the softmax policy over the training demonstrations (maxent), or expected at each of the
             expert's steps (choice); before training all weights are 0.
         matching: the iterations of maxent.
+        classifiers: those of the learners in the demonstrations, each once.
     """
 
     feature_set: FeatureSet
@@ -48,6 +50,7 @@ class Training:
     gap_before: Array
     gap_after: Array
     matching: Matching | None
+    classifiers: tuple[Classifiers, ...]
 
     def by_feature(self, values: Array, digits: int = 6) -> dict[str, float]:
         """Numbers by the features' names, rounded for people."""
@@ -86,7 +89,8 @@ def train(
     suiting = fit_temperature(found / total, list(all_steps(demonstrations)))
     agreed = agreement(found / total * suiting, demonstrations)
     gaps, feature_set = (gap_before, gap_after), demonstrations[0].feature_set
-    return Training(feature_set, found / total, total, settings, free, held_out, agreed, *gaps, matching)
+    classifiers = tuple(dict.fromkeys(demonstration.settings.classifiers for demonstration in demonstrations))
+    return Training(feature_set, found / total, total, settings, free, held_out, agreed, *gaps, matching, classifiers)
 
 
 def expected_gap(weights: Array, demonstrations: Sequence[Demonstration], scale: Array) -> Array:
@@ -149,7 +153,8 @@ def weights_document(training: Training, count: int, bags: Sequence[Mapping[str,
     That is the number of demonstrations, and `name` and `sha256` of each bag.
     """
     settings, matching = training.settings, training.matching
-    source = f'{count} recorded demonstration{"s" if count != 1 else ""} of an expert'
+    source = f'{number_of(count, "recorded demonstration")} of an expert, with '
+    source += ' and '.join(map(str, training.classifiers))
     method = 'maximum entropy inverse reinforcement learning' if matching else "likelihood of the expert's choices"
     details: dict[str, Any] = {'method': settings.method, 'version': __version__, 'bags': [dict(bag) for bag in bags]}
     if matching:
@@ -162,6 +167,7 @@ def weights_document(training: Training, count: int, bags: Sequence[Mapping[str,
         details['validation_gap'] = {name: round(gap, 4) for name, gap in matching.validation_gaps.items()}
     else:
         details['settings'] = {'ridge': settings.ridge}
+    details['settings']['classifiers'] = [each._asdict() for each in training.classifiers]
     return {
         'provenance': f'Learnt by train_weights from {source}: {method}. {training.free.describe().capitalize()}.',
         'weights': training.by_feature(training.weights),

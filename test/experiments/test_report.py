@@ -47,6 +47,30 @@ def test_the_first_paragraph_says_where_a_control_is_better() -> None:
     assert '- kitchen_table, C1: budget 25, 40 turns: dt_iros 0.825\n' in page
 
 
+def test_the_first_paragraph_tells_the_other_side_too() -> None:
+    """A page that tells only what simple rules do would be as one-sided as a paper that plays none."""
+    others = {'dt_iros': WORSE, 'dt_task': [value + 0.001 for value in PAPER_METHOD], 'farthest_fsq': BETTER}
+    finding = "**Of the paper's own strategies, dt_task_env is the most accurate, in the mean, in {} of 1 cell**"
+    for strategies, first, sure in ((others, 0, 'none'), ({**others, 'dt_task': WORSE}, 1, 1)):
+        page = page_of(made({'dt_task_env': PAPER_METHOD, **strategies}))
+        paragraph = page.split('\n\n')[1]
+        assert paragraph.startswith(f'{finding.format(first)}, significantly above each of the others in {sure}.')
+    assert "Of the paper's own strategies" not in page_of(made({'dt_task_env': PAPER_METHOD, 'random_fsq': WORSE}))
+
+
+def test_ceilings_of_few_samples_take_none_from_the_strategies() -> None:
+    """Otherwise all tests would be made on the few samples that a slow oracle was played on."""
+    results = made({'dt_task_env': PAPER_METHOD, 'random_fsq': WORSE, 'greedy_oracle': BETTER[:2]})
+    p = mannwhitneyu(PAPER_METHOD, WORSE, alternative='greater').pvalue
+    page = page_of(results)
+    assert f'| `random_fsq` | +0.200 | {p:.4f} |' in page
+    assert 'They were played on the first 2 samples alone.' in page
+    assert f'| `greedy_oracle` | {np.mean(BETTER[:2]):.3f} ' in page
+    everywhere = page_of(made({'dt_task_env': PAPER_METHOD, 'greedy_oracle': BETTER}))
+    assert 'know the truth' in everywhere
+    assert 'first 6 samples' not in everywhere
+
+
 def test_the_first_paragraph_says_where_none_is() -> None:
     """Otherwise the paper's method would be said to lose where it wins."""
     page = page_of(made({'dt_task_env': PAPER_METHOD, 'random_fsq': WORSE}))

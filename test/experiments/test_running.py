@@ -171,6 +171,38 @@ def test_another_method_or_world_is_not_mixed_in(tmp_path: Path, monkeypatch: py
         Store(tmp_path, PLAN)
 
 
+def test_ceilings_can_be_played_on_the_first_samples_alone() -> None:
+    """A greedy oracle takes longer than all strategies together, and a few samples tell where the ceiling is."""
+    ceilings = ('all_labels', 'greedy_oracle')
+    plan = dataclasses.replace(PLAN, strategies=('random_fsq', *ceilings), samples=(3, 4, 5), ceiling_samples=2)
+    assert {cell.sample for cell in plan.cells() if cell.strategy in ceilings} == {3, 4}
+    assert {cell.sample for cell in plan.cells() if cell.strategy not in ceilings} == {3, 4, 5}
+    everywhere = dataclasses.replace(plan, ceiling_samples=None)
+    assert len(everywhere.cells()) == len(plan.cells()) + 2 * len(ceilings)
+
+
+def test_what_has_the_same_world_is_played_together(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """To open a world takes longer than to play a short episode in it; a study has the world of the comparison."""
+    opened = []
+    monkeypatch.setattr(WorldSpec, 'open', lambda spec: opened.append((spec.sample, spec.task.scenes.synchrony)))
+    playing._open_world.cache_clear()
+
+    def play(cell: Cell, variation: Variation, dataset: str) -> None:
+        playing._open_world(cell.task, cell.sample, variation.change_interval, variation.synchrony, dataset)
+        raise EpisodeError('that is enough')
+
+    monkeypatch.setattr(playing, 'play_episode', play)
+    synchronous, amplitude = Variation(synchrony=1.0), Variation(classifiers=Classifiers(4.0))
+    variations = (Variation(), synchronous, amplitude)
+    stores = [
+        Store(tmp_path / str(n), dataclasses.replace(PLAN, samples=(0, 1, 2, 3), variation=each))
+        for n, each in enumerate(variations)
+    ]
+    assert len(run(stores)) == 3 * 4 * 4
+    assert len(opened) == len(set(opened)) == 2 * 4
+    assert [sample for sample, _ in opened] == sorted(sample for sample, _ in opened)
+
+
 def test_every_run_is_told(reference, tmp_path: Path) -> None:
     """Otherwise nobody could say on which machine the first half was played."""
     a_cell_is_finished(Store(tmp_path, PLAN))

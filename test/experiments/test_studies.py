@@ -6,13 +6,15 @@ import dataclasses
 
 import pytest
 
-from al_questioner.domain import DECISION_FEATURES, SettingsError
+from al_questioner.domain import DECISION_FEATURES, Classifiers, SettingsError
 from al_questioner.experiments.plan import SELECTORS, Cell, Variation, shipped_weights
 from al_questioner.experiments.playing import play_episode
-from al_questioner.experiments.studies import MOST_SAMPLES, STUDIES, make_studies
+from al_questioner.experiments.studies import AMPLITUDES, MOST_SAMPLES, STUDIES, make_studies
 
 BASE = Variation(weights={name: found.values for name, found in shipped_weights().items()})
 VARIED = {
+    'amplitude': 'classifiers',
+    'kernel': 'classifiers',
     'weights_iros': 'weights',
     'weights_task': 'weights',
     'change_interval': 'change_interval',
@@ -42,6 +44,20 @@ def test_a_study_varies_one_thing(name: str) -> None:
         assert plan.samples == tuple(range(MOST_SAMPLES))
         seen.append(plan.variation)
     assert all(a != b for i, a in enumerate(seen) for b in seen[:i])
+
+
+@pytest.mark.parametrize('own', [Classifiers(), Classifiers(100.0, 'rbf', 0.0), Classifiers(4.0, 'rbf', 0.0)])
+def test_the_classifiers_are_varied_around_those_of_the_comparison(own: Classifiers) -> None:
+    """Otherwise amplitudes would be compared under one kernel, and the page be about another."""
+    base = dataclasses.replace(BASE, classifiers=own)
+    amplitudes, kernels = make_studies(['amplitude', 'kernel'], base, range(2))
+    found = {plan.variation.classifiers for plan in amplitudes.plans.values()}
+    assert found == {own._replace(amplitude=amplitude) for amplitude in AMPLITUDES} - {own}
+    assert amplitudes.own == f'{own.amplitude:g}'
+    (label,) = kernels.plans
+    other = ('grouped', 0.5) if own.kernel_shape == 'rbf' else ('rbf', 0.0)
+    assert kernels.plans[label].variation.classifiers == Classifiers(own.amplitude, *other)
+    assert (label, kernels.own) == tuple(f'{shape}, class balance {b:g}' for shape, b in (other, own[1:]))
 
 
 def test_the_ablation_takes_each_feature_away_once() -> None:

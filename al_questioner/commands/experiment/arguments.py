@@ -9,11 +9,9 @@ from pathlib import Path
 from typing import Any
 
 from al_questioner.domain import (
-    AMPLITUDE,
     BUDGET,
-    CLASS_BALANCE,
+    CLASSIFIERS,
     COST_RELEVANCE,
-    KERNEL_SHAPE,
     TURNS,
     Classifiers,
     Setting,
@@ -40,7 +38,7 @@ from al_questioner.simulation.scripted_teacher import (
 )
 from al_questioner.simulation.task import SCENE_INTERVAL, SYNCHRONY
 from al_questioner.simulation.world_spec import DATASET
-from al_questioner.support.arguments import JOBS, Parser, add_option
+from al_questioner.support.arguments import JOBS, NumberWithin, Parser, add_option
 from al_questioner.support.configuration import shipped_names
 
 SAMPLES = Setting('samples', 5, 'of each task', lower=1, upper=100_000)
@@ -77,7 +75,14 @@ def parser() -> Parser:
         help='C1 to C4, or BUDGET/TURNS',
     )
     result.add_argument('--strategy', nargs='+', default=[*PAPER_STRATEGIES, *CONTROLS], help='(%(default)s)')
-    result.add_argument('--ceilings', action='store_true', help=f'play {" and ".join(CEILINGS)} too')
+    result.add_argument(
+        '--ceilings',
+        nargs='?',
+        type=NumberWithin(int, SAMPLES.lower, SAMPLES.largest),
+        const=SAMPLES.largest,
+        metavar='SAMPLES',
+        help=f'play {" and ".join(CEILINGS)} too, on the first samples, or on all if no number is given',
+    )
     result.add_argument(
         '--studies',
         nargs='*',
@@ -97,7 +102,7 @@ def parser() -> Parser:
         RELEVANCE_FALSE_ALARM,
         REPEAT_SHOWN,
     )
-    for setting in (*teacher, AMPLITUDE, KERNEL_SHAPE, CLASS_BALANCE):
+    for setting in (*teacher, *CLASSIFIERS.values()):
         add_option(result, setting)
     add_option(result, DATASET, help=DATASET.description)
     add_option(result, JOBS, 'one for each processor')
@@ -145,10 +150,11 @@ def plan_of(given: argparse.Namespace, weights: Mapping[str, Mapping[str, float]
             given.wrong_rate,
             weights,
             unknown_rate=given.unknown_rate,
-            classifiers=Classifiers(given.amplitude, given.kernel_shape, given.class_balance),
+            classifiers=Classifiers(**{name: getattr(given, name) for name in CLASSIFIERS}),
             repeat_shown=given.repeat_shown,
             cost_relevance=given.cost_relevance,
             relevance_omission=given.relevance_omission,
             relevance_false_alarm=given.relevance_false_alarm,
         ),
+        given.ceilings,
     )

@@ -15,7 +15,7 @@ from rich.table import Table
 
 from al_questioner.commands.experiment.arguments import plan_of
 from al_questioner.concepts import compile_models
-from al_questioner.domain import AMPLITUDE, CLASS_BALANCE, KERNEL_SHAPE, EpisodeError, SettingsError
+from al_questioner.domain import CLASSIFIERS, NEVER, EpisodeError, SettingsError
 from al_questioner.experiments.figures import condition_name, draw_figures
 from al_questioner.experiments.plan import PROPOSED, Cell, Plan, shipped_weights
 from al_questioner.experiments.playing import Played
@@ -124,20 +124,21 @@ def _check_worlds(plans: Sequence[Plan], given: argparse.Namespace) -> None:
 
 
 def _varied(given: argparse.Namespace) -> str:
-    """Describe what the arguments change in the tasks and the teacher."""
+    """Describe what the arguments change in the tasks, the teacher and the classifiers."""
     parts = {
         'the scene changes every {} turns': given.change_interval,
         'synchrony {}': given.synchrony,
-        'cost of a relevance query: {}': given.cost_relevance,
+        'no relevance query': (given.cost_relevance == NEVER) or None,
+        'cost {} of a relevance query': None if given.cost_relevance == NEVER else given.cost_relevance,
         'share of wrong answers {}': given.wrong_rate or None,
         'share of questions without an answer {}': given.unknown_rate or None,
         'chance {} that a thing that matters is left out': given.relevance_omission or None,
         'chance {} that a thing of no symbol is named': given.relevance_false_alarm or None,
         'the teacher shows also what is known': given.repeat_shown or None,
         **{
-            f'{setting.name} {{}}': value
-            for setting in (AMPLITUDE, KERNEL_SHAPE, CLASS_BALANCE)
-            if (value := getattr(given, setting.name)) != setting.default
+            f'{name.replace("_", " ")} {{}}': f'{value:g}' if isinstance(value, float) else value
+            for name, setting in CLASSIFIERS.items()
+            if (value := getattr(given, name)) != setting.default
         },
     }
     return ', '.join(text.format(value) for text, value in parts.items() if value is not None)

@@ -7,7 +7,7 @@ import os
 from collections.abc import Sequence
 from pathlib import Path
 
-from al_questioner.domain import InputError
+from al_questioner.domain import CLASSIFIERS, InputError
 from al_questioner.imitation.settings import ITERATIONS, METHOD, PATIENCE, RIDGE, ROLLOUTS, VALIDATION
 from al_questioner.questioning import FEATURE_SETS
 from al_questioner.simulation.world_spec import SEED
@@ -30,19 +30,22 @@ def parser() -> Parser:
     add_option(result, SEED, help='of the rollouts (%(default)s)')
     for setting in (ITERATIONS, PATIENCE, ROLLOUTS, VALIDATION, RIDGE):
         add_option(result, setting)
+    for setting in CLASSIFIERS.values():
+        add_option(result, setting, 'as recorded')
     add_option(result, JOBS, default=None, help='processes of maxent (one for each processor)')
     result.add_argument('--picture', type=Path, metavar='FILE', help='(the name of --out, ending in .png)')
     return result
 
 
 def parse(arguments: Sequence[str]) -> argparse.Namespace:
-    """Parse the arguments.
+    """Parse the arguments; `classifiers` holds what of the classifiers is not to be as recorded.
 
     Raises:
         InputError: the picture has no name that it can have, or there is no such bag.
     """
     given = parser().parse_args(arguments)
     given.bags = [named_bag(bag) for bag in given.bags]
+    given.classifiers = {name: value for name in CLASSIFIERS if (value := getattr(given, name)) is not None}
     given.jobs = given.jobs or os.cpu_count() or 1
     given.picture = given.picture or given.out.with_suffix('.png')
     if given.picture.resolve() == given.out.resolve():

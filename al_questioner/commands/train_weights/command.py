@@ -39,7 +39,7 @@ def main(given: argparse.Namespace) -> int:
     if len({path.resolve() for path in paths}) < len(paths):
         raise InputError('a bag is named twice')
     left_out: list[str] = []
-    demonstrations = read_demonstrations(paths, FEATURE_SETS[given.strategy], left_out)
+    demonstrations = read_demonstrations(paths, FEATURE_SETS[given.strategy], left_out, given.classifiers)
     matching = MatchingSettings(given.iterations, given.rollouts, given.patience, given.seed, given.jobs)
     settings = TrainingSettings(given.method, given.validation, given.ridge, matching)
     held_out = settings.held_out_of(len(demonstrations))

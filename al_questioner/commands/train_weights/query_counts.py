@@ -21,14 +21,14 @@ Queries = list[tuple[QueryRecord, ...]]
 
 
 def warn_of_classifiers(demonstrations: Sequence[Demonstration]) -> str:
-    """Return a warning of demonstrations recorded with other classifiers than the default; empty if there are none."""
+    """Return a warning of demonstrations with other classifiers than the default; empty if there are none."""
     found = {demonstration.settings.classifiers for demonstration in demonstrations} - {DEFAULT_CLASSIFIERS}
     if not found:
         return ''
     count = sum(demonstration.settings.classifiers != DEFAULT_CLASSIFIERS for demonstration in demonstrations)
     of = f'{count} of {number_of(len(demonstrations), "demonstration")}'
     return (
-        f'{of} recorded with {_listed(found)}; learners have {DEFAULT_CLASSIFIERS} unless told otherwise'
+        f'{of} played with {_listed(found)}; learners have {DEFAULT_CLASSIFIERS} unless told otherwise'
         ' (parameters amplitude, kernel_shape, class_balance), and the weights need not suit both'
     )
 
@@ -74,7 +74,7 @@ def tell_eagerness(demonstrations: Sequence[Demonstration], in_place: Queries | 
         yield f'what the learner asks by itself is not known: {escape(free.hindrance)}'
     else:
         found = {demonstration.settings.classifiers for demonstration in demonstrations}
-        asked = {f'with {_listed(found)}, as in the demonstrations': _count(free.play())}
+        asked = {f'with {_listed(found)}, as it was trained': _count(free.play())}
         if found != {DEFAULT_CLASSIFIERS}:
             usual = f'with {DEFAULT_CLASSIFIERS}, as learners have unless told otherwise'
             asked[usual] = _count(free.play(DEFAULT_CLASSIFIERS))

@@ -55,6 +55,37 @@ def test_the_command_writes_tables_figures_and_page(tmp_path: Path, capsys: pyte
     assert len(list((tmp_path / 'docs' / 'figures' / 'page').glob('*.png'))) == 5
 
 
+@pytest.mark.parametrize(
+    ('options', 'told'),
+    [
+        ([], ''),
+        (
+            ['--kernel-shape', 'rbf', '--class-balance', '0', '--cost-relevance', 'never', '--repeat-shown'],
+            'no relevance query, the teacher shows also what is known, kernel shape rbf, class balance 0',
+        ),
+        (['--amplitude', '4', '--cost-relevance', '3'], 'cost 3.0 of a relevance query, amplitude 4'),
+    ],
+)
+def test_the_page_says_what_is_varied_throughout(tmp_path: Path, options: list[str], told: str) -> None:
+    """Otherwise results with other classifiers would pass for those of learners as they are."""
+    play = [
+        '--task',
+        'prepare_lunch',
+        '--condition',
+        '2/2',
+        '--samples',
+        '1',
+        '--strategy',
+        'random_fsq',
+        '--jobs',
+        '1',
+    ]
+    assert main(['experiment', *play, *options, '--out', str(tmp_path)]) == 0
+    page = (tmp_path / 'report.md').read_text()
+    assert (f'**Varied throughout: {told}.**' if told else '') in page
+    assert ('Varied throughout' in page) == bool(told)
+
+
 def tiny_study(base: Variation, samples: tuple[int, ...]) -> Study:
     never = dataclasses.replace(base, repeats=False)
     plan = Plan(('prepare_lunch',), (Condition(12, 12),), ('u_sampling',), samples, never)

@@ -79,7 +79,7 @@ def test_what_the_learner_asks_by_itself_is_told_for_both_classifiers(
     assert run(*bags, '--method', 'choice', '--out', tmp_path / 'w.yaml') == 0
     output = capsys.readouterr().out
     earlier, usual = Classifiers(4.0, 'rbf', 0.0), DEFAULT_CLASSIFIERS
-    assert f'3 of 3 demonstrations recorded with {earlier}; learners have {usual} unless told otherwise' in output
+    assert f'3 of 3 demonstrations played with {earlier}; learners have {usual} unless told otherwise' in output
     found = re.search(
         rf'asks (\d+) questions? with {earlier}, .*, and (\d+) questions? with {usual}, as learners', output
     )
@@ -94,6 +94,38 @@ def test_what_the_learner_asks_by_itself_is_told_for_both_classifiers(
     assert [int(count) for count in found.groups()] == asked
     assert asked[1] < 21 < asked[0]
     assert f'with these weights it hardly asks (with {usual}, as learners have unless told otherwise)' in output
+
+
+def test_other_classifiers_see_the_same_choices(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    """Old demonstrations teach today's learners: the expert's choices stay, and the features are what those see."""
+    path, wanted = Path(BAGS[0]), Classifiers(100.0, 'rbf', 0.0)
+    (recorded,) = read_demonstrations([path])
+    (again,) = read_demonstrations([path], classifiers={'amplitude': wanted.amplitude})
+    assert again.settings.classifiers == wanted
+    assert dataclasses.replace(again.settings, amplitude=4.0) == recorded.settings
+    assert [step.actions for step in again.steps] == [step.actions for step in recorded.steps]
+    assert [step.chosen for step in again.steps] == [step.chosen for step in recorded.steps]
+    assert again.queries == recorded.queries
+    # What does not depend on beliefs is the same: class uniformity is nearly so, as it is expected over them.
+    for now, then in zip(again.steps, recorded.steps, strict=True):
+        np.testing.assert_allclose(now.features[:, 4:], then.features[:, 4:], atol=1e-6)
+    discriminability = [float(np.mean([step.features[:, 0].max() for step in d.steps])) for d in (recorded, again)]
+    assert discriminability[1] > discriminability[0] + 0.05, 'labels are trusted more'
+    arguments = ['--method', 'choice', '--amplitude', 100, '--kernel-shape', 'grouped', '--class-balance', 0.5]
+    assert run(*BAGS, *arguments, '--out', tmp_path / 'w.yaml') == 0
+    output = capsys.readouterr().out
+    assert 'WARNING: 3 of 3' not in output, 'they are those of learners'
+    assert f'with {DEFAULT_CLASSIFIERS}, as it was trained; the expert asked 42' in output
+    settings = yaml.safe_load((tmp_path / 'w.yaml').read_text())['training']['settings']
+    assert settings['classifiers'] == [DEFAULT_CLASSIFIERS._asdict()]
+
+
+def test_classifiers_as_recorded_change_nothing(tmp_path: Path) -> None:
+    """To name what the bags have anyway gives the same weights as to name nothing."""
+    arguments = ['--method', 'choice', '--out']
+    assert run(*BAGS, *arguments, tmp_path / 'a.yaml') == 0
+    assert run(*BAGS, '--amplitude', 4, '--class-balance', 0, *arguments, tmp_path / 'b.yaml') == 0
+    assert (tmp_path / 'a.yaml').read_text() == (tmp_path / 'b.yaml').read_text()
 
 
 def test_weights_with_which_nothing_is_asked_are_warned_of(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
@@ -157,9 +189,11 @@ def test_rollouts_train_the_same_twice(tmp_path: Path) -> None:
 )
 def test_the_shipped_weights_are_learnt_from_the_shipped_bags(tmp_path: Path) -> None:
     """Otherwise nobody could tell where the default questioner comes from."""
-    assert run(*BAGS, '--out', tmp_path / 'w.yaml') == 0
+    learners = ['--amplitude', 100, '--kernel-shape', 'grouped', '--class-balance', 0.5]
+    assert run(*BAGS, *learners, '--out', tmp_path / 'w.yaml') == 0
     found = yaml.safe_load((tmp_path / 'w.yaml').read_text())
-    assert found['training']['bags'] == SHIPPED['training']['bags']
+    for member in ('bags', 'settings'):
+        assert found['training'][member] == SHIPPED['training'][member]
     np.testing.assert_allclose(
         weights_of(tmp_path / 'w.yaml'), [SHIPPED['weights'][name] for name in DECISION_FEATURES], atol=0.01
     )
@@ -206,6 +240,8 @@ def test_unusable_arguments_end_with_status_2_and_one_line(tmp_path: Path, refus
         ([BAGS[0], BAGS[0], '--out', out], 'a bag is named twice'),
         ([BAGS[0], '--out', tmp_path / 'w.png'], 'cannot be the weights and the picture'),
         ([BAGS[0], '--out', out, '--ridge', 'nan'], 'must be at least 0'),
+        ([BAGS[0], '--out', out, '--amplitude', 0], 'argument --amplitude: must be at least 0.001'),
+        ([BAGS[0], '--out', out, '--kernel-shape', 'matern'], 'argument --kernel-shape: invalid choice'),
         ([BAGS[0], old, '--out', out], 'old.bag: is a bag of ROS 1'),
         (['--out', out], 'required: BAG'),
         ([BAGS[0]], 'required: --out'),
@@ -300,8 +336,7 @@ def test_only_weights_are_overwritten_and_by_a_whole_training(tmp_path: Path, re
 def test_the_shipped_weights_ask_as_the_documentation_says(budget: int, turns: int, least: int, latest: int) -> None:
     """The default questioner does not spend its budget at once, and asks where it may ask as much as it likes."""
     world_spec = WorldSpec(load_task('prepare_lunch'), 1, 1)
-    # Of the demonstrations that they were learnt from.
-    settings = episode_settings(world_spec.task, 'dt_task_env', budget, turns, amplitude=4.0)
+    settings = episode_settings(world_spec.task, 'dt_task_env', budget, turns)
     result = run_episode(world_spec, settings, teacher_of(world_spec))
     assert len(result.queries) >= least
     assert result.spent <= budget
