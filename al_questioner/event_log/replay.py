@@ -23,7 +23,7 @@ from al_questioner.questioning import Episode, Human, Strategy, TurnContext, mak
 from al_questioner.questioning.semantics import SEMANTICS
 from al_questioner.questioning.strategies.as_recorded import AsRecorded
 
-_ANOTHER_VERSION = f'recorded with version {{}} of the method, this is version {SEMANTICS}'
+_ANOTHER_VERSION = f'by version {{}} of the method, this is version {SEMANTICS}'
 
 ROUNDING = 1e-5
 """Difference, absolute or relative, up to which numbers are equal.

@@ -87,7 +87,7 @@ def test_a_check_tells_that_another_version_decided(
     before.close()
     found = first_divergence(earlier, [event for event in events(tmp_path) if not isinstance(event, EpisodeStarted)])
     assert found is not None
-    expected = f'(recorded with version {EARLIEST_SEMANTICS} of the method, this is version {SEMANTICS})'
+    expected = f'(by version {EARLIEST_SEMANTICS} of the method, this is version {SEMANTICS})'
     assert found.endswith(expected)
 
 

@@ -72,7 +72,7 @@ def test_every_topic_tells_the_same_story(graph: Any) -> None:
     pictures = graph.listen('scene_image', Image)
     arrays = graph.listen('scene_markers', MarkerArray)
     decisions = graph.listen('decision', PointCloud2, qos.EVENTS)
-    graph.start_robot(strategy='dt_task_env', turns=4)
+    graph.start_robot(strategy='dt_task', turns=4)
     query = graph.wait_for(lambda: heard['query'] and heard['query'][-1], 'a query')
 
     def all_tell_of_its_turn() -> bool:

@@ -42,7 +42,7 @@ def test_checking_names_what_differs_and_what_cannot_be_checked(
     changed = dataclasses.replace(recorded, started=dataclasses.replace(recorded.started, settings=other))
     for episode, status, text in (
         (recorded, 1, 'short: cannot be checked: too short'),
-        (changed, 1, ' was recorded\n'),
+        (changed, 1, ' was recorded (by version 1 of the method, this is version 2)\n'),
     ):
 
         def read(_: Path, left_out: list[LeftOut], episode: Any = episode) -> list[Any]:
