@@ -70,8 +70,8 @@ LINES = {
     'ros2 run al_questioner teacher --ros-args -p task:=kitchen_table': NODE,
     'ros2 run al_questioner teacher --ros-args -p task:=prepare_lunch -p seed:=7': NODE,
     'ros2 run al_questioner teacher --ros-args -r __ns:=/second -p task:=prepare_lunch -p seed:=0': NODE,
-    'ros2 run al_questioner train_weights expert_0 expert_1 expert_2 --amplitude 100 --kernel-shape grouped --class-balance 0.5'
-    ' --out my_weights.yaml': ENDS,
+    'ros2 run al_questioner train_weights expert_0 expert_1 expert_2 --amplitude 100 --kernel-shape grouped'
+    ' --class-balance 0.5 --out my_weights.yaml': ENDS,
     'ros2 run al_questioner train_weights demonstration_* --method choice --out my_weights.yaml': ENDS,
     'ros2 topic echo --once --full-length --field data query': GENUINE,
     'ros2 topic pub --once answer std_msgs/msg/String "data: \'snack\'"': GENUINE,
