@@ -87,8 +87,7 @@ PAPER := u_sampling dt_iros dt_task dt_task_env
 CONTROLS := u_sampling_fsq random_fsq farthest_fsq rarest_demo typiclust probcover
 NEVER := --strategy value_per_cost --cost-relevance never
 MISJUDGED := --strategy value_per_cost --relevance-omission 0.1 --relevance-false-alarm 0.05
-ERRING := --samples 10 --task prepare_lunch pack_lunchbox kitchen_table mixed_kitchens \
-	--strategy value_per_cost u_sampling_fsq farthest_fsq rarest_demo
+ERRING := --samples 10 --task prepare_lunch pack_lunchbox kitchen_table mixed_kitchens
 
 questioner: setup
 	$(EXPERIMENT) --out $(QUESTIONER)/tables $(TABLES) --strategy $(PAPER) value_per_cost $(CONTROLS)
@@ -99,8 +98,8 @@ questioner: setup
 	$(EXPERIMENT) --out $(QUESTIONER)/kitchens_never $(NEVER) $(KITCHENS)
 	$(EXPERIMENT) --out $(QUESTIONER)/misjudged $(MISJUDGED) --samples 20 --task kitchen_table
 	$(EXPERIMENT) --out $(QUESTIONER)/kitchens_misjudged $(MISJUDGED) $(KITCHENS)
-	$(EXPERIMENT) --out $(QUESTIONER)/wrong $(ERRING) --wrong-rate 0.1
-	$(EXPERIMENT) --out $(QUESTIONER)/unknown $(ERRING) --unknown-rate 0.1
+	$(EXPERIMENT) --out $(QUESTIONER)/wrong $(ERRING) --wrong-rate 0.1 --strategy value_per_cost u_sampling_fsq farthest_fsq rarest_demo
+	$(EXPERIMENT) --out $(QUESTIONER)/unknown $(ERRING) --unknown-rate 0.1 --strategy value_per_cost
 	$(VENV)/bin/python benchmarks/questioners.py $(addprefix $(QUESTIONER)/,tables kitchens kitchens_paper ceilings) \
 		$(addprefix no_relevance=$(QUESTIONER)/,never kitchens_never) \
 		$(addprefix misjudged=$(QUESTIONER)/,misjudged kitchens_misjudged) \
