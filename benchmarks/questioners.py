@@ -115,6 +115,21 @@ def without_variants(results: Results) -> Results:
     )
 
 
+def variants_of(results: Results) -> list[str]:
+    """The names of the variants, in the order of the folders."""
+    return list(dict.fromkeys(name.split(VARIANT, 1)[1] for name in results.strategies if VARIANT in name))
+
+
+def of_variant(results: Results, variant: str) -> Results:
+    """The results of the strategies of a variant."""
+    return Results(
+        *(
+            [row for row in rows if row.cell.strategy.endswith(VARIANT + variant)]
+            for rows in (results.episodes, results.turns)
+        )
+    )
+
+
 def lines_of(results: Results, strategy: str) -> Iterator[str]:
     """All tables about a strategy, in Markdown.
 
@@ -125,10 +140,15 @@ def lines_of(results: Results, strategy: str) -> Iterator[str]:
         raise InputError(f'{strategy} was not played; played were {", ".join(results.strategies)}')
     cells = cells_of(results, results.tasks)
     best = {cell: best_control(results, cell) for cell in cells}
-    alike = on_common_samples(results)
+    alike = on_common_samples(without_variants(results))
     for task in results.tasks:
         yield from ('', f'## {task}, {len(alike.samples)} samples', '')
         yield from accuracies(alike, task)
+    for variant in variants_of(results):
+        varied = on_common_samples(of_variant(results, variant))
+        for task in varied.tasks:
+            yield from ('', f'## {task}, {variant}, {len(varied.samples)} samples', '')
+            yield from accuracies(varied, task)
     variants = [name for name in results.strategies if name.startswith(strategy + VARIANT)]
     for other in (*(name for name in PAPER_STRATEGIES if name in results.strategies), *variants):
         yield from ('', f'## {strategy} against {other}', '')
@@ -206,11 +226,11 @@ def tests(results: Results, strategy: str, others: Mapping[Cell, str]) -> Iterat
     for (cell, (ours, theirs)), p, u in zip(pairs.items(), wilcoxon, mann_whitney, strict=True):
         difference = ours - theirs
         error = difference.std(ddof=1) / np.sqrt(len(difference))
-        what = cell.task, condition_label(cell.condition), f'`{others[cell]}`'
+        what = cell.task, condition_label(cell.condition), f'`{others[cell]}`', len(difference)
         means = f'{ours.mean():.3f}', f'{theirs.mean():.3f}', f'{difference.mean():+.3f} ± {error:.3f}'
         rows.append((*what, *means, f'{p:.4f}', f'{u:.4f}'))
     yield from table(
-        ('task', '', 'against', 'ours', 'theirs', 'difference, its error', 'Wilcoxon', 'Mann-Whitney'), rows
+        ('task', '', 'against', 'samples', 'ours', 'theirs', 'difference, its error', 'Wilcoxon', 'Mann-Whitney'), rows
     )
 
 

@@ -48,7 +48,7 @@ def test_a_questioner_is_compared_with_the_best_control(tmp_path: Path, run: Run
     assert status == 0
     assert '| `value_per_cost` | 0.750 ± 0.071 (0.400) |' in lines
     row = lines[lines.index('## value_per_cost against the best control of each cell') + 4]
-    assert row.startswith('| kitchen_table | C1 | `rarest_demo` | 0.750 | 0.650 | +0.100 ± 0.000 |')
+    assert row.startswith('| kitchen_table | C1 | `rarest_demo` | 2 | 0.750 | 0.650 | +0.100 ± 0.000 |')
     assert '| kitchen_table | `random_fsq` | 2 | 0.750 | 0.550 |' in printed
 
 
@@ -70,7 +70,7 @@ def test_a_variant_is_compared_with_the_strategy(tmp_path: Path, run: Run) -> No
     assert status == 0
     assert '| `value_per_cost, never` | 0.550 ± 0.071 (0.400) |' in lines
     row = lines[lines.index('## value_per_cost against value_per_cost, never') + 4]
-    assert row.startswith('| kitchen_table | C1 | `value_per_cost, never` | 0.650 | 0.550 | +0.100 ± 0.000 |')
+    assert row.startswith('| kitchen_table | C1 | `value_per_cost, never` | 2 | 0.650 | 0.550 | +0.100 ± 0.000 |')
     assert page.read_text().startswith('# ')
     assert printed in page.read_text()
 
