@@ -84,7 +84,9 @@ def _only(text: str, found: list[str], query: Query, others: Collection[str]) ->
         raise AnswerError(f'{word} could be {" or ".join(found)}: write it exactly so')
     if found:
         return found[0]
-    hint = suggestion(text, query.choices, (*_other_words(query), *others))
+    # A number that is like another one is not what was meant: it would name another thing.
+    is_word = any(letter.isalpha() for letter in text)
+    hint = suggestion(text, query.choices, (*_other_words(query), *others)) if is_word else ''
     amount = 'numbers with commas between, of' if query.action.kind is QueryKind.RELEVANCE else 'one of'
     expected = ', '.join(choice for choice in _words(query) if choice != 'unknown')
     raise AnswerError(f'{word} does not answer {query.text!r}{hint}; expected {amount}: {expected}')

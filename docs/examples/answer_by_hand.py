@@ -2,7 +2,7 @@
 
     python3 answer_by_hand.py --ros-args -r __ns:=/my_robot
 
-Type a symbol, `none`, an object's number, feature groups with commas between, `?` or `skip`.
+Type a symbol, `none`, an object's number, feature groups or the numbers of objects with commas between, `?` or `skip`.
 """
 
 import json
@@ -34,6 +34,8 @@ class AnswerByHand(Node):
             return
         if query['kind'] == 'feature_subset':
             print(f'\n{query["text"]}  [{",".join(query["choices"])} | ? skip]')
+        elif query['kind'] == 'relevance':
+            print(f'\n{query["text"]}  [of {",".join(query["choices"])} | none ? skip]')
         else:
             print(f'\n{query["text"]}  [{" ".join(query["choices"])} | none ? skip]')
 

@@ -24,7 +24,7 @@ ANSWER_COLUMNS = (
 )
 TURN_COLUMNS = (
     *('turn', 'stamp', 'objects', 'kind', 'object_id', 'symbol', 'query_id'),
-    *('cost', 'outcome', 'groups', 'answered_in', 'objects'),
+    *('cost', 'outcome', 'groups', 'answered_in', 'relevant'),
 )
 
 
