@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import itertools
 from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
-from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
@@ -15,6 +14,7 @@ from al_questioner.concepts.kernel import RBF, Kernel, KernelShape
 from al_questioner.concepts.laplace.earlier_tuning import tuned_kernel
 from al_questioner.concepts.seen_views import SeenViews
 from al_questioner.concepts.standardiser import Standardiser
+from al_questioner.concepts.taught_views import JudgedView, LabelledView, TaughtViews
 from al_questioner.domain import (
     NO_SYMBOL,
     FloatArray,
@@ -33,30 +33,6 @@ VIEW_TOLERANCE = 1e-3
 
 Noise is removed earlier, by a `ViewMemory`.
 """
-
-
-@dataclass(frozen=True, eq=False)
-class LabelledView:
-    """One object that the teacher named: its features, its label, and the turn of the label.
-
-    It was left out if it is an example of `NO_SYMBOL` only because it was not among the things that matter.
-    """
-
-    object_id: int
-    features: NDArray[np.float32]
-    label: str
-    turn: int
-    was_left_out: bool = False
-
-
-@dataclass(frozen=True, eq=False)
-class JudgedView:
-    """One object of which the teacher said whether it matters, that is, is of some symbol, and in which turn."""
-
-    object_id: int
-    features: NDArray[np.float32]
-    matters: bool
-    turn: int
 
 
 class ConceptLearner:
@@ -96,10 +72,8 @@ class ConceptLearner:
         self.symbols = tuple(symbols)
         self.feature_names: tuple[str, ...] = ()
         self.groups: tuple[str, ...] = ()
-        self.labelled_views: list[LabelledView] = []
         self.seen = SeenViews()
-        self.judged_views: list[JudgedView] = []
-        self._unnamed_views: list[tuple[int, NDArray[np.float32]]] = []
+        self._taught = TaughtViews(self._same_views)
         self._models = ConceptModels(self.symbols, amplitude, length_scale, shape=shape, class_balance=class_balance)
         self._configured = (amplitude, length_scale)
         self._selector = selector
@@ -109,6 +83,16 @@ class ConceptLearner:
         self._last_views: dict[int, bytes] = {}
         self._version = 0
         self._active: NDArray[np.bool_] = np.ones(0, dtype=bool)
+
+    @property
+    def labelled_views(self) -> Sequence[LabelledView]:
+        """Examples, in the order in which they were learnt."""
+        return self._taught.labelled
+
+    @property
+    def judged_views(self) -> Sequence[JudgedView]:
+        """Views of which it is known whether they matter, with what was said last."""
+        return self._taught.judged
 
     @property
     def positives(self) -> dict[str, int]:
@@ -215,10 +199,7 @@ class ConceptLearner:
         Raises:
             InputError: an unknown symbol, or features that do not fit those observed.
         """
-        view = self._labelled_view(object_id, features, symbol, turn)
-        self.labelled_views.append(view)
-        if symbol == NO_SYMBOL:
-            self.judged_views = [one for one in self.judged_views if not self._is_view_of(one, [view])]
+        self._taught.label(self._labelled_view(object_id, features, symbol, turn))
         self._fit_models()
 
     def label_scene(self, scene: Scene, symbols: Mapping[int, str], turn: int) -> None:
@@ -228,7 +209,8 @@ class ConceptLearner:
             InputError: an object is not in the scene, a symbol is unknown, or features do not fit those observed.
         """
         rows = {object_id: _row(scene, object_id) for object_id in symbols}
-        self.labelled_views += [self._labelled_view(each, row, symbols[each], turn) for each, row in rows.items()]
+        for view in [self._labelled_view(each, row, symbols[each], turn) for each, row in rows.items()]:
+            self._taught.label(view)
         self._fit_models()
 
     def learn(self, record: QueryRecord, scene: Scene) -> None:
@@ -242,7 +224,7 @@ class ConceptLearner:
         elif record.objects is not None:
             self.judge_scene(scene, record.objects, record.turn)
         elif record.kind is QueryKind.LABEL and record.outcome is Outcome.UNKNOWN and record.object_id is not None:
-            self._unnamed_views.append((record.object_id, _row(scene, record.object_id)))
+            self._taught.note_unnameable(record.object_id, _row(scene, record.object_id))
         elif record.object_id is not None and record.symbol is not None:
             self.label(record.object_id, _row(scene, record.object_id), record.symbol, record.turn)
 
@@ -257,22 +239,7 @@ class ConceptLearner:
         """
         for object_id in mattering:
             _row(scene, object_id)
-        judged = [
-            JudgedView(object_id, np.array(row, dtype=np.float32), object_id in mattering, turn)
-            for object_id, row in zip(scene.object_ids, scene.features, strict=True)
-        ]
-        self.judged_views = [one for one in self.judged_views if not self._is_view_of(one, judged)] + judged
-        named = [view for view in judged if view.matters]
-        kept = [one for one in self.labelled_views if not (one.was_left_out and self._is_view_of(one, named))]
-        has_changed = len(kept) < len(self.labelled_views)
-        self.labelled_views = kept
-        left_out = [
-            LabelledView(view.object_id, view.features, NO_SYMBOL, turn, was_left_out=True)
-            for view, is_known in zip(judged, self.is_labelled(scene), strict=True)
-            if not (view.matters or is_known)
-        ]
-        self.labelled_views += left_out
-        if left_out or has_changed:
+        if self._taught.judge(scene, mattering, turn):
             self._fit_models()
 
     def restrict_to_groups(self, groups: Iterable[str]) -> None:
@@ -332,29 +299,19 @@ class ConceptLearner:
 
     def times_labelled(self, scene: Scene | SeenViews) -> NDArray[np.intp]:
         """Return (n,) counts: how often this view of each object has been labelled."""
-        rows, _ = self._views_among([(view.object_id, view.features) for view in self.labelled_views], scene)
-        return np.bincount(rows, minlength=len(scene))
+        return self._taught.times_labelled(scene)
 
     def labels_of(self, scene: Scene) -> tuple[str | None, ...]:
         """Return the last label of this view of each object; None for a view without one."""
-        found: list[str | None] = [None] * len(scene)
-        rows, named = self._views_among([(view.object_id, view.features) for view in self.labelled_views], scene)
-        for row, label in zip(rows, named, strict=True):
-            found[row] = self.labelled_views[label].label
-        return tuple(found)
+        return self._taught.labels_of(scene)
 
     def matters(self, scene: Scene) -> NDArray[np.bool_]:
         """Return (n,) booleans: whether this view of each object was last said to matter, and has no label so far."""
-        found = np.zeros(len(scene), dtype=bool)
-        rows, judged = self._views_among([(view.object_id, view.features) for view in self.judged_views], scene)
-        for row, view in zip(rows, judged, strict=True):
-            found[row] = self.judged_views[view].matters
-        return found & ~self.is_labelled(scene)
+        return self._taught.matters(scene)
 
     def is_unnameable(self, scene: Scene) -> NDArray[np.bool_]:
         """Return (n,) booleans: whether a teacher was asked to name this view of each object and did not know."""
-        rows, _ = self._views_among(self._unnamed_views, scene)
-        return np.bincount(rows, minlength=len(scene)) > 0
+        return self._taught.is_unnameable(scene)
 
     def is_unchanged(self, before: Scene, after: Scene) -> bool:
         """Return whether two scenes show the same views of the same objects."""
@@ -429,28 +386,6 @@ class ConceptLearner:
 
     def _table(self, rows: Sequence[NDArray[np.float32]]) -> Array:
         return np.array(rows, dtype=np.float64).reshape(len(rows), len(self.feature_names))
-
-    def _views_among(
-        self, views: Sequence[tuple[int, NDArray[np.float32]]], scene: Scene | SeenViews
-    ) -> tuple[NDArray[np.intp], NDArray[np.intp]]:
-        """Return the rows of the scene that show one of the views, and for each the index of that view.
-
-        A view is an object id and (m,) features. The result is in the order of the rows, and for each row in that of
-        the views.
-        """
-        ids = np.array([object_id for object_id, _ in views], dtype=np.intp)
-        rows, among = np.nonzero(np.array(scene.object_ids)[:, None] == ids)
-        known = [views[int(i)][1] for i in among]
-        features = np.array(known, dtype=np.float32).reshape(len(among), len(self.feature_names))
-        same = self._same_views(features, scene.features[rows])
-        return rows[same], among[same]
-
-    def _is_view_of(self, view: LabelledView | JudgedView, among: Sequence[LabelledView | JudgedView]) -> bool:
-        """Return whether one of some views is of the same object, and the same view of it."""
-        same_ids = [other.features for other in among if other.object_id == view.object_id]
-        if not same_ids:
-            return False
-        return bool(self._same_views(np.array(same_ids), np.array([view.features])).any())
 
     def _same_views(self, first: FloatArray, second: FloatArray) -> NDArray[np.bool_]:
         """Return (k,) booleans: whether each of (k, m) raw features shows the same view as its counterpart."""

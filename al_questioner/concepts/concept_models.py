@@ -8,6 +8,7 @@ from collections.abc import Iterator, Sequence
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from al_questioner.concepts.class_balance import balance_degrees, largest_slope
 from al_questioner.concepts.kernel import RBF, KernelShape, rbf_kernel, saturating_kernel
 from al_questioner.concepts.laplace.gaussian_process import expected_logistic
 from al_questioner.concepts.laplace.posterior import Marginals, Posterior, find_common_modes, laplace_posterior
@@ -42,7 +43,7 @@ class ConceptModels:
             number.
         relative_length_scale: this multiple.
         shape: how the kernel treats groups of features and single large differences.
-        class_balance: how much of the effect of the counts of examples is taken from the degrees: 0 none, 1 all.
+        class_balance: how much of the effect of the counts of examples is removed from the degrees: 0 none, 1 all.
 
     Raises:
         InputError: no symbols or a repeated one, an amplitude or length scale that is not a number above 0, or a class
@@ -297,27 +298,13 @@ class ConceptModels:
         """Return the (|Y|,) numbers of positive examples."""
         return np.array([self._labels.count(symbol) for symbol in self.symbols], dtype=np.float64)
 
-    def _odds(self, counts: Array) -> Array:
-        """Return (..., |Y|) factors by which counts of examples, (..., |Y|), are taken to have raised the odds of q_y.
-
-        The counts act like a prior, of which the labels that were asked for say nothing: n_y + 1/2, over its geometric
-        mean over y, to the power of the class balance.
-        """
-        logs = np.log(counts + 0.5)
-        odds: Array = np.exp(self.class_balance * (logs - logs.mean(axis=-1, keepdims=True)))
-        return odds
-
     def _balanced(self, degrees: Array, counts: Array) -> Array:
-        """Return degrees (..., |Y|) as they would be had every symbol as many examples, as far as `class_balance`."""
-        if self.class_balance == 0:
-            return degrees
-        balanced: Array = degrees / (degrees + (1 - degrees) * self._odds(counts))
-        return balanced
+        return balance_degrees(degrees, counts, self.class_balance)
 
     def _tolerance(self) -> float:
         """Return the error of a degree, after one more example, that balancing makes no larger than it may be."""
-        odds = self._odds(self._counts() + np.eye(len(self.symbols)))
-        return PROBABILITY_TOLERANCE / float(max(odds.max(), 1 / odds.min()))
+        after = self._counts() + np.eye(len(self.symbols))
+        return PROBABILITY_TOLERANCE / largest_slope(after, self.class_balance)
 
     def _check_labels(self, labels: Sequence[str]) -> None:
         for label in labels:

@@ -11,12 +11,13 @@ from scipy.spatial.distance import cdist
 from scipy.special import expit
 from sklearn.gaussian_process import GaussianProcessClassifier, kernels
 
-from al_questioner.concepts import ConceptModels
+from al_questioner.concepts import ConceptLearner, ConceptModels
 from al_questioner.concepts.kernel import RBF, KernelShape, rbf_kernel
 from al_questioner.concepts.laplace.gaussian_process import find_modes
 from al_questioner.concepts.laplace.posterior import Marginals, Posterior, laplace_posterior
-from al_questioner.domain import NO_SYMBOL
+from al_questioner.domain import NO_SYMBOL, Scene
 from al_questioner.support.arrays import Array
+from shared.concept_learners import TOLD, learner, scene_of
 
 
 @dataclass(frozen=True)
@@ -190,3 +191,15 @@ def problem() -> Callable[..., Problem]:
 def curvature() -> Callable[[Array], Array]:
     """W of latent values, from both tails of the logistic function: p (1 - p) alone loses the upper one."""
     return lambda latent: expit(latent) * expit(-latent)
+
+
+@pytest.fixture
+def scene() -> Scene:
+    """Six objects."""
+    return scene_of(np.random.default_rng(0).normal(loc=5, scale=3, size=(6, 4)))
+
+
+@pytest.fixture
+def taught(scene: Scene) -> ConceptLearner:
+    """A learner that was told what three of them are."""
+    return learner(scene, labels=TOLD)

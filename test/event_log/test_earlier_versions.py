@@ -44,6 +44,14 @@ def started_durable(folder: Path, strategy: Strategy, started: EpisodeStarted) -
     return durable
 
 
+def played_durable(folder: Path, world: PerceivedWorld, started: EpisodeStarted, turns: int) -> DurableEpisode:
+    """A session of some turns, always about the first thing, that has ended."""
+    durable = started_durable(folder, LabelAt(0), started)
+    play_turns(durable, world, turns)
+    durable.close()
+    return durable
+
+
 @pytest.fixture
 def earlier() -> EpisodeStarted:
     return episode_started(semantics=EARLIEST_SEMANTICS)
@@ -53,9 +61,7 @@ def test_what_was_asked_by_an_earlier_version_is_taken_as_recorded(
     earlier: EpisodeStarted, tmp_path: Path, world: PerceivedWorld
 ) -> None:
     """A robot that was updated between two days goes on where it was, and asks as it does now."""
-    before = started_durable(tmp_path, LabelAt(0), earlier)
-    play_turns(before, world, 3)
-    before.close()
+    before = played_durable(tmp_path, world, earlier, 3)
     after = started_durable(tmp_path, LabelAt(-1), episode_started())
     assert after.episode.records == before.episode.records
     scene = world.scene(1).features
@@ -71,9 +77,7 @@ def test_what_was_asked_by_an_earlier_version_is_taken_as_recorded(
 
 def test_another_decision_of_the_same_version_is_an_error(tmp_path: Path, world: PerceivedWorld) -> None:
     """Otherwise a log of another robot, or a changed strategy, would be gone on with unnoticed."""
-    before = started_durable(tmp_path, LabelAt(0), episode_started())
-    play_turns(before, world, 2)
-    before.close()
+    played_durable(tmp_path, world, episode_started(), 2)
     with pytest.raises(ReplayError, match=r'turn 1: .* is chosen, .* was recorded'):
         started_durable(tmp_path, LabelAt(-1), episode_started())
 
@@ -82,9 +86,7 @@ def test_a_check_tells_that_another_version_decided(
     earlier: EpisodeStarted, tmp_path: Path, world: PerceivedWorld
 ) -> None:
     """Otherwise the difference would look like a fault of the recording."""
-    before = started_durable(tmp_path, LabelAt(0), earlier)
-    play_turns(before, world, 2)
-    before.close()
+    played_durable(tmp_path, world, earlier, 2)
     found = first_divergence(earlier, [event for event in events(tmp_path) if not isinstance(event, EpisodeStarted)])
     assert found is not None
     expected = f'(by version {EARLIEST_SEMANTICS} of the method, this is version {SEMANTICS})'
@@ -95,9 +97,7 @@ def test_a_session_of_an_earlier_version_is_shown_whole(
     earlier: EpisodeStarted, tmp_path: Path, world: PerceivedWorld
 ) -> None:
     """It can be exported with all that was taught in it."""
-    before = started_durable(tmp_path, LabelAt(0), earlier)
-    play_turns(before, world, 3)
-    before.close()
+    before = played_durable(tmp_path, world, earlier, 3)
     summary = summarise_session(tmp_path, read_log(tmp_path))
     assert summary.fault is None
     assert summary.episode.records == before.episode.records
@@ -117,9 +117,8 @@ def test_a_session_from_before_the_new_defaults_is_resumed_with_these(tmp_path: 
     """Nobody has to know which parameters a new version has to start the learner as the day before."""
     now = episode_started()
     settings = dataclasses.replace(now.settings, kernel_shape='rbf', class_balance=0.0)
-    before = started_durable(tmp_path, LabelAt(0), episode_started(semantics=EARLIEST_SEMANTICS, settings=settings))
-    play_turns(before, world, 2)
-    before.close()
+    started = episode_started(semantics=EARLIEST_SEMANTICS, settings=settings)
+    before = played_durable(tmp_path, world, started, 2)
     costs = dataclasses.replace(now.settings.costs, relevance=4.0)
     wanted = episode_started(settings=dataclasses.replace(now.settings, costs=costs))
     after = started_durable(tmp_path, LabelAt(0), wanted)

@@ -228,11 +228,6 @@ def expected_logistic(mean: Array, variance: Array) -> Array:
     return np.clip(expected, PROBABILITY_MARGIN, 1 - PROBABILITY_MARGIN)
 
 
-def slope_in_mean(variance: Array) -> Array:
-    """Return (...) bounds of the derivative of the expected logistic function by the mean, over all means."""
-    return MEAN_SLOPE[0] / np.sqrt(variance + MEAN_SLOPE[1])
-
-
 def slope_in_variance(variance: Array) -> Array:
     """Return (...) bounds of the derivative of the expected logistic function by the variance, over all means."""
     return VARIANCE_SLOPE[0] / (variance + VARIANCE_SLOPE[1])

@@ -7,7 +7,12 @@ from scipy.special import expit
 
 from al_questioner.concepts.kernel import rbf_kernel
 from al_questioner.concepts.laplace import gaussian_process
-from al_questioner.concepts.laplace.gaussian_process import find_modes
+from al_questioner.concepts.laplace.gaussian_process import (
+    MEAN_SLOPE,
+    expected_logistic,
+    find_modes,
+    slope_in_variance,
+)
 
 
 def clusters(n, classes, amplitude, seed=0):
@@ -73,3 +78,13 @@ def test_what_is_not_finite_is_refused():
     kernels[0, 2, 2] = np.nan
     with pytest.raises(ArithmeticError):
         find_modes(kernels, np.zeros(1, dtype=np.intp), targets, np.zeros_like(targets))
+
+
+def test_expected_probabilities_change_no_faster_than_the_bounds_say():
+    """The errors of a look-ahead are told by these bounds; they hold for the five terms, not only for the integral."""
+    mean, variance = np.meshgrid(np.linspace(-60, 60, 2401), np.concatenate([[0.0], np.geomspace(1e-3, 1e4, 60)]))
+    step = 1e-4
+    by_mean = np.abs(expected_logistic(mean + step, variance) - expected_logistic(mean - step, variance)) / (2 * step)
+    assert (by_mean <= MEAN_SLOPE[0] / np.sqrt(variance + MEAN_SLOPE[1]) + 1e-7).all()
+    by_variance = np.abs(expected_logistic(mean, variance + step) - expected_logistic(mean, variance)) / step
+    assert (by_variance <= slope_in_variance(variance) + 1e-7).all()
