@@ -90,3 +90,15 @@ def test_what_cannot_be_compared_is_one_line_and_status_2(tmp_path: Path, run: R
         status, printed, error = run(*folders)
         assert (status, printed, error.count('\n')) == (2, '', 1)
         assert reason in error
+
+
+def test_a_variant_of_fewer_samples_takes_none_from_the_others(tmp_path: Path, run: Run) -> None:
+    """Otherwise the main table would be of ten samples because something beside it is."""
+    strategies = write(tmp_path / 'a', 'random_fsq', 'value_per_cost')
+    variant = write(tmp_path / 'b', 'value_per_cost')
+    table = variant / 'episodes.csv'
+    table.write_text(''.join(table.read_text().splitlines(keepends=True)[:2]))
+    status, printed, _ = run(strategies, f'few={variant}')
+    assert status == 0
+    assert '## kitchen_table, 2 samples' in printed
+    assert '## kitchen_table, few, 1 samples' in printed

@@ -79,8 +79,9 @@ def test_without_saturation_and_with_equal_shares_it_is_the_rbf_kernel() -> None
     """The limit of the formula is the kernel of the contract, whose length scale is a multiple of sqrt(m)."""
     rng = np.random.default_rng(1)
     first, second = rng.normal(size=(6, 8)), rng.normal(size=(4, 8))
-    limit = saturating_kernel(first, second, 4.0, 0.7, EQUAL, 1e4)
-    np.testing.assert_allclose(limit, rbf_kernel(first, second, 4.0, 0.7 * np.sqrt(8)), rtol=1e-6)
+    for saturation in (1e4, 1e7):
+        limit = saturating_kernel(first, second, 4.0, 0.7, EQUAL, saturation)
+        np.testing.assert_allclose(limit, rbf_kernel(first, second, 4.0, 0.7 * np.sqrt(8)), rtol=1e-6)
 
 
 @pytest.mark.parametrize('shape', [RBF, GROUPED, KernelShape(np.inf, 1.0)])

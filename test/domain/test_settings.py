@@ -22,6 +22,7 @@ from al_questioner.domain import Costs, EpisodeSettings, SettingsError
         ({'costs': Costs(demonstration=1e200)}, r'costs.demonstration must lie in \[0, 1e\+12\]'),
         ({'costs': Costs(relevance=-1.0)}, 'costs.relevance must be 0 or more, not -1'),
         ({'costs': Costs(relevance=float('inf'))}, 'costs.relevance must be a finite number'),
+        ({'costs': Costs(relevance='never')}, "costs.relevance must be a number or None, not 'never'"),
         ({'amplitude': 0.0}, 'amplitude'),
         ({'amplitude': 1e200}, r'amplitude must lie in \[0.001, 1000\], not 1e\+200'),
         ({'length_scale': 1e200}, r'length_scale must lie in \[0.001, 1000\] standard deviations, not 1e\+200'),

@@ -120,7 +120,8 @@ def test_a_session_from_before_the_new_defaults_is_resumed_with_these(tmp_path: 
     started = episode_started(semantics=EARLIEST_SEMANTICS, settings=settings)
     before = played_durable(tmp_path, world, started, 2)
     costs = dataclasses.replace(now.settings.costs, relevance=4.0)
-    wanted = episode_started(settings=dataclasses.replace(now.settings, costs=costs))
+    weights = {'gain': 2.0}
+    wanted = episode_started(settings=dataclasses.replace(now.settings, costs=costs, weights=weights))
     after = started_durable(tmp_path, LabelAt(0), wanted)
     assert after.started.settings.classifiers == settings.classifiers
     assert after.started.settings.costs.relevance is None

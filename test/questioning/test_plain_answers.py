@@ -194,3 +194,18 @@ def test_the_spelling_of_things_that_matter_is_left_alone() -> None:
     for content in ((3, 10), ()):
         answer = Answer('q1', 'a1', 'anna', Outcome.ANSWERED, content)
         assert respelt(answer, ('snack',)) == answer
+
+
+@pytest.mark.parametrize('kind', [QueryKind.RELEVANCE, QueryKind.DEMONSTRATION])
+def test_no_number_is_suggested_in_place_of_another(kind: QueryKind) -> None:
+    """A person who takes such a suggestion names another thing."""
+    with pytest.raises(AnswerError) as refused:
+        read_plain_answer('100', query(kind, ('10', '1000', '3')))
+    assert 'mean' not in str(refused.value)
+
+
+@pytest.mark.parametrize('kind', [QueryKind.RELEVANCE, QueryKind.DEMONSTRATION])
+def test_a_query_whose_choices_are_no_numbers_is_no_traceback(kind: QueryKind) -> None:
+    """Another learner may have written it."""
+    with pytest.raises(AnswerError, match="'cup' is no number of an object"):
+        read_plain_answer('cup', query(kind, ('cup', 'plate')))

@@ -167,3 +167,24 @@ def test_the_scripted_teacher_and_a_session_play_the_episode(graph: Any, tmp_pat
     """Otherwise the log would change what is asked."""
     queries = graph.play(session=str(tmp_path / 'log'))['queries']
     assert queries == offline_queries('random_fsq', 6.0, 8)
+
+
+def test_a_learner_tells_that_another_version_began_its_session(
+    graph: Any, person: Any, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capfd: pytest.CaptureFixture[str]
+) -> None:
+    """Otherwise nobody would know why from some turn on it asks in another way."""
+    graph.start(PerceptionNode, **graph.world)
+    parameters = {**EPISODE, 'session': str(tmp_path / 'log')}
+    learner = graph.start(LearnerNode, **parameters)
+    assert person.answers(person.query(1), 'snack')['accepted']
+    graph.stop(learner)
+    monkeypatch.setattr('al_questioner.ros.nodes.learner.SEMANTICS', 99)
+    learner = graph.start(LearnerNode, **parameters)
+    graph.wait_for(lambda: learner._durable.is_ready, 'a learner that goes on')
+    printed: list[str] = []
+
+    def is_told() -> bool:
+        printed.append(capfd.readouterr().err)
+        return 'another version of the method began this session' in ''.join(printed)
+
+    graph.wait_for(is_told, 'the warning')

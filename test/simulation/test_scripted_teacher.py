@@ -179,3 +179,9 @@ def test_impossible_chances_are_refused(rate: str) -> None:
     for value in (-0.1, 1.1, float('nan')):
         with pytest.raises(SettingsError, match=rate):
             teacher(**{rate: value})
+
+
+def test_choices_that_are_no_numbers_do_not_matter() -> None:
+    """Another learner may have written the query; the node goes on."""
+    asked = dataclasses.replace(which_matter(), choices=('cup', '4', '5'))
+    assert teacher().answer(asked, TABLE).content == (4,)

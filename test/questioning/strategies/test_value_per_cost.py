@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from al_questioner.concepts import ConceptLearner
-from al_questioner.domain import NO_SYMBOL, Costs, Outcome, QueryKind, QueryRecord, random_stream
+from al_questioner.domain import NO_SYMBOL, Action, Costs, Outcome, QueryKind, QueryRecord, random_stream
 from al_questioner.questioning import FEATURE_SETS, Choice, Episode, FeatureRecorder, make_strategy, read_weights
 from al_questioner.questioning.beliefs import class_beliefs
 from al_questioner.questioning.strategies.choice import rows_of
@@ -357,10 +357,12 @@ def relevance_gain_of(context):
 
 
 @pytest.mark.parametrize('budget_left', [20.0, 6.0])
-def test_the_relevance_query_gains_what_later_labels_gain_the_more(toy, budget_left):
+@pytest.mark.parametrize('unknown', [0, 4])
+def test_the_relevance_query_gains_what_later_labels_gain_the_more(toy, budget_left, unknown):
     """With the answer, things of some symbol are asked about; without it the best of all, each with its chance."""
     costs, labels = Costs(relevance=4.0), ['snack', NO_SYMBOL]
-    history = (SUBSET_ASKED, *map(label_record, labels))
+    history = (SUBSET_ASKED, *map(label_record, labels), *[label_record(None, outcome=Outcome.UNKNOWN)] * unknown)
+    answered = 4 / (4 + unknown)
     context = context_of(toy, labels, costs=costs, budget=25.0, spent=25.0 - budget_left, history=history)
     beliefs = class_beliefs(context, DEFAULTS.reach, DEFAULTS.doubt)
     gains = example_gains(context, DEFAULTS.decline)
@@ -371,7 +373,7 @@ def test_the_relevance_query_gains_what_later_labels_gain_the_more(toy, budget_l
     informed = count * sum(worth.values()) / sum(named.values())
     best = sorted(worth.values(), reverse=True)[:count]
     assert count > 0
-    assert relevance_gain_of(context) == pytest.approx(max(1e-6, informed - sum(best)))
+    assert relevance_gain_of(context) == pytest.approx(max(1e-6, answered * (informed - sum(best))))
 
 
 def test_the_relevance_query_is_not_asked_before_anything_was_of_no_symbol(toy):
@@ -390,3 +392,13 @@ def test_the_relevance_query_is_asked_in_clutter_and_not_once_more_of_the_same_t
     again = dataclasses.replace(context, turn=3)
     assert relevance_gain_of(again) == pytest.approx(1e-6)
     assert decide(again)[0].kind is not QueryKind.RELEVANCE
+
+
+def test_the_relevance_query_can_be_the_dearest(toy):
+    """Its own price is never above 1, whatever it costs beside the others."""
+    context = context_of(toy, ['snack', NO_SYMBOL], costs=Costs(relevance=8.0), budget=12.0)
+    prices = dict(zip(context.candidates, log_prices(context), strict=True))
+    s = scarcity(context)
+    assert s > 0
+    assert prices[Action(QueryKind.RELEVANCE)] == 0.0
+    assert prices[Action(QueryKind.FEATURE_SUBSET)] == pytest.approx(s * np.log(2 / 8))
