@@ -7,7 +7,7 @@ from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
 
-from al_questioner.domain import DECISION_FEATURES, Classifiers, SettingsError
+from al_questioner.domain import DECISION_FEATURES, DEFAULT_CLASSIFIERS, Classifiers, SettingsError
 from al_questioner.experiments.plan import (
     PAPER_CONDITIONS,
     PAPER_STRATEGIES,
@@ -28,7 +28,7 @@ COMPARED = (*PAPER_STRATEGIES, 'u_sampling_fsq', 'farthest_fsq')
 TASK = PAPER_TASKS[0]
 
 AMPLITUDES = (4.0, 16.0, 100.0)
-KERNELS = (('rbf', 0.0), ('grouped', 0.5))
+KERNELS = (('rbf', 0.0), DEFAULT_CLASSIFIERS[1:])
 """Kernel and class balance: nothing of either, and what learners have by default."""
 CHANGE_INTERVALS = (5, 10, 20, 40)
 SYNCHRONIES = (0.0, 0.5, 1.0)
@@ -162,7 +162,7 @@ def _kernel(base: Variation, samples: tuple[int, ...]) -> Study:
         PAPER_TASKS,
         'kernel',
         'The kernel of the classifiers, and the balance of their classes',
-        'Learners have grouped, class balance 0.5, unless told otherwise. All weights are as in the comparison.',
+        f'Learners have {words(DEFAULT_CLASSIFIERS)}, unless told otherwise. All weights are as in the comparison.',
         {words(classifiers): classifiers for classifiers in varied},
         words(own),
     )

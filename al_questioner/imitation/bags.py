@@ -122,7 +122,7 @@ def decisions_anew(
     """
     follower = _Follower()
     started = episode.started if settings is None else dataclasses.replace(episode.started, settings=settings)
-    replay = Replay(started, FeatureRecorder(follower, feature_set))
+    replay = Replay(started, FeatureRecorder(follower, feature_set), is_strict=True)
     for event in episode.events:
         if isinstance(event, ActionChosen):
             follower.decision = event.weighed
