@@ -126,6 +126,16 @@ class ConceptLearner:
         return self._told_relevant is not None
 
     @property
+    def standardiser(self) -> Standardiser:
+        """Statistics of the observed views, to look at."""
+        return self._standardiser
+
+    @property
+    def features_in_use(self) -> tuple[str, ...]:
+        """Names of the features that the models use."""
+        return tuple(itertools.compress(self.feature_names, self._active))
+
+    @property
     def kernel(self) -> Kernel:
         """Kernel of the models, for the features in use; its length scale is in standard deviations."""
         return Kernel(self._models.amplitude, self._models.length_scale_of(int(self._active.sum())))
@@ -235,7 +245,7 @@ class ConceptLearner:
         elif record.objects is not None:
             self.judge_scene(scene, record.objects, record.turn)
         elif record.kind is QueryKind.LABEL and record.outcome is Outcome.UNKNOWN and record.object_id is not None:
-            self._unnamed_views.append((record.object_id, _row(scene, record.object_id)))
+            self.note_unnameable(record.object_id, _row(scene, record.object_id))
         elif record.object_id is not None and record.symbol is not None:
             self.label(record.object_id, _row(scene, record.object_id), record.symbol, record.turn)
 
@@ -258,6 +268,22 @@ class ConceptLearner:
         left_out = [i for i, known in zip(scene.object_ids, labelled, strict=True) if not known and i not in mattering]
         if left_out:
             self.label_scene(scene, dict.fromkeys(left_out, NO_SYMBOL), turn)
+
+    def learn_views(self, judged: Sequence[JudgedView], labelled: Sequence[LabelledView]) -> None:
+        """Learn views as they were judged and labelled, at once, whether they are in view now or not.
+
+        Raises:
+            InputError: an unknown symbol, or features that do not fit those observed.
+        """
+        checked = [self._labelled_view(view.object_id, view.features, view.label, view.turn) for view in labelled]
+        self.judged_views += judged
+        if checked:
+            self.labelled_views += checked
+            self._fit_models()
+
+    def note_unnameable(self, object_id: int, features: FloatArray) -> None:
+        """Note that a teacher could not name an object with these (m,) raw features; the models stay as they are."""
+        self._unnamed_views.append((object_id, np.array(features, dtype=np.float32)))
 
     def restrict_to_groups(self, groups: Iterable[str]) -> None:
         """Use the features of these groups only, as the answer to a feature subset query.

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import contextlib
 
-from al_questioner.domain import AUTO, Answer, Decision
+from al_questioner.domain import AUTO, Answer, Decision, Knowledge
 from al_questioner.event_log.encoding import Encoder, decoded
 from al_questioner.event_log.events import (
     ActionChosen,
@@ -22,8 +22,11 @@ from al_questioner.questioning import Episode, PreparedAnswer, Receipt, Strategy
 from al_questioner.support.differences import differences
 from al_questioner.support.rate_limiter import RateLimiter
 
-NOT_SETTINGS = frozenset({'version', 'semantics'})
-"""Members of an episode's first event that a learner that goes on with it need not share."""
+NOT_SETTINGS = frozenset({'version', 'semantics', 'concepts'})
+"""Members of an episode's first event that a learner that goes on with it need not share.
+
+That what was known before is the same is told by its fingerprint.
+"""
 REJECTED_KEPT, REJECTED_PERIOD = 10, 60.0
 """Number of texts that were no answers and are kept word for word in a period; of a flood the rest is counted."""
 
@@ -178,7 +181,22 @@ def _same_episode(log: SessionLog, first: EpisodeEvent, wanted: EpisodeStarted) 
     if wanted.view_tolerance == AUTO:
         # Older logs have the number that was the default then, and keep it.
         ignored |= {'view_tolerance'}
-    differing = differences(first.members(), wanted.members(), ignored)
+    if _is_known(first.settings.concepts, wanted.settings.concepts):
+        ignored |= {'concepts_sha256'}
+    theirs, ours = (
+        {name: value for name, value in started.members().items() if name not in ignored} for started in (first, wanted)
+    )
+    differing = differences(theirs, ours)
     if differing:
         raise SessionLogError(f'{log.folder}: the session there has {"; ".join(differing)}')
     return first
+
+
+def _is_known(recorded: Knowledge | None, given: Knowledge | None) -> bool:
+    """Return whether what is given says no other than what an episode began with, as its log has it.
+
+    The file may be gone by now, or the episode may itself have added to it.
+    """
+    if given is None or recorded is None:
+        return given is None
+    return given.lessons[: len(recorded.lessons)] == recorded.lessons
