@@ -328,6 +328,10 @@ class ConceptLearner:
         models = self._models.refitted(table[:, chosen], self._groups_of(chosen))
         return models.predict_proba(self._standardiser.transform(scene.features)[:, chosen])
 
+    def predict_each_from_others(self) -> Array:
+        """Return the (n, |Y|) q_y(x) of the n labelled views, each as if it had not been labelled."""
+        return self._models.predict_each_from_others()
+
     def points_of(self, features: FloatArray) -> Array:
         """Return (k, number in use) features in use, in standard deviations, of (k, m) raw features."""
         return self._standardiser.transform(features)[:, self._active]

@@ -73,13 +73,20 @@ def check_fits(knowledge: Knowledge, feature_names: tuple[str, ...]) -> None:
     Raises:
         InputError: it is of others.
     """
-    if knowledge.feature_names != feature_names:
-        ours, theirs = set(knowledge.feature_names), set(feature_names)
-        others = sorted(ours ^ theirs) or ['the same names in another order']
-        raise InputError(
-            f'the concepts are of {len(knowledge.feature_names)} features, these are {len(feature_names)} others'
-            f' ({others[0]}{", ..." if len(others) > 1 else ""} differs)'
-        )
+    ours = knowledge.feature_names
+    if ours == feature_names:
+        return
+    lacking, other = (
+        [name for name in these if name not in those] for these, those in ((feature_names, ours), (ours, feature_names))
+    )
+    what = [
+        f'{verb} {names[0]}{", ..." if len(names) > 1 else ""}'
+        for verb, names in (('lack', lacking), ('have', other))
+        if names
+    ]
+    raise InputError(
+        f'the concepts are of other features: they {" and ".join(what) or "have the same in another order"}'
+    )
 
 
 def statistics_of(concepts: ConceptLearner) -> Statistics:

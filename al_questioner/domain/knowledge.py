@@ -95,6 +95,29 @@ class Lesson:
 
 
 @dataclass(frozen=True)
+class TeacherCounts:
+    """Counts of a teacher's answers in an episode, or in all.
+
+    Attributes:
+        answered: answers that count.
+        unknown: questions of which the teacher did not know the answer.
+        skipped: questions that the teacher skipped.
+        corrected: answers of this teacher that were replaced.
+        late: answers to questions that already had another answer.
+    """
+
+    answered: int = 0
+    unknown: int = 0
+    skipped: int = 0
+    corrected: int = 0
+    late: int = 0
+
+    def plus(self, other: TeacherCounts) -> TeacherCounts:
+        """Return the counts of both."""
+        return TeacherCounts(**{name: count + getattr(other, name) for name, count in vars(self).items()})
+
+
+@dataclass(frozen=True)
 class Origin:
     """An episode that lessons come from.
 
@@ -103,6 +126,7 @@ class Origin:
         strategy: who asked; empty where it is not known.
         world: the simulated world, as in an `episode` document; None if it was another one.
         version: of this package.
+        teachers: counts of the answers in it by the teachers' names.
     """
 
     episode: str
@@ -110,32 +134,7 @@ class Origin:
     strategy: str = ''
     world: Mapping[str, Any] | None = None
     version: str = ''
-
-
-@dataclass(frozen=True)
-class TeacherCounts:
-    """Counts of a teacher's answers in all episodes.
-
-    Attributes:
-        answered: answers that count.
-        unknown: questions of which the teacher did not know the answer.
-        skipped: questions that the teacher skipped.
-        corrected: answers of this teacher that were replaced.
-        late: answers to questions that already had another answer.
-        reliability: estimated probability that a label of this teacher is right, when this was written.
-    """
-
-    answered: int = 0
-    unknown: int = 0
-    skipped: int = 0
-    corrected: int = 0
-    late: int = 0
-    reliability: float | None = None
-
-    def plus(self, other: TeacherCounts) -> TeacherCounts:
-        """Return the counts of both; the reliability is not known then."""
-        names = ('answered', 'unknown', 'skipped', 'corrected', 'late')
-        return TeacherCounts(**{name: getattr(self, name) + getattr(other, name) for name in names})
+    teachers: Mapping[str, TeacherCounts] = field(default_factory=dict)
 
 
 @dataclass(frozen=True)
@@ -164,9 +163,11 @@ class Knowledge:
         feature_names: m names.
         classifiers: settings of the classifiers.
         length_scale: of their kernel in standard deviations; None: root of the number of features in use.
+        selection: name of the computational selection of features (`concepts.feature_selection`); empty for none.
         lessons: in the order in which they are learnt; those of an episode by their turns.
         origins: the episodes that the lessons come from.
-        teachers: counts by the teachers' names.
+        reliabilities: estimated probability that a label is right, by the teachers' names; a teacher of whom nobody
+            has estimated it is not in it.
         statistics: that follow from the lessons; None if nobody has computed them.
 
     Raises:
@@ -177,15 +178,16 @@ class Knowledge:
     feature_names: tuple[str, ...]
     classifiers: Classifiers
     length_scale: float | None = None
+    selection: str = ''
     lessons: tuple[Lesson, ...] = ()
     origins: tuple[Origin, ...] = ()
-    teachers: Mapping[str, TeacherCounts] = field(default_factory=dict)
+    reliabilities: Mapping[str, float] = field(default_factory=dict)
     statistics: Statistics | None = None
 
     def __post_init__(self) -> None:
-        for names, what in ((self.symbols, 'symbols'), (self.feature_names, 'features')):
-            if not names or len(set(names)) < len(names) or not all(name.strip() for name in names):
-                raise InputError(f'{what} must be distinct names, not {list(names)}')
+        for names, what, least in ((self.symbols, 'symbols', 2), (self.feature_names, 'features', 1)):
+            if len(names) < least or len(set(names)) < len(names) or not all(name.strip() for name in names):
+                raise InputError(f'{what} must be distinct names, at least {least}, not {list(names)}')
         if NO_SYMBOL in self.symbols:
             raise InputError(f'{NO_SYMBOL!r} cannot be a symbol')
         self.classifiers.check(self.length_scale)
@@ -201,6 +203,15 @@ class Knowledge:
     def relevant_groups(self) -> tuple[str, ...]:
         """Groups that a teacher called relevant last; none if no teacher was asked."""
         return next((lesson.groups for lesson in reversed(self.lessons) if lesson.groups), ())
+
+    @property
+    def teachers(self) -> dict[str, TeacherCounts]:
+        """Counts of all answers by the teachers' names, in their order."""
+        found: dict[str, TeacherCounts] = {}
+        for origin in self.origins:
+            for name, counts in origin.teachers.items():
+                found[name] = found.get(name, TeacherCounts()).plus(counts)
+        return dict(sorted(found.items()))
 
     @cached_property
     def views(self) -> Mapping[int, SeenView]:

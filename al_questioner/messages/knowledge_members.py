@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Iterable, Mapping
 from datetime import datetime, timezone
 from typing import Any
@@ -39,6 +38,8 @@ def knowledge_members(knowledge: Knowledge) -> Members:
         'feature_names': list(knowledge.feature_names),
         'kernel': {**classifiers._asdict(), 'length_scale': knowledge.length_scale},
     }
+    if knowledge.selection:
+        members['feature_selection'] = knowledge.selection
     if statistics is not None:
         members['standardisation'] = {
             'count': statistics.count,
@@ -46,9 +47,13 @@ def knowledge_members(knowledge: Knowledge) -> Members:
             'scale': list(statistics.scale),
         }
         members['features_in_use'] = list(statistics.features_in_use)
+    reliable = knowledge.reliabilities
     return {
         **members,
-        'teachers': {name: dict(vars(counts)) for name, counts in knowledge.teachers.items()},
+        'teachers': {
+            name: {**vars(counts), **({'reliability': reliable[name]} if name in reliable else {})}
+            for name, counts in knowledge.teachers.items()
+        },
         'episodes': [_origin_members(origin) for origin in knowledge.origins],
         'lessons': [_lesson_members(lesson) for lesson in knowledge.lessons],
     }
@@ -76,9 +81,14 @@ def knowledge_of(members: Mapping[str, Any]) -> Knowledge:
         feature_names=tuple(members['feature_names']),
         classifiers=Classifiers(**{name: kernel[name] for name in Classifiers._fields}),
         length_scale=length_scale,
+        selection=members.get('feature_selection', ''),
         lessons=tuple(map(_lesson_of, members['lessons'])),
         origins=tuple(map(_origin_of, members['episodes'])),
-        teachers={name: _counts_of(counts) for name, counts in members['teachers'].items()},
+        reliabilities={
+            name: counts['reliability']
+            for name, counts in members.get('teachers', {}).items()
+            if 'reliability' in counts
+        },
         statistics=statistics,
     )
 
@@ -169,7 +179,8 @@ def _lesson_of(members: Members) -> Lesson:
 
 
 def _origin_members(origin: Origin) -> Members:
-    told = {'strategy': origin.strategy, 'version': origin.version, 'world': origin.world}
+    teachers = {name: dict(vars(counts)) for name, counts in origin.teachers.items()}
+    told = {'strategy': origin.strategy, 'version': origin.version, 'world': origin.world, 'teachers': teachers}
     return {
         'episode_id': origin.episode,
         'symbols': list(origin.symbols),
@@ -184,12 +195,8 @@ def _origin_of(members: Members) -> Origin:
         members.get('strategy', ''),
         members.get('world'),
         members.get('version', ''),
+        {
+            name: TeacherCounts(**{each: counts[each] for each in TeacherCounts.__dataclass_fields__})
+            for name, counts in members.get('teachers', {}).items()
+        },
     )
-
-
-def _counts_of(members: Members) -> TeacherCounts:
-    known = TeacherCounts.__dataclass_fields__
-    counts = TeacherCounts(**{name: each for name, each in members.items() if name in known})
-    if counts.reliability is not None and not math.isfinite(counts.reliability):
-        raise InputError('a reliability is not a number')
-    return counts

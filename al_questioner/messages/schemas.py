@@ -67,8 +67,8 @@ _QUERY_RECORD = _record(
     {'turn': _TURN, **_ACTION, 'cost': _AMOUNT, 'outcome': {'enum': _OUTCOMES}, 'groups': _NAMES},
     {'answered_in': _TURN, 'objects': _OBJECT_IDS},
 )
-_TEACHER_COUNTS = ('answered', 'unknown', 'skipped', 'corrected', 'late')
-_TEACHER = _record({**dict.fromkeys(_TEACHER_COUNTS, _COUNT), 'reliability': _SHARE})
+_TEACHER_COUNTED: JsonSchema = dict.fromkeys(('answered', 'unknown', 'skipped', 'corrected', 'late'), _COUNT)
+_TEACHER = _record({**_TEACHER_COUNTED, 'reliability': _SHARE})
 
 _QUERY = _record(
     {
@@ -116,7 +116,7 @@ _LESSON = _record(
 )
 _CONCEPTS = _record(
     {
-        'symbols': {'type': 'array', 'items': _TEXT, 'minItems': 1},
+        'symbols': {'type': 'array', 'items': _TEXT, 'minItems': 2},
         'feature_names': {'type': 'array', 'items': _TEXT, 'minItems': 1},
         'kernel': _record(
             {
@@ -126,17 +126,6 @@ _CONCEPTS = _record(
                 'length_scale': {'anyOf': [_POSITIVE, {'type': 'null'}]},
             }
         ),
-        'teachers': {
-            'type': 'object',
-            'additionalProperties': {
-                'type': 'object',
-                'properties': {
-                    **dict.fromkeys(_TEACHER_COUNTS, _COUNT),
-                    'reliability': {'anyOf': [_SHARE, {'type': 'null'}]},
-                },
-                'required': list(_TEACHER_COUNTS),
-            },
-        },
         'episodes': {
             'type': 'array',
             'items': _record(
@@ -144,6 +133,7 @@ _CONCEPTS = _record(
                 {
                     'strategy': {'type': 'string'},
                     'version': {'type': 'string'},
+                    'teachers': {'type': 'object', 'additionalProperties': _record(_TEACHER_COUNTED)},
                     'world': {'oneOf': [_WORLD, {'type': 'null'}]},
                 },
             ),
@@ -151,11 +141,13 @@ _CONCEPTS = _record(
         'lessons': {'type': 'array', 'items': _LESSON},
     },
     {
+        'feature_selection': _TEXT,
         # These follow from the lessons, for those who only read.
         'examples': {'type': 'object', 'additionalProperties': _COUNT},
         'groups': _NAMES,
         'relevant_groups': {'anyOf': [_NAMES, {'type': 'null'}]},
         'features_in_use': _NAMES,
+        'teachers': {'type': 'object', 'additionalProperties': _record(_TEACHER_COUNTED, {'reliability': _SHARE})},
         'standardisation': _record(
             {
                 'count': _COUNT,

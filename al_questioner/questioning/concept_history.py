@@ -19,6 +19,7 @@ class ConceptHistory:
     """The concepts of an episode, and the scenes that they come from beside the queries.
 
     Attributes:
+        selector: selects features computationally; None for none.
         concepts: what is known now.
         scenes: those of the turns so far, without the sensors' noise.
         tuned_turns: at whose end the kernel was tuned, as learners of earlier versions could.
@@ -30,6 +31,7 @@ class ConceptHistory:
         self, settings: EpisodeSettings, view_tolerance: ViewTolerance, selector: Selector | None, queries: QueryBook
     ) -> None:
         tolerance = VIEW_TOLERANCE if view_tolerance == AUTO else view_tolerance
+        self.selector = selector
         self._beginning, before = taught_concept_learner(settings, selector, tolerance)
         self._beliefs_before = {item_of(lesson): beliefs for lesson, beliefs in before.items()}
         self._views = ViewMemory() if view_tolerance == AUTO else None

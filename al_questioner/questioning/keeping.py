@@ -2,11 +2,13 @@
 
 from __future__ import annotations
 
+import dataclasses
 from collections import defaultdict
 from collections.abc import Mapping
 
 import numpy as np
 
+from al_questioner.concepts.feature_selection import name_of_selector
 from al_questioner.concepts.lessons import statistics_of
 from al_questioner.domain import (
     Classifiers,
@@ -21,14 +23,13 @@ from al_questioner.domain import (
     QueryRecord,
     Scene,
     SeenView,
-    TeacherCounts,
     ViewJudgement,
     ViewLabel,
 )
 from al_questioner.questioning.answers import AnswerHistory
 from al_questioner.questioning.concept_history import ConceptHistory
 from al_questioner.questioning.query_status import QueryBook
-from al_questioner.questioning.reliability import TeacherRecord
+from al_questioner.questioning.reliability import TeacherRecord, answer_counts
 
 
 def knowledge_after(
@@ -68,12 +69,13 @@ def knowledge_after(
         feature_names=concepts.feature_names,
         classifiers=Classifiers(amplitude, settings.kernel_shape, settings.class_balance),
         length_scale=kernel.length_scale if is_tuned else settings.length_scale,
+        selection=name_of_selector(history.selector),
         lessons=(
             *(() if before is None else before.lessons),
             *_Writing(before, origin, stamps).lessons(history, queries, answers),
         ),
-        origins=(*origins, origin),
-        teachers={name: TeacherCounts(**vars(record)) for name, record in teachers.items()},
+        origins=(*origins, dataclasses.replace(origin, teachers=answer_counts(answers))),
+        reliabilities={name: record.reliability for name, record in teachers.items()},
         statistics=statistics_of(concepts),
     )
 

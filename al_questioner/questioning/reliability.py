@@ -18,7 +18,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from al_questioner.domain import NO_SYMBOL, Answer, Knowledge, Lesson, Outcome, Query, QueryKind
+from al_questioner.domain import NO_SYMBOL, Answer, Knowledge, Lesson, Outcome, Query, QueryKind, TeacherCounts
 from al_questioner.questioning.answers import AnswerHistory
 from al_questioner.support.arrays import Array
 
@@ -163,22 +163,30 @@ def teacher_records(
     if known is not None:
         statements = [*statements_in(known, symbols), *statements]
     estimated = reliabilities(statements, beliefs)
-    earlier = {} if known is None else known.teachers
-    standing, replaced, late = list(book.standing()), list(book.replaced()), list(book.late)
-    names = sorted({*(answer.teacher_id for answer in (*replaced, *standing, *late)), *earlier})
-
-    def count(which: str, answers: Sequence[Answer], name: str, outcome: Outcome | None = None) -> int:
-        before = getattr(earlier[name], which) if name in earlier else 0
-        return before + sum(a.teacher_id == name and outcome in (None, a.outcome) for a in answers)
-
+    counts, earlier = answer_counts(book), {} if known is None else known.teachers
     return {
         name: TeacherRecord(
-            answered=count('answered', standing, name, Outcome.ANSWERED),
-            unknown=count('unknown', standing, name, Outcome.UNKNOWN),
-            skipped=count('skipped', standing, name, Outcome.SKIP),
-            corrected=count('corrected', replaced, name),
-            late=count('late', late, name),
+            **vars(counts.get(name, TeacherCounts()).plus(earlier.get(name, TeacherCounts()))),
             reliability=estimated.get(name, CREDIT_RIGHT / (CREDIT_RIGHT + CREDIT_WRONG)),
         )
-        for name in names
+        for name in sorted({*counts, *earlier})
+    }
+
+
+def answer_counts(book: AnswerHistory) -> dict[str, TeacherCounts]:
+    """Return the counts of every teacher's answers in an episode, in the order of their names."""
+    standing, replaced, late = list(book.standing()), list(book.replaced()), list(book.late)
+
+    def count(answers: Sequence[Answer], name: str, outcome: Outcome | None = None) -> int:
+        return sum(a.teacher_id == name and outcome in (None, a.outcome) for a in answers)
+
+    return {
+        name: TeacherCounts(
+            answered=count(standing, name, Outcome.ANSWERED),
+            unknown=count(standing, name, Outcome.UNKNOWN),
+            skipped=count(standing, name, Outcome.SKIP),
+            corrected=count(replaced, name),
+            late=count(late, name),
+        )
+        for name in sorted({answer.teacher_id for answer in (*replaced, *standing, *late)})
     }

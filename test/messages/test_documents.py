@@ -35,13 +35,13 @@ ANSWERS = [
 ]
 
 DIGESTS = {
-    'episode': 'd4c0cb5781015b06',
+    'episode': 'c14687f7ad8fb488',
     'turn': '8eb0cae17fdfbbfa',
     'query': '80c276465c88668d',
     'answer': '319db1540a418d8f',
     'answer_ack': '227c4e7bc1f95c28',
     'learner_state': '5bbef5e72f40deb9',
-    'concepts': '7009856c73822364',
+    'concepts': '4989bae20f7fba73',
 }
 """Of the schemas. If one changes on purpose, tell it in docs/reference/documents.md and copy here what pytest shows."""
 

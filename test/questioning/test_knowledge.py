@@ -16,8 +16,11 @@ from al_questioner.domain import (
     SettingsError,
     random_stream,
 )
+from al_questioner.messages.concepts_file import concepts_of_text
+from al_questioner.messages.concepts_text import concepts_text
 from al_questioner.questioning import Episode
-from shared.toys import SYMBOLS, Asks, ToyWorld, make_settings, play, reply
+from al_questioner.questioning.review import doubtful_labels, reviewed, taught_learner
+from shared.toys import SYMBOLS, Asks, ToyWorld, make_scene, make_settings, play, reply
 
 TURNS = 20
 
@@ -100,6 +103,10 @@ def test_two_days_are_as_one(strategy, view_tolerance):
     assert [each.seen for each in both.lessons] == [each.seen for each in again.lessons]
     assert [label for _, label in both.examples] == [label for _, label in again.examples]
     assert both.statistics == again.statistics
+    read = concepts_of_text(concepts_text(both))
+    assert read == both
+    assert np.array_equal(taught_learner(read).predict_proba(looks), whole.concepts.predict_proba(looks))
+    assert reviewed(read) == both
 
 
 def test_a_relevance_query_is_kept():
@@ -216,3 +223,18 @@ def test_other_features_are_refused():
     names = ('colour_red', 'colour_green', 'size_width', 'noise_max', 'noise_min')
     with pytest.raises(InputError, match="'size_width', it was 'size_height' before"):
         second.ask(dataclasses.replace(world.current, feature_names=names))
+
+
+def test_a_wrong_label_is_doubtful():
+    """Nobody finds the label that makes the robot call pliers a snack."""
+    rng = np.random.default_rng(0)
+    episode = begin(make_settings('random_fsq', 100.0, 40), strategy=AsTold({}))
+    kinds = np.repeat(np.arange(3), 10)
+    features = rng.normal(0, 0.3, size=(30, 5)) + 3 * np.eye(3, 5)[kinds]
+    episode.strategy.actions = {turn: Action(QueryKind.LABEL, turn - 1) for turn in range(1, 31)}
+    for turn in range(1, 31):
+        query = episode.ask(make_scene(features)).query
+        told = SYMBOLS[kinds[query.action.object_id]] if turn != 7 else 'fruit'
+        episode.tell(reply(query, told))
+    (doubt,) = doubtful_labels(episode.knowledge('day 1'))
+    assert (doubt.lesson.turn, doubt.label.label, doubt.likely) == (7, 'fruit', 'main_dish')
