@@ -15,6 +15,7 @@ from al_questioner.event_log.events import (
     LateAnswerKept,
     SceneObserved,
     TurnTimedOut,
+    knowledge_of,
 )
 from al_questioner.event_log.log import LogContents, LogWriteError, SessionLog, SessionLogError
 from al_questioner.event_log.replay import Replay
@@ -78,6 +79,14 @@ class DurableEpisode:
     def decision(self) -> Decision | None:
         """The decision of the present turn; None before the first."""
         return self._running.decision
+
+    def knowledge(self) -> Knowledge:
+        """Return all that is known now, to keep it.
+
+        Raises:
+            InputError: nothing was seen yet.
+        """
+        return knowledge_of(self.started, self.episode, self._running.stamps)
 
     def start(self) -> None:
         """Begin, or play all of the log to continue where it ends.
