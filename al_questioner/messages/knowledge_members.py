@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Mapping
 from datetime import datetime, timezone
+from functools import lru_cache
 from typing import Any
 
 import numpy as np
@@ -25,6 +26,9 @@ from al_questioner.domain import (
 from al_questioner.messages.stamps import SECOND
 
 Members = dict[str, Any]
+
+VIEWS_KEPT = 4096
+"""Views whose numbers are not written a second time: a learner writes all that it knows after each answer."""
 
 
 def knowledge_members(knowledge: Knowledge) -> Members:
@@ -95,11 +99,16 @@ def knowledge_of(members: Mapping[str, Any]) -> Knowledge:
 
 def readable(numbers: Iterable[float]) -> list[float]:
     """Return float32 numbers as the shortest decimals that read back as the same float32."""
-    singles = np.array(tuple(numbers), dtype=np.float32)
+    return list(_readable(np.array(tuple(numbers), dtype='<f4').tobytes()))
+
+
+@lru_cache(maxsize=VIEWS_KEPT)
+def _readable(bits: bytes) -> tuple[float, ...]:
+    singles = np.frombuffer(bits, dtype='<f4')
     short = singles.astype(str).astype(np.float64)
     # Read as float64 first, a decimal could in principle fall on the wrong side of the middle of two float32.
     is_exact = short.astype(np.float32) == singles
-    return [float(number) for number in np.where(is_exact, short, singles.astype(np.float64))]
+    return tuple(float(number) for number in np.where(is_exact, short, singles.astype(np.float64)))
 
 
 def exact(numbers: object, what: str) -> tuple[float, ...]:

@@ -3,21 +3,26 @@
 from __future__ import annotations
 
 import dataclasses
+import json
 from pathlib import Path
 
+import numpy as np
 import pytest
 
+from al_questioner.bags import read_episodes
 from al_questioner.cli import main
 from al_questioner.event_log.encoding import decoded
 from al_questioner.event_log.events import EpisodeStarted
 from al_questioner.event_log.log import SessionLogError, read_log
 from al_questioner.event_log.replay import first_divergence
 from al_questioner.event_log.summary import summarise_session
+from al_questioner.imitation.bags import decisions_anew, read_demonstrations
 from al_questioner.messages.concepts_file import read_concepts
-from al_questioner.messages.concepts_text import concepts_text
+from al_questioner.messages.concepts_text import concepts_text, fingerprint
 from al_questioner.messages.knowledge_members import knowledge_members
+from al_questioner.questioning import FEATURE_SETS
 from al_questioner.simulation import PerceivedWorld, WorldSpec, episode_settings
-from shared.durable_sessions import TASK, durable_of, episode_started, play_turns, start_durable
+from shared.durable_sessions import TASK, WORLD, durable_of, episode_started, play_turns, start_durable
 
 
 @pytest.fixture(scope='module')
@@ -30,9 +35,9 @@ def other_world() -> PerceivedWorld:
     return PerceivedWorld(WorldSpec(TASK, 5, 5).open())
 
 
-def going_on(known, budget=3.0, episode_id='e2'):
-    settings = dataclasses.replace(episode_settings(TASK, 'farthest_fsq', budget, 6), concepts=known)
-    return {'settings': settings, 'episode_id': episode_id}
+def going_on(known, budget=3.0, episode_id='e2', strategy='farthest_fsq'):
+    settings = dataclasses.replace(episode_settings(TASK, strategy, budget, 6), concepts=known)
+    return {'settings': settings, 'episode_id': episode_id, 'world': {**WORLD, 'seed': 5, 'sample': 5}}
 
 
 def test_a_session_leaves_what_it_taught(tmp_path: Path, world: PerceivedWorld) -> None:
@@ -98,3 +103,26 @@ def test_old_logs_have_no_concepts(tmp_path: Path, world: PerceivedWorld) -> Non
     durable.start()
     play_turns(durable, world, 1)
     assert knowledge_members(durable.knowledge())['lessons']
+
+
+def test_a_bag_holds_what_was_known(tmp_path: Path, world: PerceivedWorld, other_world: PerceivedWorld) -> None:
+    """A recorded episode of the second day cannot be checked, or be learnt from, without the first one's file."""
+    first = start_durable(None)
+    play_turns(first, world, 6)
+    second = start_durable(tmp_path / 's', **going_on(first.knowledge(), strategy='expert'))
+    play_turns(second, other_world, 6)
+    second.close()
+    assert main(['session', str(tmp_path / 's'), '--bag', str(tmp_path / 'bag'), '--json', str(tmp_path / 'j')]) == 0
+    (episode,) = read_episodes(tmp_path / 'bag')
+    assert episode.started.settings.concepts == first.knowledge()
+    assert first_divergence(episode.started, episode.events) is None
+    exported = json.loads((tmp_path / 'j').read_text())
+    assert exported['concepts_sha256'] == fingerprint(first.knowledge())
+    assert exported['accuracy']
+    (demonstration,) = read_demonstrations([tmp_path / 'bag'])
+    assert demonstration.settings.concepts == first.knowledge()
+    again = list(decisions_anew(episode, FEATURE_SETS['dt_task_env']))
+    recorded = [turn.decision.features for turn in episode.turns]
+    assert len(again) == len(recorded)
+    for decision, features in zip(again, recorded, strict=True):
+        np.testing.assert_allclose(decision.features, features, rtol=1e-5, atol=1e-5)

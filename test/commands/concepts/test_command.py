@@ -56,7 +56,7 @@ def test_it_shows_what_is_known(monday: Path, capsys: pytest.CaptureFixture[str]
 
 
 def test_two_days_are_merged(monday: Path, tuesday: Path, tmp_path: Path) -> None:
-    """What was taught on two days stays in two files."""
+    """Two days of teaching stay in two files."""
     out = tmp_path / 'both.json'
     assert main(['concepts', str(monday), str(tuesday), '--out', str(out)]) == 0
     found, first, second = map(read_concepts, (out, monday, tuesday))
