@@ -18,28 +18,31 @@ LessonWatcher = Callable[[int, Lesson], None]
 """Function that is called with the index of each lesson and the lesson, after its views and before what was said."""
 
 
-def learn_again(concepts: ConceptLearner, knowledge: Knowledge, watch: LessonWatcher | None = None) -> None:
+def learn_again(
+    concepts: ConceptLearner, knowledge: Knowledge, watch: LessonWatcher | None = None, first: int = 0
+) -> None:
     """Teach a learner all lessons, in their order, as they were taught.
 
     A fit depends in the last digits on the fits before, so the result is that of the learner which was taught first
     only if each event is repeated. It is, to the last bit, if the learners have the same symbols and classifiers.
 
     Args:
-        concepts: knows nothing yet; it may have more symbols than the knowledge.
+        concepts: knows nothing but the lessons before the first one; it may have more symbols than the knowledge.
         knowledge: what it is to know.
         watch: looks on.
+        first: index of the first lesson to teach.
 
     Raises:
         InputError: a label is none of the learner's symbols.
     """
-    for index, lesson in enumerate(knowledge.lessons):
+    views = knowledge.views
+    for index, lesson in enumerate(knowledge.lessons[first:], start=first):
         if lesson.seen:
             concepts.observe(scene_of(lesson.seen, knowledge.feature_names))
         if watch is not None:
             watch(index, lesson)
         if lesson.groups:
             concepts.restrict_to_groups(lesson.groups)
-        views = knowledge.views
         for number in lesson.unnameable:
             concepts.note_unnameable(views[number].object_id, features_of(views[number]))
         concepts.learn_views(

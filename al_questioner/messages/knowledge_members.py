@@ -111,6 +111,11 @@ def _readable(bits: bytes) -> tuple[float, ...]:
     return tuple(float(number) for number in np.where(is_exact, short, singles.astype(np.float64)))
 
 
+def forget_written() -> None:
+    """Forget which views were written already, to measure how long that takes."""
+    _readable.cache_clear()
+
+
 def exact(numbers: object, what: str) -> tuple[float, ...]:
     """Return the float32 numbers that decimals stand for.
 

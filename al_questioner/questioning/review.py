@@ -6,7 +6,7 @@ from dataclasses import dataclass, replace
 
 from al_questioner.concepts import ConceptLearner
 from al_questioner.concepts.feature_selection import selector_named
-from al_questioner.concepts.lessons import statistics_of
+from al_questioner.concepts.lessons import learn_again, statistics_of
 from al_questioner.domain import NO_SYMBOL, EpisodeSettings, Knowledge, Lesson, ViewLabel
 from al_questioner.questioning.initial_concepts import taught_concept_learner
 from al_questioner.questioning.reliability import item_of, label_beliefs, reliabilities, statements_in
@@ -58,6 +58,33 @@ def taught_learner(knowledge: Knowledge) -> ConceptLearner:
     return _taught(knowledge)[0]
 
 
+class KnowledgeFollower:
+    """Learner that follows what another one knows, as it grows: only lessons that are new are taught.
+
+    It believes, to the last bit, what `taught_learner` of the same knowledge believes.
+    """
+
+    def __init__(self) -> None:
+        self._learner: ConceptLearner | None = None
+        self._known: Knowledge | None = None
+
+    def follow(self, knowledge: Knowledge) -> ConceptLearner:
+        """Return the learner once it knows this; it is the same object as before if it had only to learn more.
+
+        Raises:
+            InputError: lessons that do not fit each other.
+        """
+        learner, known = self._learner, self._known
+        # Should a lesson fail, the next knowledge is learnt from its beginning.
+        self._learner = self._known = None
+        if learner is None or known is None or not _continues(known, knowledge):
+            learner = taught_learner(knowledge)
+        else:
+            learn_again(learner, knowledge, first=len(known.lessons))
+        self._learner, self._known = learner, knowledge
+        return learner
+
+
 def reviewed(knowledge: Knowledge) -> Knowledge:
     """Return the knowledge with the statistics and the reliabilities that follow from it."""
     concepts, beliefs = _taught(knowledge)
@@ -85,3 +112,12 @@ def doubtful_labels(knowledge: Knowledge) -> list[DoubtfulLabel]:
 
 def _taught(knowledge: Knowledge) -> tuple[ConceptLearner, dict[int, Array]]:
     return taught_concept_learner(settings_for(knowledge), selector_named(knowledge.selection))
+
+
+def _continues(known: Knowledge, knowledge: Knowledge) -> bool:
+    """Return whether a learner of what is known needs only the lessons behind it to know all."""
+    are_same = all(
+        getattr(known, name) == getattr(knowledge, name)
+        for name in ('symbols', 'feature_names', 'classifiers', 'length_scale', 'selection')
+    )
+    return are_same and knowledge.lessons[: len(known.lessons)] == known.lessons

@@ -19,7 +19,7 @@ from al_questioner.domain import (
 from al_questioner.messages.concepts_file import concepts_of_text
 from al_questioner.messages.concepts_text import concepts_text
 from al_questioner.questioning import Episode
-from al_questioner.questioning.review import doubtful_labels, reviewed, taught_learner
+from al_questioner.questioning.review import KnowledgeFollower, doubtful_labels, reviewed, taught_learner
 from shared.toys import SYMBOLS, Asks, ToyWorld, make_scene, make_settings, play, reply
 
 TURNS = 20
@@ -238,3 +238,23 @@ def test_a_wrong_label_is_doubtful():
         episode.tell(reply(query, told))
     (doubt,) = doubtful_labels(episode.knowledge('day 1'))
     assert (doubt.lesson.turn, doubt.label.label, doubt.likely) == (7, 'fruit', 'main_dish')
+
+
+def test_a_follower_believes_what_the_learner_believes():
+    """A recogniser beside a learner drifts away from it, or begins at the beginning with every answer."""
+    episode, world, follower = begin(make_settings('farthest_fsq')), ToyWorld(1), KnowledgeFollower()
+    followers = set()
+    while not episode.done:
+        scene = world.scene(episode.turn + 1)
+        query = episode.ask(scene).query
+        if query is not None:
+            episode.tell(world.answer(query))
+        learner = follower.follow(episode.knowledge('day 1'))
+        followers.add(id(learner))
+        assert np.array_equal(learner.predict_proba(scene.features), episode.concepts.predict_proba(scene.features))
+    assert len(followers) == 1
+    # What is put right later changes what was taught before.
+    answer = Answer('q3', 'a2', 'toy', Outcome.ANSWERED, 'none', replaces='a1')
+    assert episode.take(answer).record is not None
+    learner = follower.follow(episode.knowledge('day 1'))
+    assert np.array_equal(learner.predict_proba(scene.features), episode.concepts.predict_proba(scene.features))

@@ -7,7 +7,7 @@ from collections.abc import Sequence
 from pathlib import Path
 
 from al_questioner.domain.names import parted
-from al_questioner.support.arguments import DEFAULT, Parser
+from al_questioner.support.arguments import Parser
 
 SETTLEMENTS = ('refuse', 'newest', 'reliable')
 """Names of `concepts.merging`, which a command line need not import."""
@@ -22,7 +22,7 @@ def parser() -> Parser:
     )
     result.add_argument('files', type=Path, nargs='+', metavar='FILE', help='concepts file')
     result.add_argument('--examples', action='store_true', help='show every example, with the number of its view')
-    settle = f'label to keep of a view with several: of the newest or the most reliable; default {DEFAULT}: none'
+    settle = 'label that counts of a view with several: the newest one, or that of the most reliable teacher'
     result.add_argument('--settle', choices=SETTLEMENTS, default=SETTLEMENTS[0], help=settle)
     remove = 'forget what the view of this number was called; can be repeated, as all below'
     result.add_argument('--remove', type=int, action='append', default=[], metavar='VIEW', help=remove)
