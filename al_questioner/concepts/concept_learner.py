@@ -37,7 +37,7 @@ Noise is removed earlier, by a `ViewMemory`.
 
 @dataclass(frozen=True, eq=False)
 class LabelledView:
-    """One object that the teacher named: its features, its label, and the turn of the label."""
+    """One object that the teacher named: its features, its label, and the turn of the label (0: earlier)."""
 
     object_id: int
     features: NDArray[np.float32]

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import contextlib
 
-from al_questioner.domain import AUTO, Answer, Decision, Knowledge
+from al_questioner.domain import AUTO, Answer, Decision, InputError, Knowledge
 from al_questioner.event_log.encoding import Encoder, decoded
 from al_questioner.event_log.events import (
     ActionChosen,
@@ -42,6 +42,7 @@ class DurableEpisode:
 
     Raises:
         SessionLogError: the log is of an episode with other settings, which the text names, or it cannot be understood.
+        InputError: what is known already comes from an episode of the same id.
     """
 
     def __init__(self, wanted: EpisodeStarted, strategy: Strategy, log: SessionLog | None = None) -> None:
@@ -59,6 +60,11 @@ class DurableEpisode:
             if damage is not None:
                 raise SessionLogError(f'{log.folder}: {damage}')
             self.started = _same_episode(log, self._events[0], wanted)
+        known = self.started.settings.concepts
+        if known is not None and self.started.episode_id in {origin.episode for origin in known.origins}:
+            raise InputError(
+                f'what is known comes from an episode {self.started.episode_id!r} already: give this one another'
+            )
 
     @property
     def is_ready(self) -> bool:

@@ -36,7 +36,7 @@ class ConceptHistory:
         self._beliefs_before = {item_of(lesson): beliefs for lesson, beliefs in before.items()}
         self._views = ViewMemory() if view_tolerance == AUTO else None
         self._queries = queries
-        self.concepts = copy.deepcopy(self._beginning)
+        self.concepts = self._at_the_beginning()
         self.scenes: list[Scene] = []
         self.tuned_turns: set[int] = set()
         self.beliefs: dict[int, NDArray[np.float64]] = dict(self._beliefs_before)
@@ -82,6 +82,11 @@ class ConceptHistory:
         self.tuned_turns.add(len(self.scenes))
         self.concepts.repeat_tuning()
 
+    def _at_the_beginning(self) -> ConceptLearner:
+        """Return a learner of what was known before the first turn."""
+        # A selector may be anything, even what cannot be copied.
+        return copy.deepcopy(self._beginning, {id(self.selector): self.selector})
+
     def _learn(self, concepts: ConceptLearner, record: QueryRecord) -> None:
         """Learn what came of a query, after a note of what was believed of the thing before."""
         scene = self.scenes[record.turn - 1]
@@ -92,7 +97,7 @@ class ConceptHistory:
 
     def _learn_again(self) -> None:
         """Learn the concepts again from the scenes and the records, event by event as it happened."""
-        concepts, records = copy.deepcopy(self._beginning), {record.turn: record for record in self._queries.records}
+        concepts, records = self._at_the_beginning(), {record.turn: record for record in self._queries.records}
         self.beliefs = dict(self._beliefs_before)
         for turn, scene in enumerate(self.scenes, start=1):
             concepts.observe(scene)

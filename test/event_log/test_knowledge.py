@@ -11,6 +11,7 @@ import pytest
 
 from al_questioner.bags import read_episodes
 from al_questioner.cli import main
+from al_questioner.domain import InputError
 from al_questioner.event_log.encoding import decoded
 from al_questioner.event_log.events import EpisodeStarted
 from al_questioner.event_log.log import SessionLogError, read_log
@@ -126,3 +127,11 @@ def test_a_bag_holds_what_was_known(tmp_path: Path, world: PerceivedWorld, other
     assert len(again) == len(recorded)
     for decision, features in zip(again, recorded, strict=True):
         np.testing.assert_allclose(decision.features, features, rtol=1e-5, atol=1e-5)
+
+
+def test_an_episode_has_an_id_of_its_own(world: PerceivedWorld) -> None:
+    """Lessons of the second day could not be told from those of the first."""
+    first = start_durable(None)
+    play_turns(first, world, 2)
+    with pytest.raises(InputError, match="an episode 'e1' already"):
+        start_durable(None, **going_on(first.knowledge(), episode_id='e1'))
