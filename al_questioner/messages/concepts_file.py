@@ -23,8 +23,12 @@ def concepts_of_text(text: str) -> Knowledge:
     Raises:
         InputError: it is no such document, one of a later version, or damaged; the text is one line.
     """
-    _check_schema(text)
-    return knowledge_of(documents.read(KIND, text))
+    try:
+        _check_schema(text)
+        return knowledge_of(documents.read(KIND, text))
+    except InputError as error:
+        # A name in it may have several lines.
+        raise InputError(one_line(error)) from error
 
 
 def read_concepts(path: Path) -> Knowledge:
@@ -40,7 +44,7 @@ def read_concepts(path: Path) -> Knowledge:
     except UnicodeDecodeError:
         raise InputError(f'{path}: not a text file') from None
     except InputError as error:
-        raise InputError(f'{path}: {one_line(error)}') from error
+        raise InputError(f'{path}: {error}') from error
 
 
 def write_concepts(path: Path, knowledge: Knowledge) -> None:

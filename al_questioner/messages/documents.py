@@ -48,6 +48,8 @@ EARLIER_KERNEL = {'amplitude': 4.0, 'kernel_shape': 'rbf', 'class_balance': 0.0}
 
 MAXIMAL_LENGTH = 4_000_000
 """Characters; a longer text is refused unread."""
+LONGER = dict.fromkeys(('concepts', 'episode'), 64_000_000)
+"""Such limits of the documents that hold all that was ever taught."""
 
 
 class DocumentError(InputError):
@@ -71,8 +73,9 @@ def read(kind: str, text: str) -> Document:
     Raises:
         DocumentError: too long, no JSON, another schema, or a member that is missing or of the wrong form.
     """
-    if len(text) > MAXIMAL_LENGTH:
-        raise DocumentError(f'{kind}: {len(text)} characters, at most {MAXIMAL_LENGTH} are read')
+    longest = LONGER.get(kind, MAXIMAL_LENGTH)
+    if len(text) > longest:
+        raise DocumentError(f'{kind}: {len(text)} characters, at most {longest} are read')
     try:
         document = json.loads(text, parse_constant=_refuse_constant)
     except DocumentError:

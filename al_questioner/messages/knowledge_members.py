@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterable, Mapping
 from datetime import datetime, timezone
 from functools import lru_cache
@@ -69,22 +70,26 @@ def knowledge_of(members: Mapping[str, Any]) -> Knowledge:
     Raises:
         InputError: parts that do not fit each other, or a number that is no float32.
     """
-    kernel = dict(members['kernel'])
-    length_scale = kernel.pop('length_scale')
+    kernel = members['kernel']
+    length_scale = kernel['length_scale']
     standardisation = members.get('standardisation')
     statistics = None
     if standardisation is not None:
         statistics = Statistics(
             standardisation['count'],
-            tuple(map(float, standardisation['mean'])),
-            tuple(map(float, standardisation['scale'])),
+            tuple(_number(each, 'a mean') for each in standardisation['mean']),
+            tuple(_number(each, 'a scale') for each in standardisation['scale']),
             tuple(members.get('features_in_use', members['feature_names'])),
         )
     return Knowledge(
         symbols=tuple(members['symbols']),
         feature_names=tuple(members['feature_names']),
-        classifiers=Classifiers(**{name: kernel[name] for name in Classifiers._fields}),
-        length_scale=length_scale,
+        classifiers=Classifiers(
+            _number(kernel['amplitude'], 'the amplitude'),
+            kernel['kernel_shape'],
+            _number(kernel['class_balance'], 'the class balance'),
+        ),
+        length_scale=None if length_scale is None else _number(length_scale, 'the length scale'),
         selection=members.get('feature_selection', ''),
         lessons=tuple(map(_lesson_of, members['lessons'])),
         origins=tuple(map(_origin_of, members['episodes'])),
@@ -133,6 +138,21 @@ def exact(numbers: object, what: str) -> tuple[float, ...]:
     if not np.isfinite(found).all():
         raise InputError(f'{what} are not all finite numbers of 32 bits')
     return tuple(found.tolist())
+
+
+def _number(value: float, what: str) -> float:
+    """Return a number of a document as a float.
+
+    Raises:
+        InputError: it is too large.
+    """
+    try:
+        found = float(value)
+    except OverflowError:
+        found = math.inf
+    if not math.isfinite(found):
+        raise InputError(f'{what} is too large a number')
+    return found
 
 
 def time_text(stamp: int) -> str:

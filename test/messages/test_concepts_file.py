@@ -22,6 +22,7 @@ from al_questioner.domain import (
 from al_questioner.messages.concepts_file import concepts_of_text, read_concepts, write_concepts
 from al_questioner.messages.concepts_text import concepts_text, fingerprint
 from al_questioner.messages.knowledge_members import exact, readable, time_of, time_text
+from al_questioner.questioning.review import taught_learner
 
 WORLD = {'task': 't', 'seed': 1, 'sample': 1, 'dataset': None}
 FEATURES = ('colour_red', 'colour_green', 'size_height')
@@ -164,3 +165,40 @@ def test_a_file_without_statistics_is_enough():
     for name in ('standardisation', 'features_in_use', 'examples', 'groups', 'relevant_groups', 'teachers'):
         del document[name]
     assert concepts_of_text(json.dumps(document)) == knowledge(statistics=None, reliabilities={})
+
+
+def places(value, path=()):
+    """Yield the path of every value within a document."""
+    yield path
+    children = value.items() if isinstance(value, dict) else enumerate(value) if isinstance(value, list) else ()
+    for key, child in children:
+        yield from places(child, (*path, key))
+
+
+def test_no_damage_ends_in_anything_but_a_refusal():
+    """A file that somebody has edited ends in a traceback."""
+    rng, text = np.random.default_rng(0), concepts_text(knowledge())
+    everywhere = [path for path in places(json.loads(text)) if path]
+    values = (None, -1, 0, 1, 2, 1.5, True, '', 'none', 'snack', [], {}, [1], {'a': 1}, 10**400, 'a\nb')
+    refused = understood = 0
+    for _ in range(1500):
+        document = json.loads(text)
+        *above, last = everywhere[rng.integers(len(everywhere))]
+        parent = document
+        for key in above:
+            parent = parent[key]
+        choice = int(rng.integers(-1, len(values)))
+        if choice < 0:
+            del parent[last]
+        else:
+            parent[last] = values[choice]
+        try:
+            found = concepts_of_text(json.dumps(document))
+        except InputError as error:
+            refused += '\n' not in str(error)
+        else:
+            assert concepts_text(concepts_of_text(concepts_text(found))) == concepts_text(found)
+            taught_learner(found)
+            understood += 1
+    assert refused + understood == 1500
+    assert refused > 700
