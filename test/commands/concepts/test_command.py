@@ -69,6 +69,15 @@ def test_two_days_are_merged(monday: Path, tuesday: Path, tmp_path: Path) -> Non
     assert read_concepts(out) == found
 
 
+def test_a_file_adds_nothing_to_the_one_that_went_on_from_it(monday: Path, tmp_path: Path) -> None:
+    """The first day counts twice, or its views get lost."""
+    later, out = tmp_path / 'later.json', tmp_path / 'out.json'
+    write_concepts(later, taught('later', 2, concepts=read_concepts(monday)))
+    for files in ((monday, later), (later, monday)):
+        assert main(['concepts', *map(str, files), '--out', str(out)]) == 0
+        assert out.read_text() == later.read_text()
+
+
 @pytest.mark.parametrize('settlement', ['newest', 'reliable'])
 def test_contradictions_are_settled_as_asked(
     monday: Path, tmp_path: Path, settlement: str, capsys: pytest.CaptureFixture[str]
