@@ -17,6 +17,8 @@ if TYPE_CHECKING:
     from al_questioner.domain import Query as Query
     from al_questioner.domain import QueryKind as QueryKind
     from al_questioner.domain import Scene as Scene
+    from al_questioner.messages.concepts_file import read_concepts as read_concepts
+    from al_questioner.messages.concepts_file import write_concepts as write_concepts
     from al_questioner.questioning import Episode as Episode
     from al_questioner.questioning import load_weights as load_weights
     from al_questioner.questioning import make_strategy as make_strategy
@@ -30,6 +32,7 @@ __all__, __getattr__ = lazy_names(
     {
         'concepts': ['ConceptModels'],
         'domain': ['Answer', 'Costs', 'EpisodeSettings', 'InputError', 'Outcome', 'Query', 'QueryKind', 'Scene'],
+        'messages.concepts_file': ['read_concepts', 'write_concepts'],
         'questioning': ['Episode', 'load_weights', 'make_strategy'],
         'simulation': ['load_task', 'run_episode'],
     },

@@ -63,6 +63,11 @@ EXECUTABLES = {
         'al_questioner.commands.session.command:main',
         "shows, checks, repairs and exports the log of a learner's session",
     ),
+    'concepts': Executable(
+        'al_questioner.commands.concepts.arguments:parse',
+        'al_questioner.commands.concepts.command:main',
+        'shows, merges, changes and exports what learners know',
+    ),
     'train_weights': Executable(
         'al_questioner.commands.train_weights.arguments:parse',
         'al_questioner.commands.train_weights.command:main',

@@ -26,7 +26,7 @@ FILE_NAME = 'demo.launch.py'
 TRUTH = {'true': True, '1': True, 'false': False, '0': False}
 
 WORLD_ARGUMENTS = ('dataset', 'seed')
-LEARNER_ARGUMENTS = ('strategy', 'budget', 'turns', 'turn_period', 'session')
+LEARNER_ARGUMENTS = ('strategy', 'budget', 'turns', 'turn_period', 'session', 'concepts', 'save_concepts')
 SETTINGS = {setting.name: setting for setting in (*WORLD_SETTINGS, *LEARNER_SETTINGS)}
 CHOICES = {
     'perception': (('simulated', 'none'), 'who shows objects: the simulated table, or none of these nodes'),

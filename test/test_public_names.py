@@ -29,7 +29,7 @@ def test_the_package_offers_what_the_contract_names() -> None:
     """Notebooks import these, and look for them with the tabulator key."""
     promised = {
         'Answer', 'ConceptModels', 'Costs', 'Episode', 'EpisodeSettings', 'InputError', 'Outcome', 'Query', 'QueryKind',
-        'Scene', 'load_task', 'load_weights', 'make_strategy', 'run_episode',
+        'Scene', 'load_task', 'load_weights', 'make_strategy', 'read_concepts', 'run_episode', 'write_concepts',
     }  # fmt: skip
     assert set(al_questioner.__all__) == promised
     assert promised | {'__version__'} <= set(dir(al_questioner))

@@ -20,7 +20,7 @@ def test_concept_models_snippet_runs() -> None:
     exec(SNIPPETS[0], {**given, 'scene': scene})
 
 
-def test_episode_snippets_ask_learn_and_recognise(capsys) -> None:
+def test_episode_snippets_ask_learn_recognise_and_go_on(capsys, tmp_path, monkeypatch) -> None:
     """Otherwise the loop that people build on would not run."""
     known: dict[str, object] = {}
     exec(SNIPPETS[1], known)
@@ -31,11 +31,18 @@ def test_episode_snippets_ask_learn_and_recognise(capsys) -> None:
     recognised = [line.split() for line in capsys.readouterr().out.splitlines()]
     assert len(recognised) == 3
     assert all(name in ('cup', 'plate', 'none') and 0 <= float(p) <= 1 for name, p in recognised)
+    monkeypatch.chdir(tmp_path)
+    before = known['episode']
+    exec(SNIPPETS[3], known)
+    things = known['things']
+    np.testing.assert_array_equal(
+        known['episode'].concepts.predict_proba(things), before.concepts.predict_proba(things)
+    )
 
 
 def test_own_data_snippet_compares_strategies(capsys) -> None:
     """Otherwise nobody could try strategies on a table of theirs."""
-    exec(SNIPPETS[3], {})
+    exec(SNIPPETS[4], {})
     rows = [line.split() for line in capsys.readouterr().out.splitlines()]
     assert [name for name, _ in rows] == ['value_per_cost', 'random_fsq']
     assert all(0.5 < float(accuracy) <= 1 for _, accuracy in rows)

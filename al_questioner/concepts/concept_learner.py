@@ -14,7 +14,7 @@ from al_questioner.concepts.kernel import RBF, Kernel, KernelShape
 from al_questioner.concepts.laplace.earlier_tuning import tuned_kernel
 from al_questioner.concepts.seen_views import SeenViews
 from al_questioner.concepts.standardiser import Standardiser
-from al_questioner.concepts.taught_views import JudgedView, LabelledView, TaughtViews
+from al_questioner.concepts.taught_views import JudgedView, LabelledView, TaughtViews, WithdrawnView
 from al_questioner.domain import (
     NO_SYMBOL,
     FloatArray,
@@ -95,6 +95,11 @@ class ConceptLearner:
         return self._taught.judged
 
     @property
+    def withdrawn_views(self) -> Sequence[WithdrawnView]:
+        """Labels that no longer count, with the turn since when."""
+        return self._taught.withdrawn
+
+    @property
     def positives(self) -> dict[str, int]:
         """Number of positive examples of each symbol, in the order of the symbols."""
         labels = [view.label for view in self.labelled_views]
@@ -112,6 +117,16 @@ class ConceptLearner:
     def subset_was_told(self) -> bool:
         """True if the teacher has said which features are relevant."""
         return self._told_relevant is not None
+
+    @property
+    def standardiser(self) -> Standardiser:
+        """Statistics of the observed views, to look at."""
+        return self._standardiser
+
+    @property
+    def features_in_use(self) -> tuple[str, ...]:
+        """Names of the features that the models use."""
+        return tuple(itertools.compress(self.feature_names, self._active))
 
     @property
     def kernel(self) -> Kernel:
@@ -224,7 +239,7 @@ class ConceptLearner:
         elif record.objects is not None:
             self.judge_scene(scene, record.objects, record.turn)
         elif record.kind is QueryKind.LABEL and record.outcome is Outcome.UNKNOWN and record.object_id is not None:
-            self._taught.note_unnameable(record.object_id, _row(scene, record.object_id))
+            self.note_unnameable(record.object_id, _row(scene, record.object_id))
         elif record.object_id is not None and record.symbol is not None:
             self.label(record.object_id, _row(scene, record.object_id), record.symbol, record.turn)
 
@@ -241,6 +256,29 @@ class ConceptLearner:
             _row(scene, object_id)
         if self._taught.judge(scene, mattering, turn):
             self._fit_models()
+
+    def learn_views(
+        self, judged: Sequence[JudgedView], labelled: Sequence[LabelledView], withdrawn: Collection[int] = ()
+    ) -> None:
+        """Learn again what was said in one turn of an earlier episode, whether the views are in view now or not.
+
+        Args:
+            judged: views that were judged.
+            labelled: views that got a label.
+            withdrawn: numbers of views that mattered, and whose labels as left out no longer counted.
+
+        Raises:
+            InputError: an unknown symbol, or features that do not fit those observed.
+        """
+        for view in labelled:
+            self._check_label(view.object_id, view.features, view.label)
+        self._taught.learn_again(judged, labelled, withdrawn)
+        if labelled or withdrawn:
+            self._fit_models()
+
+    def note_unnameable(self, object_id: int, features: FloatArray) -> None:
+        """Note that a teacher could not name an object with these (m,) raw features; the models stay as they are."""
+        self._taught.note_unnameable(object_id, features)
 
     def restrict_to_groups(self, groups: Iterable[str]) -> None:
         """Use the features of these groups only, as the answer to a feature subset query.
@@ -284,6 +322,10 @@ class ConceptLearner:
         chosen = select_features(table, self._labels())
         models = self._models.refitted(table[:, chosen], self._groups_of(chosen))
         return models.predict_proba(self._standardiser.transform(scene.features)[:, chosen])
+
+    def predict_each_from_others(self) -> Array:
+        """Return the (n, |Y|) q_y(x) of the n labelled views, each as if it had not been labelled."""
+        return self._models.predict_each_from_others()
 
     def points_of(self, features: FloatArray) -> Array:
         """Return (k, number in use) features in use, in standard deviations, of (k, m) raw features."""
@@ -351,14 +393,17 @@ class ConceptLearner:
         return np.sqrt(squared)
 
     def _labelled_view(self, object_id: int, features: FloatArray, symbol: str, turn: int) -> LabelledView:
+        vector = np.array(features, dtype=np.float32)
+        self._check_label(object_id, vector, symbol)
+        return LabelledView(object_id, vector, symbol, turn)
+
+    def _check_label(self, object_id: int, vector: NDArray[np.float32], symbol: str) -> None:
         if symbol not in self.symbols and symbol != NO_SYMBOL:
             raise InputError(f'unknown label {symbol!r}; known: {", ".join((*self.symbols, NO_SYMBOL))}')
-        vector = np.array(features, dtype=np.float32)
         if vector.shape != (len(self.feature_names),):
             raise InputError(f'features have shape {vector.shape}, expected {(len(self.feature_names),)}')
         if not np.isfinite(vector).all():
             raise InputError(f'the features of object {object_id} are not all finite')
-        return LabelledView(object_id, vector, symbol, turn)
 
     def _fit_models(self) -> None:
         """Fit the models to all that is known now.

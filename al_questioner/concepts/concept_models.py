@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import itertools
 import logging
 from collections.abc import Iterator, Sequence
 
@@ -130,6 +131,19 @@ class ConceptModels:
         models = self._without_examples(self.amplitude, self.length_scale, self.relative_length_scale)
         models._labels, models._posterior = self._labels, self._posterior
         return models.fit(features, self._labels, groups)
+
+    def predict_each_from_others(self) -> Array:
+        """Return the (n, |Y|) degrees of the n examples, each by models of the other examples only.
+
+        Examples of the same features are left out together: they would vote for each other. Every example takes a fit.
+        """
+        found = np.empty((len(self._labels), len(self.symbols)))
+        for row, point in enumerate(self._points):
+            others = (self._points != point).any(axis=1)
+            models = self._without_examples(self.amplitude, self.length_scale, self.relative_length_scale)
+            models.fit(self._points[others], list(itertools.compress(self._labels, others)), self._groups)
+            found[row] = models.predict_proba(point[None])[0]
+        return found
 
     def length_scale_of(self, n_features: int) -> float:
         """Return the kernel's length scale for this number of features, in their unit."""

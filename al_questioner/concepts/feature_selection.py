@@ -90,3 +90,18 @@ def select_features(
     selected = found <= significance
     selected[np.argsort(found, kind='stable')[:least]] = True
     return selected
+
+
+OTHER = 'other'
+"""Name of a selector that is not of this package."""
+_NAMED: dict[str, Selector | None] = {'': None, 'anova': select_features}
+
+
+def name_of_selector(selector: Selector | None) -> str:
+    """Return the name under which a selector is kept: empty for none, `OTHER` if it has no name."""
+    return next((name for name, known in _NAMED.items() if known is selector), OTHER)
+
+
+def selector_named(name: str) -> Selector | None:
+    """Return the selector of a name; None for none, and for one that is not known here."""
+    return _NAMED.get(name)

@@ -15,9 +15,10 @@ from al_questioner.domain import NO_SYMBOL, FloatArray, Scene
 
 @dataclass(frozen=True, eq=False)
 class LabelledView:
-    """One object that the teacher named: its features, its label, and the turn of the label.
+    """One object that the teacher named: its features, its label, and the turn of the label (0: earlier).
 
-    It was left out if it is an example of `NO_SYMBOL` only because it was not among the things that matter.
+    It was left out if it is an example of `NO_SYMBOL` only because it was not among the things that matter. What is
+    known from earlier episodes has a number there.
     """
 
     object_id: int
@@ -25,6 +26,15 @@ class LabelledView:
     label: str
     turn: int
     was_left_out: bool = False
+    number: int | None = None
+
+
+@dataclass(frozen=True, eq=False)
+class WithdrawnView:
+    """One view that was left out and in a later turn was said to matter: its label no longer counts."""
+
+    view: LabelledView
+    turn: int
 
 
 @dataclass(frozen=True, eq=False)
@@ -58,12 +68,14 @@ class TaughtViews:
     Attributes:
         labelled: in the order of the labels; a view can have several.
         judged: with what was said last of each.
+        withdrawn: views that were left out and later mattered.
     """
 
     def __init__(self, are_same: Compare) -> None:
         self._are_same = are_same
         self.labelled: list[LabelledView] = []
         self.judged: list[JudgedView] = []
+        self.withdrawn: list[WithdrawnView] = []
         self._unnameable: list[UnnameableView] = []
 
     def label(self, view: LabelledView) -> None:
@@ -78,18 +90,18 @@ class TaughtViews:
 
         The others are examples of `NO_SYMBOL`, unless their views have a label. Return whether any label has changed.
         """
-        _, judged_before = self._pairs(self.judged, scene.object_ids, scene.features)
         judged = [
             JudgedView(object_id, np.array(row, dtype=np.float32), object_id in mattering, turn)
             for object_id, row in zip(scene.object_ids, scene.features, strict=True)
         ]
-        self.judged = _without(self.judged, judged_before) + judged
+        self._replace_judgements(scene.object_ids, scene.features, judged)
         rows, labels = self._pairs(self.labelled, scene.object_ids, scene.features)
         taken_back = [
             label
             for row, label in zip(rows, labels, strict=True)
             if judged[row].matters and self.labelled[label].was_left_out
         ]
+        self.withdrawn += [WithdrawnView(self.labelled[label], turn) for label in taken_back]
         self.labelled = _without(self.labelled, taken_back)
         left_out = [
             LabelledView(view.object_id, view.features, NO_SYMBOL, turn, was_left_out=True)
@@ -98,6 +110,21 @@ class TaughtViews:
         ]
         self.labelled += left_out
         return bool(taken_back or left_out)
+
+    def learn_again(
+        self, judged: Sequence[JudgedView], labelled: Sequence[LabelledView], withdrawn: Collection[int]
+    ) -> None:
+        """Add what was said in one turn of an earlier episode, in which the labels of some numbers were withdrawn."""
+        if judged:
+            features = np.array([view.features for view in judged])
+            self._replace_judgements([view.object_id for view in judged], features, judged)
+        dropped = [i for i, view in enumerate(self.labelled) if view.was_left_out and view.number in withdrawn]
+        self.labelled = _without(self.labelled, dropped)
+        for view in labelled:
+            if view.was_left_out:
+                self.labelled.append(view)
+            else:
+                self.label(view)
 
     def note_unnameable(self, object_id: int, features: FloatArray) -> None:
         """Add that a teacher could not name an object with these (m,) raw features."""
@@ -127,6 +154,13 @@ class TaughtViews:
         """Return (n,) booleans: whether a teacher was asked to name this view of each object and did not know."""
         rows, _ = self._pairs(self._unnameable, scene.object_ids, scene.features)
         return np.bincount(rows, minlength=len(scene)) > 0
+
+    def _replace_judgements(
+        self, object_ids: Sequence[int], features: FloatArray, judged: Sequence[JudgedView]
+    ) -> None:
+        """Add judgements of objects with (n, m) raw features in place of those of the same views before."""
+        _, before = self._pairs(self.judged, object_ids, features)
+        self.judged = [*_without(self.judged, before), *judged]
 
     def _pairs(
         self, views: Sequence[View], object_ids: Sequence[int], features: FloatArray

@@ -5,12 +5,15 @@ from __future__ import annotations
 import math
 from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
-from typing import Any, Final, Literal, NamedTuple
+from typing import TYPE_CHECKING, Any, Final, Literal, NamedTuple
 
 from al_questioner.domain.errors import SettingsError
 from al_questioner.domain.names import listed
 from al_questioner.domain.query import NO_SYMBOL, Outcome, QueryKind
 from al_questioner.domain.setting import Setting
+
+if TYPE_CHECKING:
+    from al_questioner.domain.knowledge import Knowledge
 
 LARGEST_TURN = 10_000
 """Largest number of turns: each `learner_state` holds all queries so far, and must stay a message of a sane size."""
@@ -108,6 +111,20 @@ class Classifiers(NamedTuple):
     def __str__(self) -> str:
         return f'amplitude {self.amplitude:g}, kernel {self.kernel_shape}, class balance {self.class_balance:g}'
 
+    def check(self, length_scale: float | None = None) -> None:
+        """Refuse values out of range, and such a length scale of the kernel.
+
+        Raises:
+            SettingsError: a value outside its range.
+        """
+        for setting in (AMPLITUDE, CLASS_BALANCE):
+            setting.check(getattr(self, setting.name))
+        if self.kernel_shape not in KERNEL_SHAPE.choices:
+            known = ', '.join(KERNEL_SHAPE.choices)
+            raise SettingsError(f'unknown kernel_shape {self.kernel_shape!r}; known: {known}')
+        if length_scale is not None:
+            LENGTH_SCALE.check(length_scale)
+
 
 DEFAULT_CLASSIFIERS = Classifiers()
 CLASSIFIERS: Mapping[str, Setting[Any]] = {each.name: each for each in (AMPLITUDE, KERNEL_SHAPE, CLASS_BALANCE)}
@@ -130,6 +147,7 @@ class EpisodeSettings:
             the number of features in use.
         kernel_shape: how the kernel treats groups of features and large differences: `grouped` or `rbf`.
         class_balance: how much of the effect of the counts of examples is removed from the beliefs, 0 to 1.
+        concepts: what is known before the first turn; None if nothing is. `symbols` may have more symbols.
 
     Raises:
         SettingsError: a value outside its range.
@@ -146,6 +164,7 @@ class EpisodeSettings:
     length_scale: float | None = LENGTH_SCALE.default
     kernel_shape: str = KERNEL_SHAPE.default
     class_balance: float = CLASS_BALANCE.default
+    concepts: Knowledge | None = None
 
     def __post_init__(self) -> None:
         symbols = listed(self.symbols)
@@ -158,16 +177,14 @@ class EpisodeSettings:
             raise SettingsError(f'a symbol must not be blank, as one of {list(self.symbols)} is')
         if NO_SYMBOL in self.symbols:
             raise SettingsError(f'{NO_SYMBOL!r} cannot be a symbol: it stands for things that belong to no symbol')
-        for setting in (BUDGET, AMPLITUDE, CLASS_BALANCE):
-            setting.check(getattr(self, setting.name))
+        BUDGET.check(self.budget)
         for number_of_turns in (TURNS, CHANGE_INTERVAL):
             # Their upper limits are for nodes and commands; a program may give more, and so may an old log.
             replace(number_of_turns, upper=math.inf).check(getattr(self, number_of_turns.name))
-        if self.kernel_shape not in KERNEL_SHAPE.choices:
-            known = ', '.join(KERNEL_SHAPE.choices)
-            raise SettingsError(f'unknown kernel_shape {self.kernel_shape!r}; known: {known}')
-        if self.length_scale is not None:
-            LENGTH_SCALE.check(self.length_scale)
+        self.classifiers.check(self.length_scale)
+        missing = [] if self.concepts is None else [name for name in self.concepts.symbols if name not in self.symbols]
+        if missing:
+            raise SettingsError(f'symbols must hold those of the concepts that are known; {missing[0]!r} is missing')
         for name, price in COSTS.items():
             price.check(getattr(self.costs, name), f'costs.{name}')
         if self.costs.relevance is not None:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import contextlib
 
-from al_questioner.domain import AUTO, Answer, Decision
+from al_questioner.domain import AUTO, Answer, Decision, InputError, Knowledge
 from al_questioner.event_log.encoding import Encoder, decoded
 from al_questioner.event_log.events import (
     ActionChosen,
@@ -15,6 +15,7 @@ from al_questioner.event_log.events import (
     LateAnswerKept,
     SceneObserved,
     TurnTimedOut,
+    knowledge_of,
 )
 from al_questioner.event_log.log import LogContents, LogWriteError, SessionLog, SessionLogError
 from al_questioner.event_log.replay import Replay
@@ -22,8 +23,11 @@ from al_questioner.questioning import Episode, PreparedAnswer, Receipt, Strategy
 from al_questioner.support.differences import differences
 from al_questioner.support.rate_limiter import RateLimiter
 
-NOT_SETTINGS = frozenset({'version', 'semantics'})
-"""Members of an episode's first event that a learner that goes on with it need not share."""
+NOT_SETTINGS = frozenset({'version', 'semantics', 'concepts'})
+"""Members of an episode's first event that a learner that goes on with it need not share.
+
+That what was known before is the same is told by its fingerprint.
+"""
 NEW_DEFAULTS = frozenset({'kernel_shape', 'class_balance', 'costs.relevance'})
 """Members whose defaults are not those of the earlier version of the method, in which they could not be set."""
 REJECTED_KEPT, REJECTED_PERIOD = 10, 60.0
@@ -40,6 +44,7 @@ class DurableEpisode:
 
     Raises:
         SessionLogError: the log is of an episode with other settings, which the text names, or it cannot be understood.
+        InputError: what is known already comes from an episode of the same id.
     """
 
     def __init__(self, wanted: EpisodeStarted, strategy: Strategy, log: SessionLog | None = None) -> None:
@@ -57,6 +62,11 @@ class DurableEpisode:
             if damage is not None:
                 raise SessionLogError(f'{log.folder}: {damage}')
             self.started = _same_episode(log, self._events[0], wanted)
+        known = self.started.settings.concepts
+        if known is not None and self.started.episode_id in {origin.episode for origin in known.origins}:
+            raise InputError(
+                f'what is known comes from an episode {self.started.episode_id!r} already: give this one another'
+            )
 
     @property
     def is_ready(self) -> bool:
@@ -77,6 +87,14 @@ class DurableEpisode:
     def decision(self) -> Decision | None:
         """The decision of the present turn; None before the first."""
         return self._running.decision
+
+    def knowledge(self) -> Knowledge:
+        """Return all that is known now, to keep it.
+
+        Raises:
+            InputError: nothing was seen yet.
+        """
+        return knowledge_of(self.started, self.episode, self._running.stamps)
 
     def start(self) -> None:
         """Begin, or play all of the log to continue where it ends.
@@ -180,6 +198,8 @@ def _same_episode(log: SessionLog, first: EpisodeEvent, wanted: EpisodeStarted) 
     if wanted.view_tolerance == AUTO:
         # Older logs have the number that was the default then, and keep it.
         ignored |= {'view_tolerance'}
+    if _is_known(first.settings.concepts, wanted.settings.concepts):
+        ignored |= {'concepts_sha256'}
     if first.semantics != wanted.semantics:
         # Defaults and weights were others, too; the episode keeps the classifiers that it began with.
         weights = {*first.settings.weights, *wanted.settings.weights}
@@ -188,3 +208,13 @@ def _same_episode(log: SessionLog, first: EpisodeEvent, wanted: EpisodeStarted) 
     if differing:
         raise SessionLogError(f'{log.folder}: the session there has {"; ".join(differing)}')
     return first
+
+
+def _is_known(recorded: Knowledge | None, given: Knowledge | None) -> bool:
+    """Return whether what is given says no other than what an episode began with, as its log has it.
+
+    The file may be gone by now, or the episode may itself have added to it.
+    """
+    if given is None or recorded is None:
+        return given is None
+    return given.lessons[: len(recorded.lessons)] == recorded.lessons

@@ -2,11 +2,13 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import dataclass
 
-from al_questioner.domain import Action, Answer, Decision, EpisodeSettings, Query, Scene, ViewTolerance
+from al_questioner.domain import Action, Answer, Decision, EpisodeSettings, Knowledge, Query, Scene, ViewTolerance
 from al_questioner.messages import documents
 from al_questioner.messages.documents import Document
+from al_questioner.questioning import Episode
 from al_questioner.questioning.semantics import SEMANTICS
 
 
@@ -129,3 +131,12 @@ def kind_of(event: EpisodeEvent) -> str:
     if isinstance(event, AnswerAccepted) and event.answer.replaces is not None:
         return 'correction'
     return KINDS[type(event)]
+
+
+def knowledge_of(started: EpisodeStarted, episode: Episode, stamps: Mapping[int, int]) -> Knowledge:
+    """Return all that is known in an episode, given the stamps of its turns in nanoseconds.
+
+    Raises:
+        InputError: nothing was seen yet.
+    """
+    return episode.knowledge(started.episode_id, stamps, started.world, started.version)

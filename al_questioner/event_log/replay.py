@@ -46,6 +46,7 @@ class Replay:
         episode: as it is after the events played so far.
         observed: the scene of the present turn; None before the first.
         decision: of the present turn; None before the first.
+        stamps: of the turns so far, in nanoseconds.
     """
 
     def __init__(self, started: EpisodeStarted, strategy: Strategy, is_strict: bool = False) -> None:
@@ -55,6 +56,7 @@ class Replay:
         self.episode = Episode(started.settings, rng, started.view_tolerance, strategy)
         self.observed: SceneObserved | None = None
         self.decision: Decision | None = None
+        self.stamps: dict[int, int] = {}
         self._next_observed: SceneObserved | None = None
 
     def play(self, event: EpisodeEvent) -> None:
@@ -73,6 +75,7 @@ class Replay:
     def note_turn(self, observed: SceneObserved, decision: Decision) -> None:
         """Take note of a turn that the episode itself was asked for."""
         self.observed, self.decision = observed, decision
+        self.stamps[observed.turn] = observed.stamp
 
     def _play(self, event: EpisodeEvent) -> None:
         if isinstance(event, EpisodeStarted):

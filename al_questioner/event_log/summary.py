@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from pathlib import Path
 
-from al_questioner.domain import Answer, Query
+from al_questioner.domain import Answer, Knowledge, Query
 from al_questioner.event_log.encoding import decoded
 from al_questioner.event_log.events import (
     ActionChosen,
@@ -15,6 +15,7 @@ from al_questioner.event_log.events import (
     InputRejected,
     LateAnswerKept,
     SceneObserved,
+    knowledge_of,
 )
 from al_questioner.event_log.log import LogContents, SessionLogError
 from al_questioner.event_log.replay import ReplayError, replay_of
@@ -66,6 +67,15 @@ class SessionSummary:
         """The scene of each turn that began."""
         by_turn = {event.turn: event for _, event in self.events if isinstance(event, SceneObserved)}
         return tuple(by_turn[turn] for turn in range(1, self.episode.turn + 1))
+
+    @property
+    def knowledge(self) -> Knowledge:
+        """All that is known after these events.
+
+        Raises:
+            InputError: nothing was seen yet.
+        """
+        return knowledge_of(self.started, self.episode, {event.turn: event.stamp for event in self.observed})
 
     @property
     def queries(self) -> dict[str, Query]:

@@ -26,7 +26,9 @@ from al_questioner.domain import (
     QueryKind,
     QueryRecord,
 )
-from al_questioner.messages.schemas import SCHEMAS
+from al_questioner.messages.concepts_text import fingerprint
+from al_questioner.messages.knowledge_members import knowledge_members, knowledge_of
+from al_questioner.messages.schemas import SCHEMAS, schema_name
 
 Document = dict[str, Any]
 Item = TypeVar('Item', Query, Answer, QueryRecord, Action)
@@ -46,15 +48,12 @@ EARLIER_KERNEL = {'amplitude': 4.0, 'kernel_shape': 'rbf', 'class_balance': 0.0}
 
 MAXIMAL_LENGTH = 4_000_000
 """Characters; a longer text is refused unread."""
+LONGER = dict.fromkeys(('concepts', 'episode'), 64_000_000)
+"""Such limits of the documents that hold all that was ever taught."""
 
 
 class DocumentError(InputError):
     """A text that is not the document it should be."""
-
-
-def schema_name(kind: str) -> str:
-    """Return the `schema` member of a kind of document."""
-    return f'al_questioner/{kind}/1'
 
 
 def write(kind: str, episode_id: str, members: Mapping[str, Any]) -> str:
@@ -74,8 +73,9 @@ def read(kind: str, text: str) -> Document:
     Raises:
         DocumentError: too long, no JSON, another schema, or a member that is missing or of the wrong form.
     """
-    if len(text) > MAXIMAL_LENGTH:
-        raise DocumentError(f'{kind}: {len(text)} characters, at most {MAXIMAL_LENGTH} are read')
+    longest = LONGER.get(kind, MAXIMAL_LENGTH)
+    if len(text) > longest:
+        raise DocumentError(f'{kind}: {len(text)} characters, at most {longest} are read')
     try:
         document = json.loads(text, parse_constant=_refuse_constant)
     except DocumentError:
@@ -121,12 +121,19 @@ def _validator(kind: str) -> jsonschema.protocols.Validator:
 
 
 def settings_members(settings: EpisodeSettings) -> Document:
-    """Return what an `episode` document tells of the settings of its episode."""
-    return {name: getattr(settings, name) for name in _SETTINGS} | {
+    """Return what an `episode` document tells of the settings of its episode.
+
+    What was known before comes last, as it is long, with its `fingerprint` before it; both only if there is any.
+    """
+    members = {name: getattr(settings, name) for name in _SETTINGS if name != 'concepts'} | {
         'symbols': list(settings.symbols),
         'costs': costs_members(settings.costs),
         'weights': dict(settings.weights),
     }
+    known = settings.concepts
+    if known is not None:
+        members |= {'concepts_sha256': fingerprint(known), 'concepts': knowledge_members(known)}
+    return members
 
 
 def costs_members(costs: Costs) -> dict[str, float]:
@@ -144,6 +151,8 @@ def settings_of(document: Document) -> EpisodeSettings:
     told['budget'] = float(document['budget'])
     told['weights'] = {name: float(weight) for name, weight in document['weights'].items()}
     costs = {name: document['costs'].get(name) for name in (*COSTS, QueryKind.RELEVANCE.value)}
+    if 'concepts' in told:
+        told['concepts'] = knowledge_of(document['concepts'])
     told['costs'] = Costs(**{name: float(cost) for name, cost in costs.items() if cost is not None})
     return EpisodeSettings(**{**EARLIER_KERNEL, **told})
 

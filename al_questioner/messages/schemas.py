@@ -38,6 +38,11 @@ _SAYABLE = [outcome.value for outcome in SAYABLE_OUTCOMES]
 _SHARE: JsonSchema = {'type': 'number', 'minimum': 0, 'maximum': 1}
 
 
+def schema_name(kind: str) -> str:
+    """Return the `schema` member of a kind of document."""
+    return f'al_questioner/{kind}/1'
+
+
 def _record(required: JsonSchema, optional: JsonSchema | None = None) -> JsonSchema:
     """Return the schema of a mapping; it accepts other members, so that later versions may add some."""
     return {'type': 'object', 'properties': {**required, **(optional or {})}, 'required': list(required)}
@@ -62,8 +67,8 @@ _QUERY_RECORD = _record(
     {'turn': _TURN, **_ACTION, 'cost': _AMOUNT, 'outcome': {'enum': _OUTCOMES}, 'groups': _NAMES},
     {'answered_in': _TURN, 'objects': _OBJECT_IDS},
 )
-_TEACHER_COUNTS = ('answered', 'unknown', 'skipped', 'corrected', 'late')
-_TEACHER = _record({**dict.fromkeys(_TEACHER_COUNTS, _COUNT), 'reliability': _SHARE})
+_TEACHER_COUNTED: JsonSchema = dict.fromkeys(('answered', 'unknown', 'skipped', 'corrected', 'late'), _COUNT)
+_TEACHER = _record({**_TEACHER_COUNTED, 'reliability': _SHARE})
 
 _QUERY = _record(
     {
@@ -87,6 +92,73 @@ _ANSWER = _record(
             'anyOf': [{'items': _TEXT}, {'items': _OBJECT_IDS['items']}],
         },
         'replaces': {'anyOf': [_TEXT, {'type': 'null'}]},
+    },
+)
+
+_VIEW: JsonSchema = {'type': 'integer', 'minimum': 1, 'maximum': 2**53}
+_LESSON = _record(
+    {'episode': _TEXT, 'turn': {**_COUNT, 'minimum': 1}},
+    {
+        'time': _TEXT,
+        'kind': {'enum': _QUERIES},
+        'teacher': {'type': 'string'},
+        'labels': {
+            'type': 'array',
+            'items': _record({'view': _VIEW, 'label': _TEXT}, {'left_out': {'type': 'boolean'}}),
+        },
+        'judgements': {'type': 'array', 'items': _record({'view': _VIEW, 'matters': {'type': 'boolean'}})},
+        'withdrawn': {'type': 'array', 'items': _VIEW},
+        'groups': _NAMES,
+        'unnameable': {'type': 'array', 'items': _VIEW},
+        'hearsay': {'type': 'array', 'items': _record({'view': _VIEW, 'label': _TEXT, 'teacher': _TEXT})},
+        # The numbers are checked by who reads them, all at once: there are many.
+        'seen': {
+            'type': 'array',
+            'items': _record({'view': _VIEW, 'object': _OBJECT_IDS['items'], 'features': {'type': 'array'}}),
+        },
+    },
+)
+_CONCEPTS = _record(
+    {
+        'symbols': {'type': 'array', 'items': _TEXT, 'minItems': 2},
+        'feature_names': {'type': 'array', 'items': _TEXT, 'minItems': 1},
+        'kernel': _record(
+            {
+                'amplitude': _POSITIVE,
+                'kernel_shape': _member(KERNEL_SHAPE),
+                'class_balance': _member(CLASS_BALANCE),
+                'length_scale': {'anyOf': [_POSITIVE, {'type': 'null'}]},
+            }
+        ),
+        'episodes': {
+            'type': 'array',
+            'items': _record(
+                {'episode_id': _TEXT, 'symbols': _NAMES},
+                {
+                    'strategy': {'type': 'string'},
+                    'version': {'type': 'string'},
+                    'teachers': {'type': 'object', 'additionalProperties': _record(_TEACHER_COUNTED)},
+                    'world': {'oneOf': [_WORLD, {'type': 'null'}]},
+                },
+            ),
+        },
+        'lessons': {'type': 'array', 'items': _LESSON},
+    },
+    {
+        'feature_selection': _TEXT,
+        # These follow from the lessons, for those who only read.
+        'examples': {'type': 'object', 'additionalProperties': _COUNT},
+        'groups': _NAMES,
+        'relevant_groups': {'anyOf': [_NAMES, {'type': 'null'}]},
+        'features_in_use': _NAMES,
+        'teachers': {'type': 'object', 'additionalProperties': _record(_TEACHER_COUNTED, {'reliability': _SHARE})},
+        'standardisation': _record(
+            {
+                'count': _COUNT,
+                'mean': {'type': 'array', 'items': {'type': 'number'}},
+                'scale': {'type': 'array', 'items': _POSITIVE},
+            }
+        ),
     },
 )
 
@@ -123,6 +195,9 @@ SCHEMAS: dict[str, JsonSchema] = {
             'class_balance': _member(CLASS_BALANCE),
             'length_scale': {'anyOf': [_POSITIVE, {'type': 'null'}]},
             'view_tolerance': _member(SAME_VIEW),
+            # What was known before the first turn: a whole document of this kind.
+            'concepts': _CONCEPTS,
+            'concepts_sha256': _TEXT,
         },
     ),
     'turn': _record({'turn': _TURN, 'stamp': _STAMP, 'world': {'oneOf': [_WORLD, {'type': 'null'}]}}),
@@ -157,5 +232,6 @@ SCHEMAS: dict[str, JsonSchema] = {
             'teachers': {'type': 'object', 'additionalProperties': _TEACHER},
         },
     ),
+    'concepts': _CONCEPTS,
 }
 """Schema of each kind of document, without the `schema` and `episode_id` that every document carries."""

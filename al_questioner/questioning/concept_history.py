@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from functools import partial
+import copy
 
 import numpy as np
 from numpy.typing import NDArray
@@ -10,32 +10,36 @@ from numpy.typing import NDArray
 from al_questioner.concepts import VIEW_TOLERANCE, ConceptLearner, Selector, ViewMemory
 from al_questioner.concepts.view_memory import corrected
 from al_questioner.domain import AUTO, EpisodeSettings, Outcome, QueryRecord, Scene, ViewTolerance
-from al_questioner.questioning.initial_concepts import new_concept_learner
+from al_questioner.questioning.initial_concepts import taught_concept_learner
 from al_questioner.questioning.query_status import QueryBook
-from al_questioner.questioning.reliability import label_beliefs
+from al_questioner.questioning.reliability import item_of, label_beliefs
 
 
 class ConceptHistory:
     """The concepts of an episode, and the scenes that they come from beside the queries.
 
     Attributes:
+        selector: selects features computationally; None for none.
         concepts: what is known now.
         scenes: those of the turns so far, without the sensors' noise.
         tuned_turns: at whose end the kernel was tuned, as learners of earlier versions could.
-        beliefs: by turn, (L,) what was believed of the thing that was named in it, before it was named.
+        beliefs: by turn, (L,) what was believed of the thing that was named in it, before it was named; of what was
+            named in earlier episodes, by `reliability.item_of`.
     """
 
     def __init__(
         self, settings: EpisodeSettings, view_tolerance: ViewTolerance, selector: Selector | None, queries: QueryBook
     ) -> None:
         tolerance = VIEW_TOLERANCE if view_tolerance == AUTO else view_tolerance
-        self._new_concepts = partial(new_concept_learner, settings, selector, tolerance)
+        self.selector = selector
+        self._beginning, before = taught_concept_learner(settings, selector, tolerance)
+        self._beliefs_before = {item_of(lesson): beliefs for lesson, beliefs in before.items()}
         self._views = ViewMemory() if view_tolerance == AUTO else None
         self._queries = queries
-        self.concepts = self._new_concepts()
+        self.concepts = self._at_the_beginning()
         self.scenes: list[Scene] = []
         self.tuned_turns: set[int] = set()
-        self.beliefs: dict[int, NDArray[np.float64]] = {}
+        self.beliefs: dict[int, NDArray[np.float64]] = dict(self._beliefs_before)
 
     @property
     def view_noise(self) -> dict[str, float]:
@@ -78,6 +82,11 @@ class ConceptHistory:
         self.tuned_turns.add(len(self.scenes))
         self.concepts.repeat_tuning()
 
+    def _at_the_beginning(self) -> ConceptLearner:
+        """Return a learner of what was known before the first turn."""
+        # A selector may be anything, even what cannot be copied.
+        return copy.deepcopy(self._beginning, {id(self.selector): self.selector})
+
     def _learn(self, concepts: ConceptLearner, record: QueryRecord) -> None:
         """Learn what came of a query, after a note of what was believed of the thing before."""
         scene = self.scenes[record.turn - 1]
@@ -88,8 +97,8 @@ class ConceptHistory:
 
     def _learn_again(self) -> None:
         """Learn the concepts again from the scenes and the records, event by event as it happened."""
-        concepts, records = self._new_concepts(), {record.turn: record for record in self._queries.records}
-        self.beliefs.clear()
+        concepts, records = self._at_the_beginning(), {record.turn: record for record in self._queries.records}
+        self.beliefs = dict(self._beliefs_before)
         for turn, scene in enumerate(self.scenes, start=1):
             concepts.observe(scene)
             if turn in records:

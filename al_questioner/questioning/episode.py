@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
+from typing import Any
 
 import numpy as np
 
@@ -15,6 +16,8 @@ from al_questioner.domain import (
     AnswerError,
     Decision,
     EpisodeSettings,
+    Knowledge,
+    Origin,
     Outcome,
     Query,
     QueryKind,
@@ -25,6 +28,7 @@ from al_questioner.domain import (
 from al_questioner.questioning.answers import AnswerHistory, PreparedAnswer, Receipt, content_of
 from al_questioner.questioning.candidates import choices
 from al_questioner.questioning.concept_history import ConceptHistory
+from al_questioner.questioning.keeping import knowledge_after
 from al_questioner.questioning.query_status import QueryBook, query_id
 from al_questioner.questioning.question_wording import question_text
 from al_questioner.questioning.reliability import TeacherRecord, teacher_records
@@ -42,7 +46,7 @@ class Episode:
     tried again. The same settings, scenes, answers and generator give the same queries in any process.
 
     Args:
-        settings: what is given to the learner before it asks.
+        settings: what is given to the learner before it asks; what it knows already, too.
         rng: breaks the strategy's ties.
         view_tolerance: when two views of an object are the same: a number, see `ConceptLearner`, or 'auto': they
             differ by no more than the sensors' noise, see `ViewMemory`.
@@ -157,7 +161,13 @@ class Episode:
     @property
     def teachers(self) -> dict[str, TeacherRecord]:
         """Statistics of everybody who answered, and how far each can be relied on."""
-        return teacher_records(self.answers, self._queries.by_id, self.settings.symbols, self._history.beliefs)
+        return teacher_records(
+            self.answers,
+            self._queries.by_id,
+            self.settings.symbols,
+            self._history.beliefs,
+            self.settings.concepts,
+        )
 
     @property
     def tuned_turns(self) -> frozenset[int]:
@@ -327,6 +337,34 @@ class Episode:
         """
         self._check_not_awaiting()
         self._history.repeat_tuning()
+
+    def knowledge(
+        self,
+        episode_id: str,
+        stamps: Mapping[int, int] | None = None,
+        world: Mapping[str, Any] | None = None,
+        version: str = '',
+    ) -> Knowledge:
+        """Return all that is known now, to keep it, and to begin another episode with it.
+
+        Args:
+            episode_id: of this episode; no earlier one of what is known may have the same.
+            stamps: time of each turn in nanoseconds, as far as it is known.
+            world: the simulated world, as in an `episode` document; None if it is another one.
+            version: of this package.
+
+        Raises:
+            InputError: nothing was seen yet, or an earlier episode had the same id.
+        """
+        return knowledge_after(
+            self.settings,
+            self._history,
+            self._queries,
+            self.answers,
+            self.teachers,
+            Origin(episode_id, self.settings.symbols, self.settings.strategy, world, version),
+            {} if stamps is None else stamps,
+        )
 
     def _check_not_awaiting(self) -> None:
         if self.awaited is not None:

@@ -18,7 +18,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from al_questioner.domain import NO_SYMBOL, Answer, Outcome, Query, QueryKind
+from al_questioner.domain import NO_SYMBOL, Answer, Knowledge, Lesson, Outcome, Query, QueryKind, TeacherCounts
 from al_questioner.questioning.answers import AnswerHistory
 from al_questioner.support.arrays import Array
 
@@ -117,29 +117,76 @@ def statements_of(
     return [Statement(turn, who, labels.index(str(what))) for turn, who, what in named if what in labels]
 
 
+def view_in_question(lesson: Lesson) -> int | None:
+    """Return the number of the view of which a lesson says what it is; None if it is about none, or about many."""
+    if lesson.kind not in (QueryKind.LABEL, QueryKind.DEMONSTRATION) or len(lesson.labels) != 1:
+        return None
+    return lesson.labels[0].view
+
+
+def statements_in(knowledge: Knowledge, symbols: Sequence[str]) -> list[Statement]:
+    """Return the labels that teachers gave in earlier episodes, hearsay included; items are `item_of` a lesson."""
+    labels = (*symbols, NO_SYMBOL)
+    about = [(item_of(index), lesson) for index, lesson in enumerate(knowledge.lessons) if view_in_question(lesson)]
+    taken = [(item, lesson.teacher, lesson.labels[0].label) for item, lesson in about]
+    heard = [
+        (item, said.teacher, said.label)
+        for item, lesson in about
+        for said in lesson.hearsay
+        if said.view == view_in_question(lesson)
+    ]
+    return [Statement(item, who, labels.index(what)) for item, who, what in taken + heard if who and what in labels]
+
+
+def item_of(lesson: int) -> int:
+    """Return the item that a lesson of an earlier episode, by its index, is about; turns are numbers above 0."""
+    return -1 - lesson
+
+
 def teacher_records(
-    book: AnswerHistory, queries: Mapping[str, Query], symbols: Sequence[str], beliefs: Mapping[int, Array]
+    book: AnswerHistory,
+    queries: Mapping[str, Query],
+    symbols: Sequence[str],
+    beliefs: Mapping[int, Array],
+    known: Knowledge | None = None,
 ) -> dict[str, TeacherRecord]:
     """Return the record of every teacher, in the order of their names.
 
-    The beliefs are by turn, (L,) of the models about the object that was named in it, before its label.
+    Args:
+        book: what was said in the episode.
+        queries: by their ids.
+        symbols: of the episode.
+        beliefs: (L,) of the models about what was named, before it was, by the turn or by `item_of` a lesson.
+        known: what teachers said in earlier episodes.
     """
     statements = statements_of(book, queries, symbols, beliefs)
+    if known is not None:
+        statements = [*statements_in(known, symbols), *statements]
     estimated = reliabilities(statements, beliefs)
+    counts, earlier = answer_counts(book), {} if known is None else known.teachers
+    return {
+        name: TeacherRecord(
+            **vars(counts.get(name, TeacherCounts()).plus(earlier.get(name, TeacherCounts()))),
+            reliability=estimated.get(name, CREDIT_RIGHT / (CREDIT_RIGHT + CREDIT_WRONG)),
+        )
+        for name in sorted({*counts, *earlier})
+    }
+
+
+def answer_counts(book: AnswerHistory) -> dict[str, TeacherCounts]:
+    """Return the counts of every teacher's answers in an episode, in the order of their names."""
     standing, replaced, late = list(book.standing()), list(book.replaced()), list(book.late)
-    names = sorted({answer.teacher_id for answer in (*replaced, *standing, *late)})
 
     def count(answers: Sequence[Answer], name: str, outcome: Outcome | None = None) -> int:
         return sum(a.teacher_id == name and outcome in (None, a.outcome) for a in answers)
 
     return {
-        name: TeacherRecord(
+        name: TeacherCounts(
             answered=count(standing, name, Outcome.ANSWERED),
             unknown=count(standing, name, Outcome.UNKNOWN),
             skipped=count(standing, name, Outcome.SKIP),
             corrected=count(replaced, name),
             late=count(late, name),
-            reliability=estimated.get(name, CREDIT_RIGHT / (CREDIT_RIGHT + CREDIT_WRONG)),
         )
-        for name in names
+        for name in sorted({answer.teacher_id for answer in (*replaced, *standing, *late)})
     }

@@ -7,18 +7,75 @@ from pathlib import Path
 from typing import Any
 
 from al_questioner import __version__
-from al_questioner.domain import COST_RELEVANCE, COSTS, Costs, EpisodeSettings, InputError, price_of
+from al_questioner.domain import (
+    COST_RELEVANCE,
+    COSTS,
+    NO_SYMBOL,
+    Costs,
+    EpisodeSettings,
+    InputError,
+    Knowledge,
+    price_of,
+)
 from al_questioner.event_log.durable_episode import DurableEpisode
 from al_questioner.event_log.events import EpisodeStarted
 from al_questioner.event_log.log import SessionLog
 from al_questioner.event_log.storage import StorageFactory
+from al_questioner.messages.concepts_file import read_concepts
 from al_questioner.questioning import Strategy
+from al_questioner.ros.settings import CONCEPTS
 from al_questioner.ros.worlds import new_episode_id, world_members
 from al_questioner.simulation import Task, WorldSpec, episode_settings
+from al_questioner.support.files import check_writable
+from al_questioner.support.text import number_of
+
+CONCEPTS_FILE = 'concepts.json'
+"""Name of the concepts file in the folder of a log."""
 
 
-def settings_of(task: Task, given: Mapping[str, Any]) -> EpisodeSettings:
-    """Return the settings that the parameters state.
+def known_concepts(given: Mapping[str, Any]) -> Knowledge | None:
+    """Return what the file that the parameters name tells; None if they name none.
+
+    Raises:
+        InputError: it cannot be used.
+    """
+    path = str(given[CONCEPTS.name])
+    return read_concepts(Path(path).expanduser()) if path else None
+
+
+def concepts_files(given: Mapping[str, Any]) -> list[Path]:
+    """Return the files to which what is known is to be written.
+
+    Raises:
+        InputError: the one that the parameters name cannot be written.
+    """
+    own = Path(str(given['save_concepts'])).expanduser() if given['save_concepts'] else None
+    if own is not None:
+        check_writable(own)
+    folder = session_folder(given)
+    return [path for path in (own, None if folder is None else folder / CONCEPTS_FILE) if path is not None]
+
+
+def notes_on_known(settings: EpisodeSettings) -> tuple[str, str]:
+    """Return what people are told of the concepts that an episode begins with: what is known, and what is doubtful."""
+    known = settings.concepts
+    if known is None:
+        return '', ''
+    new, of_none = [symbol for symbol in settings.symbols if symbol not in known.symbols], known.counts[NO_SYMBOL]
+    doubtful = (
+        f'{", ".join(new)}: new, while {number_of(of_none, "thing")} of {NO_SYMBOL} are known from before; if one is'
+        ' of that symbol, remove its example from the concepts file'
+    )
+    return f'{number_of(len(known.examples), "example")} are known', doubtful if new and of_none else ''
+
+
+def session_folder(given: Mapping[str, Any]) -> Path | None:
+    """Return the folder of the log; None for none."""
+    return Path(str(given['session'])).expanduser() if given['session'] else None
+
+
+def settings_of(task: Task, given: Mapping[str, Any], known: Knowledge | None = None) -> EpisodeSettings:
+    """Return the settings that the parameters state, with what is known already.
 
     Raises:
         InputError: they cannot be used.
@@ -38,6 +95,7 @@ def settings_of(task: Task, given: Mapping[str, Any]) -> EpisodeSettings:
         kernel_shape=given['kernel_shape'],
         class_balance=given['class_balance'],
         length_scale=given['length_scale'] or None,
+        concepts=known,
     )
 
 
@@ -49,7 +107,7 @@ def durable_episode_of(
     Raises:
         InputError: the log cannot be used, or is that of an episode with other settings.
     """
-    folder = Path(str(given['session'])).expanduser() if given['session'] else None
+    folder = session_folder(given)
     log = None if folder is None else SessionLog(folder, storage)
     is_new = log is None or not log.events
     wanted = EpisodeStarted(

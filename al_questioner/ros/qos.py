@@ -21,6 +21,6 @@ SENSED = ('objects', 'scene_image')
 
 TOPICS = (
     *('episode', 'turn', 'objects', 'scene_image', 'scene_markers', 'query', 'answer', 'answer_ack', 'decision'),
-    *('learner_state', '/diagnostics'),
+    *('learner_state', 'concepts', '/diagnostics'),
 )
 """Names of all topics of the nodes."""

@@ -19,6 +19,7 @@ from al_questioner.domain import (
     NEVER,
     SAME_VIEW,
     TURNS,
+    Knowledge,
     Setting,
 )
 from al_questioner.questioning.strategies.names import STRATEGY
@@ -60,6 +61,7 @@ TEACHER_SETTINGS: Settings = (
 
 TURN_PERIOD = Setting('turn_period', 0.0, 'least time from turn to turn; 0: as fast as they can go', 's', 0, 3600)
 _ABOUT_TIMEOUT = 'time after which a turn goes on without its answer, doubled each time up to eightfold; 0: never'
+CONCEPTS = Setting('concepts', '', 'concepts file of what is known before the first turn; empty: nothing is')
 LEARNER_SETTINGS: Settings = (
     STRATEGY,
     WEIGHTS_FILE,
@@ -78,6 +80,8 @@ LEARNER_SETTINGS: Settings = (
     TURN_PERIOD,
     Setting('episode_id', '', 'of the episode in all documents; empty: one that is not used again'),
     Setting('session', '', 'folder of the log that the episode is written to and goes on from; empty: none'),
+    CONCEPTS,
+    Setting('save_concepts', '', "file for what is known, written after each answer; empty: none but the session's"),
     WAIT_FOR_RECORDER,
 )
 
@@ -96,10 +100,10 @@ ALL_NAMES = frozenset(
 """Every parameter of every node: a file for all nodes sets parameters that a single one does not have."""
 
 
-def learner_settings(task: Task) -> Settings:
-    """Return the learner's parameters, with the task's values as defaults."""
+def learner_settings(task: Task, known: Knowledge | None = None) -> Settings:
+    """Return the learner's parameters, with the values of the task, and of what is known already, as defaults."""
     relevance = task.episode.costs.relevance
-    defaults = {
+    defaults: dict[str, Any] = {
         STRATEGY.name: task.episode.strategy,
         BUDGET.name: task.episode.budget,
         TURNS.name: task.episode.turns,
@@ -107,4 +111,6 @@ def learner_settings(task: Task) -> Settings:
         **{price.name: getattr(task.episode.costs, name) for name, price in COSTS.items()},
         COST_RELEVANCE.name: NEVER if relevance is None else relevance,
     }
+    if known is not None:
+        defaults |= {**known.classifiers._asdict(), LENGTH_SCALE.name: known.length_scale or 0.0}
     return [replace(each, default=defaults.get(each.name, each.default)) for each in LEARNER_SETTINGS]

@@ -12,8 +12,10 @@ from al_questioner.domain import (
     LENGTH_SCALE,
     Costs,
     EpisodeSettings,
+    Knowledge,
     SettingsError,
 )
+from al_questioner.domain.names import check_names
 from al_questioner.questioning import STRATEGIES, make_strategy, read_weights, shipped_file
 from al_questioner.simulation.task import Task
 
@@ -30,8 +32,11 @@ def episode_settings(
     length_scale: float | None = LENGTH_SCALE.default,
     kernel_shape: str = KERNEL_SHAPE.default,
     class_balance: float = CLASS_BALANCE.default,
+    concepts: Knowledge | None = None,
 ) -> EpisodeSettings:
     """Settings of an episode; what is not given comes from the task, and the weights from `config/weights`.
+
+    The symbols are those of the concepts that are known already, then those of the task that are new.
 
     A strategy that another package contributes gets the weights of the file, or none.
 
@@ -50,8 +55,12 @@ def episode_settings(
             make_strategy(name, weights)
         except SettingsError as error:
             raise SettingsError(f'{path}: {error}') from error
+    symbols = task.symbols
+    if concepts is not None:
+        symbols = tuple(dict.fromkeys((*concepts.symbols, *task.symbols)))
+        check_names(symbols, 'symbol')
     return EpisodeSettings(
-        symbols=task.symbols,
+        symbols=symbols,
         budget=task.episode.budget if budget is None else budget,
         turns=task.episode.turns if turns is None else turns,
         strategy=name,
@@ -62,4 +71,5 @@ def episode_settings(
         length_scale=length_scale,
         kernel_shape=kernel_shape,
         class_balance=class_balance,
+        concepts=concepts,
     )

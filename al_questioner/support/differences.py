@@ -9,9 +9,13 @@ from typing import Any
 def differences(theirs: Mapping[str, Any], ours: Mapping[str, Any], ignored: Collection[str] = ()) -> list[str]:
     """Return what differs between the document that was found, theirs, and the one that was expected, ours.
 
-    Each reads `name theirs, not ours`; a member of an inner object is `outer.name`. Ignored names may differ.
+    Each reads `name theirs, not ours`; a member of an inner object is `outer.name`. Ignored names may differ; what is
+    in an inner object of an ignored name, too.
     """
-    found, wanted = dict(_flat(theirs)), dict(_flat(ours))
+    found, wanted = (
+        dict(_flat({name: value for name, value in members.items() if name not in ignored}))
+        for members in (theirs, ours)
+    )
     return [
         f'{name} {found.get(name)!r}, not {wanted.get(name)!r}'
         for name in {**found, **wanted}

@@ -6,6 +6,7 @@ from scipy.special import expit, logit
 
 from al_questioner.concepts import ConceptModels, concept_models
 from al_questioner.concepts.concept_models import PROBABILITY_TOLERANCE
+from al_questioner.concepts.kernel import GROUPED
 from al_questioner.concepts.laplace import mode_shift
 from al_questioner.domain import NO_SYMBOL, InputError
 from shared.textbook import optimised_probability
@@ -390,3 +391,18 @@ def test_predictions_and_score_are_those_that_scikit_learn_users_expect() -> Non
     for features, labels in (([[0.1]], ['snack', 'fruit']), ([], [])):
         with pytest.raises(InputError):
             models.score(features, labels)
+
+
+def test_each_example_is_judged_by_the_others_alone():
+    """A label would vouch for itself, or for the same example told twice."""
+    rng = np.random.default_rng(3)
+    points = rng.normal(size=(9, 4))
+    points[5] = points[2]
+    labels = ['a', 'b', 'none', 'a', 'b', 'a', 'none', 'b', 'a']
+    models = ConceptModels(('a', 'b'), 100.0, shape=GROUPED, class_balance=0.5)
+    found = models.fit(points, labels, list('ppqq')).predict_each_from_others()
+    for row in range(9):
+        others = [other for other in range(9) if other != row and {other, row} != {2, 5}]
+        alone = ConceptModels(('a', 'b'), 100.0, shape=GROUPED, class_balance=0.5)
+        alone.fit(points[others], [labels[other] for other in others], list('ppqq'))
+        np.testing.assert_allclose(found[row], alone.predict_proba(points[[row]])[0], atol=1e-9)

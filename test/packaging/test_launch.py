@@ -15,7 +15,7 @@ from shared.checkout import ROOT
 
 DEFAULTS = {'end_with_learner': 'false', 'perception': 'simulated', 'teacher': 'scripted', 'task': 'kitchen_table'}
 OPTIONAL = ('namespace', 'params_file', 'bag', 'use_sim_time', 'dataset', 'seed', 'strategy', 'budget', 'turns')
-OPTIONAL += ('turn_period', 'session')
+OPTIONAL += ('turn_period', 'session', 'concepts', 'save_concepts')
 
 
 class Recorded(SimpleNamespace):

@@ -23,12 +23,15 @@ from al_questioner.bags import read_bag
 from al_questioner.bags.playback import Playback
 from al_questioner.commands.replay.arguments import parse as parse_replay
 from al_questioner.commands.train_weights.arguments import parser as training_parser
+from al_questioner.domain import DEFAULT_CLASSIFIERS, Knowledge
+from al_questioner.messages.concepts_file import write_concepts
 from al_questioner.ros.node import QuestionerNode
 from al_questioner.ros.nodes.learner import LearnerNode
 from al_questioner.ros.nodes.perception import PerceptionNode
 from al_questioner.ros.nodes.recorder import RecorderNode
 from al_questioner.ros.nodes.replayer import ReplayNode
 from al_questioner.ros.nodes.teacher import TeacherNode
+from al_questioner.simulation import load_task
 from shared.checkout import ROOT
 
 DOCUMENTS = (ROOT / 'README.md', ROOT / 'CONTRIBUTING.md', *sorted((ROOT / 'docs').rglob('*.md')))
@@ -46,6 +49,8 @@ LINES = {
     'ros2 launch al_questioner demo.launch.py perception:=none teacher:=none use_sim_time:=true': GENUINE,
     'ros2 launch al_questioner demo.launch.py task:=prepare_lunch strategy:=dt_task_env bag:=my_bag': GENUINE,
     'ros2 run al_questioner X': PATTERN,
+    'ros2 run al_questioner learner --ros-args -p concepts:=monday.json -p save_concepts:=tuesday.json': NODE,
+    'ros2 run al_questioner learner --ros-args -p save_concepts:=monday.json': NODE,
     'ros2 run al_questioner learner --ros-args -p session:=my_session': NODE,
     'ros2 run al_questioner learner --ros-args -p strategy:=dt_task_env -p weights_file:=my_weights.yaml': NODE,
     'ros2 run al_questioner learner --ros-args -p strategy:=human -p wait_for_recorder:=true': NODE,
@@ -132,6 +137,8 @@ def workplace(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
     shutil.copytree(ROOT / 'bags' / 'expert_0', tmp_path / 'my_demonstration')
     (tmp_path / 'bags').symlink_to(ROOT / 'bags')
     shutil.copy(ROOT / 'config' / 'weights' / 'dt_task_env.yaml', tmp_path / 'my_weights.yaml')
+    known = Knowledge(load_task('prepare_lunch').symbols, ('size_height',), DEFAULT_CLASSIFIERS)
+    write_concepts(tmp_path / 'monday.json', known)
     monkeypatch.chdir(tmp_path)
     return tmp_path
 

@@ -20,6 +20,7 @@ def parser() -> Parser:
     result.add_argument('--json', type=Path, metavar='FILE', help='write the episode as JSON')
     result.add_argument('--csv', type=Path, metavar='DIR', help='write answers.csv and turns.csv')
     result.add_argument('--bag', type=Path, metavar='PATH', help='write the episode into a new bag')
+    result.add_argument('--concepts', type=Path, metavar='FILE', help='write all that the learner knows')
     repair = 'keep what is before the damage, and the damaged files as broken-*'
     result.add_argument('--repair', action='store_true', help=repair)
     return result

@@ -15,6 +15,7 @@ from al_questioner.domain import Answer, Outcome
 from al_questioner.domain.names import quoted
 from al_questioner.event_log.log import read_log, repair_log
 from al_questioner.event_log.summary import SessionSummary, StatedAnswer, summarise_session
+from al_questioner.messages.concepts_file import write_concepts
 from al_questioner.questioning import Receipt
 from al_questioner.support.files import check_writable, write_text
 from al_questioner.support.text import number_of
@@ -22,8 +23,8 @@ from al_questioner.support.text import number_of
 
 def main(given: argparse.Namespace) -> int:
     """Show a session, and return 0 if its log is whole, 1 if it is damaged."""
-    if given.json is not None:
-        check_writable(given.json)
+    for path in filter(None, (given.json, given.concepts)):
+        check_writable(path)
     summary = summarise_session(given.folder, read_log(given.folder))
     console = Console()
     if not console.is_terminal:
@@ -39,6 +40,9 @@ def main(given: argparse.Namespace) -> int:
         written.append(given.json)
     if given.csv is not None:
         written += write_tables(summary, given.csv)
+    if given.concepts is not None:
+        write_concepts(given.concepts, summary.knowledge)
+        written.append(given.concepts)
     if given.bag is not None:
         # Only now, as a robot may lack what bags need.
         from al_questioner.bags.from_session import write_bag

@@ -33,6 +33,8 @@ def session_document(summary: SessionSummary) -> dict[str, Any]:
     started, records = summary.started, summary.episode.records
     accuracy, reason = measured_accuracy(summary)
     settings = settings_members(started.settings)
+    # The fingerprint tells what it was; `--concepts` writes all that is known.
+    settings.pop('concepts', None)
     return {
         'task': None if started.world is None else started.world['task'],
         'strategy': settings.pop('strategy'),

@@ -99,16 +99,17 @@ def choose_best(
 def settled_actions(context: TurnContext) -> set[Action]:
     """Return the questions that it is pointless to ask again.
 
-    That is the feature subset query once it has been asked, or, if the teacher had no answer to it, asked twice; what
-    the teacher did not know the name of, as long as it looks the same; what has one possible answer, which is known;
-    and, until the scene changes, what the teacher skipped or did not know otherwise, and the symbols of which nothing
-    is here: the teacher said so, or has named all things here otherwise. A question that nobody heard is not settled,
-    but the feature subset query, which waits for a late answer.
+    That is the feature subset query once it has been asked, in this episode or before, or, if the teacher had no
+    answer to it, asked twice; what the teacher did not know the name of, as long as it looks the same; what has one
+    possible answer, which is known; and, until the scene changes, what the teacher skipped or did not know otherwise,
+    and the symbols of which nothing is here: the teacher said so, or has named all things here otherwise. A question
+    that nobody heard is not settled, but the feature subset query, which waits for a late answer.
     """
     unnameable = np.flatnonzero(context.concepts.is_unnameable(context.scene))
     settled = {Action(QueryKind.LABEL, context.scene.object_ids[row]) for row in unnameable}
     subset_queries = [record for record in context.history if record.kind is QueryKind.FEATURE_SUBSET]
-    if len(subset_queries) > 1 or any(record.outcome not in NO_ANSWER for record in subset_queries):
+    is_answered = context.concepts.subset_was_told or any(r.outcome not in NO_ANSWER for r in subset_queries)
+    if len(subset_queries) > 1 or is_answered:
         settled.add(Action(QueryKind.FEATURE_SUBSET))
     for record in takewhile(lambda record: record.turn >= context.scene_turn, reversed(context.history)):
         if record.outcome in NO_ANSWER:

@@ -46,7 +46,7 @@ class ScriptedExpert:
     def _preferred(self, context: TurnContext, rng: np.random.Generator) -> NDArray[np.intp]:
         """Return the rows of the candidates that the rules select, of which one is taken; none for no query."""
         subset = rows_of(context, QueryKind.FEATURE_SUBSET)
-        if len(subset) and not has_asked(context, QueryKind.FEATURE_SUBSET):
+        if len(subset) and _may_ask_for_subset(context) and not has_asked(context, QueryKind.FEATURE_SUBSET):
             turns_left = LATEST_SUBSET_TURN - context.turn
             if rng.random() * (turns_left + 1) < 1:
                 return subset
@@ -70,7 +70,7 @@ class ScriptedExpert:
 
     def _due(self, context: TurnContext) -> float:
         """Return the amount that an even pace allows by the end of this turn, without the price of the subset query."""
-        will_ask = is_open(QueryKind.FEATURE_SUBSET, context.scene)
+        will_ask = is_open(QueryKind.FEATURE_SUBSET, context.scene) and _may_ask_for_subset(context)
         subset = min(context.costs.feature_subset, context.budget) if will_ask else 0.0
         spent = context.spent - (subset if has_asked(context, QueryKind.FEATURE_SUBSET) else 0.0)
         return (context.budget - subset) * context.turn / context.turns - spent
@@ -85,3 +85,8 @@ class ScriptedExpert:
         tried |= {action.symbol for action in settled if action.kind is QueryKind.DEMONSTRATION}
         missed = (index for index, symbol in enumerate(context.symbols) if not counts[index] and symbol not in tried)
         return next(missed, None)
+
+
+def _may_ask_for_subset(context: TurnContext) -> bool:
+    """Return whether the relevant features were not known before the episode."""
+    return has_asked(context, QueryKind.FEATURE_SUBSET) or not context.concepts.subset_was_told

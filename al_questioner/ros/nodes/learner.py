@@ -38,16 +38,23 @@ from al_questioner.questioning import Receipt, make_strategy, read_plain_answer,
 from al_questioner.questioning.answer_acknowledgement import acknowledgement
 from al_questioner.questioning.semantics import SEMANTICS
 from al_questioner.ros import qos
-from al_questioner.ros.learner_episode import durable_episode_of, settings_of
+from al_questioner.ros.concepts_keeper import ConceptsKeeper
+from al_questioner.ros.learner_episode import (
+    concepts_files,
+    durable_episode_of,
+    known_concepts,
+    notes_on_known,
+    settings_of,
+)
 from al_questioner.ros.node import QuestionerNode
 from al_questioner.ros.one_shot_timer import OneShotTimer
 from al_questioner.ros.parameters import declare, reject_unknown
 from al_questioner.ros.retransmitter import PATIENT, Retransmitter
 from al_questioner.ros.running import spin_node
-from al_questioner.ros.settings import ALL_NAMES, learner_settings
+from al_questioner.ros.settings import ALL_NAMES, CONCEPTS, learner_settings
 from al_questioner.ros.stale_scenes import StaleScenes
 from al_questioner.ros.turn_stamps import TurnStamps
-from al_questioner.ros.types import CLOUD_TYPES, MARKER_TYPES, header
+from al_questioner.ros.types import CLOUD_TYPES, MARKER_TYPES, header, text
 from al_questioner.ros.worlds import declare_world, world_members
 from al_questioner.terminal.menu import make_picker
 
@@ -78,12 +85,21 @@ class LearnerNode(QuestionerNode):
         self._is_over = self._has_failed = False
         self._rival_at = -math.inf
         world = declare_world(self)
-        self._given = declare(self, learner_settings(world.task))
-        self._settings = settings_of(world.task, self._given)
+        file = declare(self, [CONCEPTS])
+        known = known_concepts(file)
+        others = [each for each in learner_settings(world.task, known) if each.name not in file]
+        self._given = file | declare(self, others)
+        self._settings = settings_of(world.task, self._given, known)
         # What cannot be used is to be said before anything is published, and before a log is begun.
         strategy = make_strategy(self._settings.strategy, self._settings.weights, make_picker())
         reject_unknown(self, ALL_NAMES)
         self._world = world_members(world)
+        concepts = self.advertise(String, 'concepts', qos.LATCHED)
+        self._keeper = ConceptsKeeper(
+            concepts_files(self._given),
+            lambda document: concepts.publish(text(document)),
+            lambda reason: self.get_logger().error(reason),
+        )
         self._durable = durable_episode_of(self._settings, strategy, world, self._given, storage)
         self.episode_id = self._durable.started.episode_id
         self._stamps = TurnStamps()
@@ -118,7 +134,13 @@ class LearnerNode(QuestionerNode):
         self._durable.start()
         observed, decision = self._durable.observed, self._durable.decision
         if observed is None or decision is None:
+            known, doubtful = notes_on_known(self._settings)
+            if known:
+                self.get_logger().info(known)
+            if doubtful:
+                self.get_logger().warning(doubtful)
             self._begin_turn()
+            self._keep_concepts()
             return
         self.get_logger().info(
             f'going on with {self.episode_id}, in turn {observed.turn}, from {self._given["session"]}'
@@ -136,6 +158,19 @@ class LearnerNode(QuestionerNode):
         self._publish_turn({'turn': observed.turn, 'stamp': stamp_members(observed.stamp), 'world': self._world})
         self._put(observed, decision)
         self._show(observed, self._beliefs())
+        self._keep_concepts()
+
+    def _keep_concepts(self) -> None:
+        """Publish and write what is known, if it has changed."""
+        episode = self._durable.episode
+        if episode.concepts.feature_names:
+            version = (
+                episode.concepts.model_version,
+                len(episode.records),
+                episode.answers.last,
+                len(episode.answers.late),
+            )
+            self._keeper.keep(version, self._durable.knowledge)
 
     def _begin_turn(self) -> None:
         """Ask perception for the scene of the next turn."""
@@ -280,6 +315,7 @@ class LearnerNode(QuestionerNode):
                 f'the episode is over: {episode.spent:g} of {self._settings.budget:g} spent;'
                 ' corrections are still taken; start a learner again for another episode'
             )
+            self._keep_concepts()
             return
         observed = self._durable.observed
         if observed is None:
@@ -293,6 +329,7 @@ class LearnerNode(QuestionerNode):
             self._begin_turn()
         # Only now, while perception looks: markers take longer to write than all documents together.
         self._show(observed, beliefs)
+        self._keep_concepts()
 
     def _tell_state(self) -> None:
         """Publish what is known now, outside of the course of the turns."""
@@ -301,6 +338,7 @@ class LearnerNode(QuestionerNode):
             beliefs = self._beliefs()
             self._show(observed, beliefs)
             self._state.send(state_members(self._durable.episode, beliefs))
+            self._keep_concepts()
 
     def _beliefs(self) -> NDArray[np.float64]:
         """Return (n, |Y|) q_y(x) of the present scene."""

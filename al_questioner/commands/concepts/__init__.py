@@ -1,0 +1,1 @@
+"""The `concepts` executable: what learners know, shown, merged, changed and exported."""

@@ -1,0 +1,165 @@
+"""Knowledge of several learners becomes that of one; what contradicts itself is named."""
+
+from dataclasses import replace
+
+import pytest
+
+from al_questioner.concepts.editing import (
+    with_symbol,
+    with_symbol_renamed,
+    without_example,
+    without_symbol,
+)
+from al_questioner.concepts.merging import NEWEST, REFUSE, RELIABLE, joined_knowledge, settled
+from al_questioner.domain import (
+    Classifiers,
+    Hearsay,
+    InputError,
+    Knowledge,
+    Lesson,
+    Origin,
+    QueryKind,
+    SeenView,
+    TeacherCounts,
+    ViewJudgement,
+    ViewLabel,
+)
+
+SYMBOLS = ('snack', 'fruit')
+
+
+def taught(episode, labels, teacher='anna', stamp=1, symbols=SYMBOLS, features=('colour_red', 'size_height')):
+    """Return knowledge of an episode in which one thing a turn was seen, at a place of its own, and named."""
+    lessons = tuple(
+        Lesson(
+            episode,
+            turn,
+            stamp * 100 + turn,
+            (SeenView(turn, turn, (float(look),) * len(features)),),
+            QueryKind.LABEL,
+            teacher,
+            labels=(ViewLabel(turn, label),),
+        )
+        for turn, (look, label) in enumerate(labels, start=1)
+    )
+    origin = Origin(episode, symbols, teachers={teacher: TeacherCounts(len(lessons))})
+    return Knowledge(symbols, features, Classifiers(), lessons=lessons, origins=(origin,))
+
+
+def labels_of(knowledge):
+    return [(knowledge.views[label.view].features[0], label.label) for _, label in knowledge.examples]
+
+
+def merged(*parts, settlement=REFUSE, reliabilities=None):
+    named = [(f'file {number}', part) for number, part in enumerate(parts, start=1)]
+    return settled(joined_knowledge(named), settlement, reliabilities or {})
+
+
+def test_two_days_are_put_together():
+    """A robot could learn from one of two robots only."""
+    found, contradictions = merged(
+        taught('a', [(1, 'snack'), (2, 'none')]), taught('b', [(3, 'tool')], symbols=('tool', 'cup'))
+    )
+    assert not contradictions
+    assert labels_of(found) == [(1.0, 'snack'), (2.0, 'none'), (3.0, 'tool')]
+    assert found.symbols == (*SYMBOLS, 'tool', 'cup')
+    assert found.teachers == {'anna': TeacherCounts(3)}
+
+
+def test_the_same_lesson_counts_once():
+    """A file that is merged with its successor would count twice."""
+    first = taught('a', [(1, 'snack')])
+    whole = taught('a', [(1, 'snack'), (2, 'fruit')])
+    assert merged(first, whole)[0].lessons == merged(whole, first)[0].lessons == whole.lessons
+    assert merged(first, whole)[0].teachers == {'anna': TeacherCounts(2)}
+    assert merged(whole, whole)[0] == whole
+
+
+def test_a_later_version_of_an_episode_counts():
+    """A correction is undone by an older file, or counts beside what it corrects."""
+    wrong, right = taught('a', [(1, 'snack')]), taught('a', [(1, 'fruit')])
+    right = replace(right, origins=(replace(right.origins[0], teachers={'anna': TeacherCounts(1, corrected=1)}),))
+    for parts in ((wrong, right), (right, wrong)):
+        found, contradictions = merged(*parts)
+        assert (labels_of(found), contradictions) == ([(1.0, 'fruit')], [])
+
+
+def test_the_same_example_of_two_episodes_counts_once():
+    """The same picture, shown to two robots, weighs double."""
+    found, contradictions = merged(taught('a', [(1, 'snack')]), taught('b', [(1, 'snack')], 'bob'))
+    assert (labels_of(found), contradictions) == ([(1.0, 'snack')], [])
+    assert found.lessons[0].hearsay == (Hearsay(1, 'snack', 'bob'),)
+
+
+@pytest.mark.parametrize(
+    ('settlement', 'stamps', 'kept'),
+    [(REFUSE, (1, 2), None), (NEWEST, (1, 2), 'fruit'), (NEWEST, (2, 1), 'snack'), (RELIABLE, (1, 2), 'snack')],
+)
+def test_contradictions_are_named_and_settled(settlement, stamps, kept):
+    """Two teachers who disagree leave a robot that does not know either."""
+    parts = taught('a', [(1, 'snack')], 'anna', stamps[0]), taught('b', [(1, 'fruit'), (2, 'none')], 'bob', stamps[1])
+    found, (contradiction,) = merged(*parts, settlement=settlement, reliabilities={'anna': 0.9, 'bob': 0.6})
+    assert contradiction.kept == kept
+    assert str(contradiction).startswith('view 1, 2 was called snack (anna), fruit (bob)')
+    expected = [(1.0, 'snack'), (1.0, 'fruit')] if kept is None else [(1.0, kept)]
+    assert labels_of(found) == [*expected, (2.0, 'none')]
+    if kept is not None:
+        heard = [(said.label, said.teacher) for lesson in found.lessons for said in lesson.hearsay]
+        assert heard == [{'snack': ('fruit', 'bob'), 'fruit': ('snack', 'anna')}[kept]]
+
+
+def test_other_features_are_refused():
+    """Numbers of one sensor are taken for those of another."""
+    with pytest.raises(
+        InputError, match='file 2: the concepts are of other features: they lack size_height and have size_width'
+    ):
+        merged(taught('a', [(1, 'snack')]), taught('b', [(1, 'snack')], features=('colour_red', 'size_width')))
+
+
+def test_an_episode_that_was_two_things_is_refused():
+    """Files of which one is not true are mixed."""
+    with pytest.raises(InputError, match='file 2: object 1 in turn 1 of episode a looks otherwise'):
+        merged(taught('a', [(1, 'snack')]), taught('a', [(2, 'snack')]))
+
+
+def test_an_example_is_removed():
+    """A label that a person found to be wrong stays."""
+    found = without_example(taught('a', [(1, 'snack'), (2, 'fruit')]), 1)
+    assert labels_of(found) == [(2.0, 'fruit')]
+    assert len(found.views) == 2
+    with pytest.raises(InputError, match='view 1 is no example'):
+        without_example(found, 1)
+
+
+def test_a_symbol_is_renamed_wherever_it_is_said():
+    """Half of the examples keep the old name."""
+    before = taught('a', [(1, 'snack'), (2, 'fruit')])
+    before = replace(
+        before, lessons=(before.lessons[0], replace(before.lessons[1], hearsay=(Hearsay(2, 'snack', 'eve'),)))
+    )
+    found = with_symbol_renamed(before, 'snack', 'nibble')
+    assert found.symbols == found.origins[0].symbols == ('nibble', 'fruit')
+    assert labels_of(found) == [(1.0, 'nibble'), (2.0, 'fruit')]
+    assert found.lessons[1].hearsay[0].label == 'nibble'
+    for old, new, said in (('cup', 'mug', 'unknown symbol'), ('snack', 'fruit', 'already'), ('snack', 'skip', 'skip')):
+        with pytest.raises(InputError, match=said):
+            with_symbol_renamed(before, old, new)
+
+
+def test_what_a_dropped_symbol_meant_is_of_none():
+    """Things that the robot need not know any more are taken for something else."""
+    before = taught('a', [(1, 'snack'), (2, 'fruit'), (3, 'cup')], symbols=('snack', 'fruit', 'cup'))
+    judged = replace(before.lessons[2], judgements=(ViewJudgement(3, True), ViewJudgement(1, True)))
+    found = without_symbol(replace(before, lessons=(*before.lessons[:2], judged)), 'cup')
+    assert labels_of(found) == [(1.0, 'snack'), (2.0, 'fruit'), (3.0, 'none')]
+    assert [each.matters for each in found.lessons[2].judgements] == [False, True]
+    with pytest.raises(InputError, match='fewer than two'):
+        without_symbol(found, 'snack')
+
+
+def test_a_symbol_is_added():
+    """A new word can be taught only to a robot that knows nothing."""
+    assert with_symbol(taught('a', [(1, 'snack')]), 'tool').symbols == (*SYMBOLS, 'tool')
+    for name in ('snack', 'none', '7'):
+        with pytest.raises(InputError):
+            with_symbol(taught('a', [(1, 'snack')]), name)

@@ -1,0 +1,137 @@
+"""Sessions that begin with what an earlier one taught, and what they leave."""
+
+from __future__ import annotations
+
+import dataclasses
+import json
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from al_questioner.bags import read_episodes
+from al_questioner.cli import main
+from al_questioner.domain import InputError
+from al_questioner.event_log.encoding import decoded
+from al_questioner.event_log.events import EpisodeStarted
+from al_questioner.event_log.log import SessionLogError, read_log
+from al_questioner.event_log.replay import first_divergence
+from al_questioner.event_log.summary import summarise_session
+from al_questioner.imitation.bags import decisions_anew, read_demonstrations
+from al_questioner.messages.concepts_file import read_concepts
+from al_questioner.messages.concepts_text import concepts_text, fingerprint
+from al_questioner.messages.knowledge_members import knowledge_members
+from al_questioner.questioning import FEATURE_SETS
+from al_questioner.simulation import PerceivedWorld, WorldSpec, episode_settings
+from shared.durable_sessions import TASK, WORLD, durable_of, episode_started, play_turns, start_durable
+
+
+@pytest.fixture(scope='module')
+def world() -> PerceivedWorld:
+    return PerceivedWorld(WorldSpec(TASK, 4, 4).open())
+
+
+@pytest.fixture(scope='module')
+def other_world() -> PerceivedWorld:
+    return PerceivedWorld(WorldSpec(TASK, 5, 5).open())
+
+
+def going_on(known, budget=3.0, episode_id='e2', strategy='farthest_fsq'):
+    settings = dataclasses.replace(episode_settings(TASK, strategy, budget, 6), concepts=known)
+    return {'settings': settings, 'episode_id': episode_id, 'world': {**WORLD, 'seed': 5, 'sample': 5}}
+
+
+def test_a_session_leaves_what_it_taught(tmp_path: Path, world: PerceivedWorld) -> None:
+    """The file of the command is another one than that of the learner."""
+    durable = start_durable(tmp_path / 's')
+    play_turns(durable, world, 4)
+    durable.close()
+    assert main(['session', str(tmp_path / 's'), '--concepts', str(tmp_path / 'c.json')]) == 0
+    assert (tmp_path / 'c.json').read_text() == concepts_text(durable.knowledge())
+    found = read_concepts(tmp_path / 'c.json')
+    assert found == durable.knowledge()
+    assert found.lessons[0].stamp == 1000
+    assert (found.origins[0].episode, found.origins[0].world) == ('e1', {**(episode_started().world or {})})
+
+
+def test_a_session_goes_on_tomorrow_and_is_resumed(
+    tmp_path: Path, world: PerceivedWorld, other_world: PerceivedWorld
+) -> None:
+    """A learner that was killed on the second day forgets the first."""
+    first = start_durable(None)
+    play_turns(first, world, 6)
+    known = first.knowledge()
+    second = start_durable(tmp_path / 's', **going_on(known))
+    play_turns(second, other_world, 3)
+    second.close()
+
+    # The file is gone by now.
+    resumed = start_durable(tmp_path / 's', **going_on(None))
+    assert resumed.started.settings.concepts == known
+    play_turns(resumed, other_world, 3)
+    resumed.close()
+    events, fault = decoded(read_log(tmp_path / 's'))
+    assert fault is None
+    begun = events[0]
+    assert isinstance(begun, EpisodeStarted)
+    assert first_divergence(begun, events[1:]) is None
+    summary = summarise_session(tmp_path / 's', read_log(tmp_path / 's'))
+    assert summary.knowledge == resumed.knowledge()
+    assert summary.knowledge.lessons[: len(known.lessons)] == known.lessons
+
+
+def test_another_file_is_not_taken_for_the_one_that_was_known(
+    tmp_path: Path, world: PerceivedWorld, other_world: PerceivedWorld
+) -> None:
+    """A session goes on with other beliefs than it asked with; a file that has grown is the same one."""
+    first, other = start_durable(None), start_durable(None, episode_id='e0')
+    play_turns(first, world, 6)
+    play_turns(other, world, 5)
+    second = start_durable(tmp_path / 's', **going_on(first.knowledge()))
+    play_turns(second, other_world, 2)
+    second.close()
+    grown = second.knowledge()
+    start_durable(tmp_path / 's', **going_on(grown)).close()
+    with pytest.raises(SessionLogError, match='concepts_sha256'):
+        start_durable(tmp_path / 's', **going_on(other.knowledge()))
+
+
+def test_old_logs_have_no_concepts(tmp_path: Path, world: PerceivedWorld) -> None:
+    """Nothing is to change for those who keep nothing."""
+    started = episode_started()
+    assert not {'concepts', 'concepts_sha256'} & started.members().keys()
+    durable = durable_of(started, None)
+    durable.start()
+    play_turns(durable, world, 1)
+    assert knowledge_members(durable.knowledge())['lessons']
+
+
+def test_a_bag_holds_what_was_known(tmp_path: Path, world: PerceivedWorld, other_world: PerceivedWorld) -> None:
+    """A recorded episode of the second day cannot be checked, or be learnt from, without the first one's file."""
+    first = start_durable(None)
+    play_turns(first, world, 6)
+    second = start_durable(tmp_path / 's', **going_on(first.knowledge(), strategy='expert'))
+    play_turns(second, other_world, 6)
+    second.close()
+    assert main(['session', str(tmp_path / 's'), '--bag', str(tmp_path / 'bag'), '--json', str(tmp_path / 'j')]) == 0
+    (episode,) = read_episodes(tmp_path / 'bag')
+    assert episode.started.settings.concepts == first.knowledge()
+    assert first_divergence(episode.started, episode.events) is None
+    exported = json.loads((tmp_path / 'j').read_text())
+    assert exported['concepts_sha256'] == fingerprint(first.knowledge())
+    assert exported['accuracy']
+    (demonstration,) = read_demonstrations([tmp_path / 'bag'])
+    assert demonstration.settings.concepts == first.knowledge()
+    again = list(decisions_anew(episode, FEATURE_SETS['dt_task_env']))
+    recorded = [turn.decision.features for turn in episode.turns]
+    assert len(again) == len(recorded)
+    for decision, features in zip(again, recorded, strict=True):
+        np.testing.assert_allclose(decision.features, features, rtol=1e-5, atol=1e-5)
+
+
+def test_an_episode_has_an_id_of_its_own(world: PerceivedWorld) -> None:
+    """Lessons of the second day could not be told from those of the first."""
+    first = start_durable(None)
+    play_turns(first, world, 2)
+    with pytest.raises(InputError, match="an episode 'e1' already"):
+        start_durable(None, **going_on(first.knowledge(), episode_id='e1'))
