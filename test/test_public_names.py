@@ -12,6 +12,9 @@ import pytest
 import al_questioner
 from al_questioner import simulation
 
+NEEDING_MORE = {'ConceptClassifier'}
+"""Names that `import *` leaves out, as a library that they need may be missing."""
+
 
 @pytest.mark.parametrize(
     'package', ['al_questioner', 'al_questioner.bags', 'al_questioner.event_log', 'al_questioner.simulation']
@@ -22,17 +25,19 @@ def test_every_public_name_is_there(package: str) -> None:
     imports = [node for node in ast.walk(ast.parse(inspect.getsource(module))) if isinstance(node, ast.ImportFrom)]
     of_types = {(node.module, each.asname) for node in imports for each in node.names if each.asname}
     found = {name: getattr(importlib.import_module(home), name) for home, name in of_types}
-    assert found == {name: getattr(module, name) for name in module.__all__}
+    assert found == {name: getattr(module, name) for name in found}
+    assert set(module.__all__) == found.keys() - NEEDING_MORE
 
 
 def test_the_package_offers_what_the_contract_names() -> None:
     """Notebooks import these, and look for them with the tabulator key."""
     promised = {
-        'Answer', 'ConceptModels', 'Costs', 'Episode', 'EpisodeSettings', 'InputError', 'Outcome', 'Query', 'QueryKind',
-        'Scene', 'load_task', 'load_weights', 'make_strategy', 'read_concepts', 'run_episode', 'write_concepts',
+        'Answer', 'ConceptModels', 'Costs', 'Episode', 'EpisodeSettings', 'InputError', 'Outcome', 'Pool',
+        'PoolComparison', 'Query', 'QueryKind', 'Scene', 'compare', 'load_task', 'load_weights', 'make_strategy',
+        'read_concepts', 'run_episode', 'write_concepts',
     }  # fmt: skip
     assert set(al_questioner.__all__) == promised
-    assert promised | {'__version__'} <= set(dir(al_questioner))
+    assert promised | NEEDING_MORE | {'__version__'} <= set(dir(al_questioner))
     assert al_questioner.run_episode is simulation.run_episode
 
 

@@ -40,9 +40,31 @@ def test_episode_snippets_ask_learn_recognise_and_go_on(capsys, tmp_path, monkey
     )
 
 
-def test_own_data_snippet_compares_strategies(capsys) -> None:
+def test_own_data_snippets_compare_strategies_and_classify(capsys, tmp_path, monkeypatch) -> None:
     """Otherwise nobody could try strategies on a table of theirs."""
-    exec(SNIPPETS[4], {})
-    rows = [line.split() for line in capsys.readouterr().out.splitlines()]
-    assert [name for name, _ in rows] == ['value_per_cost', 'random_fsq']
-    assert all(0.5 < float(accuracy) <= 1 for _, accuracy in rows)
+    monkeypatch.chdir(tmp_path)
+    known: dict[str, object] = {}
+    exec(SNIPPETS[4], known)
+    lines = [line.split() for line in capsys.readouterr().out.splitlines()]
+    assert {'value_per_cost', 'random_fsq'} <= {line[0] for line in lines if line}
+    assert lines[-1][0] == 'value_per_cost'
+    assert all(path.is_file() for path in known['paths'])
+    exec(SNIPPETS[5], known)
+    assert 0.5 < float(capsys.readouterr().out.splitlines()[-1]) <= 1
+
+
+def test_the_tutorial_on_own_data_runs(capsys, tmp_path, monkeypatch) -> None:
+    """Its figures took long, so here it has a split or two; what it prints must still be of the same form."""
+    monkeypatch.chdir(tmp_path)
+    text = (ROOT / 'docs' / 'tutorial' / 'own_data.md').read_text(encoding='utf-8')
+    blocks = re.findall(r'```python\n(.*?)```\n\n```\n(.*?)```', text, flags=re.DOTALL)
+    assert len(blocks) == 4
+    known: dict[str, object] = {}
+    for code, shown in blocks:
+        quick = code.replace('repeats=40', 'repeats=1').replace('ShuffleSplit(40', 'ShuffleSplit(2')
+        exec(quick, known)
+        printed = [line.split() for line in capsys.readouterr().out.splitlines()]
+        expected = [line.split() for line in shown.splitlines()]
+        assert len(printed) == len(expected)
+        assert [line[:1] for line in printed[2:]] == [line[:1] for line in expected[2:]]
+    assert (tmp_path / 'out' / 'digits' / 'learning_curves_digits.png').is_file()

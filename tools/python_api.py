@@ -16,8 +16,10 @@ PAGE = Path(__file__).resolve().parents[1] / 'docs' / 'reference' / 'python_api.
 MODULES = (
     'domain',
     'concepts',
+    'concepts.concept_classifier',
     'questioning',
     'simulation',
+    'experiments.pool_comparison',
     'perception',
     'event_log',
     'bags',
@@ -90,7 +92,8 @@ def members(kind: type) -> Iterator[str]:
     """Yield a line for each public method and property that a class defines."""
     for name, thing in vars(kind).items():
         function = getattr(thing, '__func__', thing)
-        if name.startswith('_') or not hasattr(thing, '__get__') or not first_line(function):
+        is_added = type(thing).__module__.startswith('sklearn')
+        if name.startswith('_') or is_added or not hasattr(thing, '__get__') or not first_line(function):
             continue
         yield f'- `{name}{signature(function) if inspect.isfunction(function) else ""}`: {first_line(function)}'
 

@@ -234,7 +234,7 @@ class Knowledge:
 
     @cached_property
     def places_of_examples(self) -> tuple[tuple[int, int], ...]:
-        """Of each label that counts, the index of its lesson, and its place in it; in the order of the lessons."""
+        """Index of the lesson, and place in it, of each label that counts; in the order of the lessons."""
         found: list[tuple[int, int]] = []
         for index, lesson in enumerate(self.lessons):
             gone = set(lesson.withdrawn)

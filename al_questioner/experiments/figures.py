@@ -7,7 +7,7 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-from matplotlib import pyplot as plt
+from matplotlib import rc_context
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.ticker import MaxNLocator
@@ -32,6 +32,7 @@ from al_questioner.support.plotting import (
     colours_of,
     kind_name,
     mark_changes,
+    new_figure,
     put_legend_below,
     save,
 )
@@ -65,10 +66,10 @@ def draw_figures(results: Results, change_intervals: Mapping[str, int], folder: 
         InputError: a picture cannot be written.
     """
     paths = []
-    with plt.rc_context(STYLE):
+    with rc_context(STYLE):
         for task in results.tasks:
             name = task_label(task)
-            paths.append(_learning_curves(results, task, folder / f'learning_curves_{name}.png'))
+            paths.append(save(learning_curves(results, task), folder / f'learning_curves_{name}.png'))
             paths.append(_behaviour(results, task, change_intervals[task], folder / f'behaviour_{name}.png'))
             paths.append(_kinds(results, task, folder / f'queries_{name}.png'))
             paths.append(_budget(results, task, folder / f'budget_{name}.png'))
@@ -95,8 +96,8 @@ def _panels(
     conditions = _conditions(results, task)
     columns = min(2, len(conditions))
     rows = -(-len(conditions) // columns)
-    size = (5.2 * columns, height * rows)
-    figure, axes = plt.subplots(rows, columns, figsize=size, sharey=same_scale, squeeze=False)
+    figure = new_figure(5.2 * columns, height * rows)
+    axes = figure.subplots(rows, columns, sharey=same_scale, squeeze=False)
     for panel in axes.flat[len(conditions) :]:
         panel.set_axis_off()
     panels = list(zip(axes.flat, conditions, strict=False))
@@ -107,9 +108,14 @@ def _panels(
 
 
 def _finish(figure: Figure, columns: int, path: Path) -> Path:
-    """Save a figure with the legend of its first panel below, in fewer columns if they would not fit."""
-    put_legend_below(figure, columns, *figure.axes[0].get_legend_handles_labels())
+    """Save a figure with the legend of its first panel below."""
+    _add_legend(figure, columns)
     return save(figure, path)
+
+
+def _add_legend(figure: Figure, columns: int) -> None:
+    """Put the legend of a figure's first panel below, in fewer columns if they would not fit."""
+    put_legend_below(figure, columns, *figure.axes[0].get_legend_handles_labels())
 
 
 def _line(strategy: str) -> dict[str, Any]:
@@ -122,22 +128,25 @@ def _line(strategy: str) -> dict[str, Any]:
     return {'color': COLOURS.get(strategy), 'linestyle': style, 'linewidth': width, 'label': strategy}
 
 
-def _learning_curves(results: Results, task: str, path: Path) -> Path:
+def learning_curves(results: Results, task: str) -> Figure:
     """Draw accuracy after each turn, with the standard error of the paper's strategies only, to keep it readable."""
-    figure, panels = _panels(results, task, 3.6, same_scale=True)
-    for panel, condition in panels:
-        for strategy in results.strategies:
-            curves = results.curves(task, condition, strategy)
-            if not len(curves):
-                continue
-            mean, error = mean_and_error(curves)
-            turns = np.arange(1, len(mean) + 1)
-            (line,) = panel.plot(turns, mean, marker='o' if len(mean) == 1 else None, **_line(strategy))
-            if strategy in PAPER_STRATEGIES:
-                panel.fill_between(turns, mean - error, mean + error, color=line.get_color(), alpha=0.15, linewidth=0)
-        panel.set(xlabel='turn', ylabel='accuracy', ylim=(0, 1), xlim=(0, max(condition.turns, 2)))
-        panel.xaxis.set_major_locator(MaxNLocator(integer=True))
-    return _finish(figure, 4, path)
+    with rc_context(STYLE):
+        figure, panels = _panels(results, task, 3.6, same_scale=True)
+        for panel, condition in panels:
+            for strategy in results.strategies:
+                curves = results.curves(task, condition, strategy)
+                if not len(curves):
+                    continue
+                mean, error = mean_and_error(curves)
+                turns = np.arange(1, len(mean) + 1)
+                (line,) = panel.plot(turns, mean, marker='o' if len(mean) == 1 else None, **_line(strategy))
+                if strategy in PAPER_STRATEGIES:
+                    low, high = mean - error, mean + error
+                    panel.fill_between(turns, low, high, color=line.get_color(), alpha=0.15, linewidth=0)
+            panel.set(xlabel='turn', ylabel='accuracy', ylim=(0, 1), xlim=(0, max(condition.turns, 2)))
+            panel.xaxis.set_major_locator(MaxNLocator(integer=True))
+        _add_legend(figure, 4)
+        return figure
 
 
 def _behaviour(results: Results, task: str, change_interval: int, path: Path) -> Path:
@@ -146,7 +155,8 @@ def _behaviour(results: Results, task: str, change_interval: int, path: Path) ->
     conditions = [condition for condition in conditions if condition.turns > LONG] or conditions[-1:]
     strategies = _askers(results)
     height = 0.34 * len(strategies) + 0.9
-    figure, axes = plt.subplots(len(conditions), 1, figsize=(10, height * len(conditions) + 0.7), squeeze=False)
+    figure = new_figure(10, height * len(conditions) + 0.7)
+    axes = figure.subplots(len(conditions), 1, squeeze=False)
     for panel, condition in zip(axes.flat, conditions, strict=True):
         for row, strategy in enumerate(strategies):
             cell = Cell(task, condition.budget, condition.turns, strategy, results.samples[0])
@@ -219,7 +229,7 @@ def draw_cost_curves(results: Results, task: str, folder: Path) -> Path:
     Raises:
         InputError: the picture cannot be written.
     """
-    with plt.rc_context(STYLE):
+    with rc_context(STYLE):
         figure, panels = _panels(results, task, 3.6, same_scale=True)
         for panel, condition in panels:
             for strategy in _askers(results):

@@ -194,6 +194,14 @@ class Plan:
                 raise SettingsError('nobody can play an experiment by hand: strategy human is for demo and learner')
             if strategy not in CEILINGS and strategy not in STRATEGIES:
                 make_strategy(strategy, {})
+        self._check_tasks()
+
+    def _check_tasks(self) -> None:
+        """Find the task of each name.
+
+        Raises:
+            InputError: there is none, or two have the same name.
+        """
         if len({task_label(name) for name in self.tasks}) < len(self.tasks):
             raise SettingsError('two tasks of the experiment have the same name')
         for name in self.tasks:

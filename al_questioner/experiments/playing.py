@@ -18,6 +18,7 @@ from al_questioner.simulation import (
     Evaluation,
     PerceivedWorld,
     ScriptedTeacher,
+    SeenWorld,
     WorldSpec,
     episode_settings,
     run_episode,
@@ -59,7 +60,7 @@ def play_cells(cells: Sequence[Cell], variation: Variation, dataset: str = '') -
 
 def _play(cell: Cell, variation: Variation, dataset: str) -> Played:
     try:
-        return _rows(cell, play_episode(cell, variation, dataset))
+        return rows_of(cell, play_episode(cell, variation, dataset))
     except Exception as error:  # noqa: BLE001 - any error is reported, and the experiment goes on
         return Played(cell, {}, (), f'{type(error).__name__}: {error}')
 
@@ -68,6 +69,17 @@ def play_episode(cell: Cell, variation: Variation, dataset: str = '') -> Episode
     """Play the episode of a cell."""
     task = variation.task(cell.task).of_sample(cell.sample)
     world_spec = WorldSpec(task, cell.seed, cell.sample, Path(dataset) if dataset else None)
+    world = _open_world(cell.task, cell.sample, variation.change_interval, variation.synchrony, dataset)
+    return play_in(world_spec, world, cell, variation)
+
+
+def play_in(world_spec: WorldSpec, world: SeenWorld, cell: Cell, variation: Variation) -> EpisodeResult:
+    """Play the episode of a cell in an open world, with the teacher of the variation.
+
+    Raises:
+        InputError: a ceiling that needs more than this world has.
+    """
+    task = world_spec.task
     teacher = ScriptedTeacher(
         task.symbols,
         task.relevant_groups,
@@ -78,7 +90,6 @@ def play_episode(cell: Cell, variation: Variation, dataset: str = '') -> Episode
         relevance_omission=variation.relevance_omission,
         relevance_false_alarm=variation.relevance_false_alarm,
     )
-    world = _open_world(cell.task, cell.sample, variation.change_interval, variation.synchrony, dataset)
     if cell.strategy in CEILINGS:
         settings = episode_settings(task, CEILING_SETTINGS, cell.budget, cell.turns, **variation.classifiers._asdict())
         return CEILINGS[cell.strategy](Evaluation(world_spec, settings, None, world), task, teacher)
@@ -97,7 +108,8 @@ def _open_world(
     return PerceivedWorld(WorldSpec(varied, sample, sample, Path(dataset) if dataset else None).open())
 
 
-def _rows(cell: Cell, result: EpisodeResult) -> Played:
+def rows_of(cell: Cell, result: EpisodeResult) -> Played:
+    """Return a played cell as rows of the tables."""
     shared = {**dataclasses.asdict(cell), 'seed': cell.seed}
     episode = {
         **shared,

@@ -40,6 +40,9 @@ PAPER_SAMPLES = 5
 ABOUT_CELLS = """\
 A cell is a task with a budget and a time."""
 
+Table = tuple[Sequence[str], Sequence[Sequence[str]]]
+"""Head and rows of a table."""
+
 ABOUT_CONTROLS = f"""\
 The controls, {', '.join(CONTROLS)}, follow one rule each."""
 
@@ -120,12 +123,12 @@ def report(page: Page, folder: Path) -> str:
         parts += [f'`{name}`: {weights.provenance}' for name, weights in page.weights.items() if weights.provenance]
     parts += ['## Accuracy at the end of the time', ABOUT_ACCURACIES]
     parts += [_about_ceilings(results)]
-    parts += [_accuracies(results, task) for task in results.tasks]
+    parts += [_table(*accuracy_table(results, task)) for task in results.tasks]
     if PAPER_METHOD in results.strategies:
         few = len(results.samples) < LEAST_FOR_INTERVAL
         about = f'{ABOUT_TESTS} {ABOUT_NO_INTERVAL}' if few else ABOUT_TESTS
         parts += [f'## {PAPER_METHOD} against each other strategy', about]
-        parts += [_comparisons(results, task) for task in results.tasks]
+        parts += [_table(*comparison_table(results, task, PAPER_METHOD)) for task in results.tasks]
     parts += ['## Figures', ABOUT_BANDS if len(results.samples) > 1 else '']
     parts += [f'![{path.stem.replace("_", " ")}]({_relative(path, folder)})' for path in page.figures]
     if page.studies:
@@ -287,14 +290,14 @@ def _weights(weights: Mapping[str, Weights]) -> str:
     return _table(('', *(name.replace('_', ' ') for name in names)), rows)
 
 
-def _accuracies(results: Results, task: str) -> str:
+def accuracy_table(results: Results, task: str) -> Table:
+    """Return the accuracies at the end, a row for each strategy and a column for each condition."""
     conditions = results.conditions(task)
     rows = []
     for strategy in results.strategies:
         cells = [_mean_and_deviation(results, task, condition, strategy) for condition in conditions]
         rows.append((f'`{strategy}`', *cells))
-    head = (f'{task}, {_count(results.samples).lower()}', *(condition_name(condition) for condition in conditions))
-    return _table(head, rows)
+    return (f'{task}, {_count(results.samples).lower()}', *map(condition_name, conditions)), rows
 
 
 def _mean_and_deviation(results: Results, task: str, condition: Condition, strategy: str) -> str:
@@ -306,13 +309,14 @@ def _mean_and_deviation(results: Results, task: str, condition: Condition, strat
     return f'{mean_and_deviation(values)}{asked}'
 
 
-def _comparisons(results: Results, task: str) -> str:
-    rows = []
+def comparison_table(results: Results, task: str, strategy: str) -> Table:
+    """Return the tests of a strategy against each other one but ceilings, a row for each and each condition."""
+    rows: list[tuple[str, ...]] = []
     for condition in results.conditions(task):
         accuracies = results.final_accuracies(task, condition)
-        if not len(accuracies.get(PAPER_METHOD, ())):
+        if not len(accuracies.get(strategy, ())):
             continue
-        others = {name: values for name, values in accuracies.items() if name != PAPER_METHOD and name not in CEILINGS}
+        others = {name: values for name, values in accuracies.items() if name != strategy and name not in CEILINGS}
         rows += [
             (
                 condition_name(condition),
@@ -323,9 +327,9 @@ def _comparisons(results: Results, task: str) -> str:
                 _superiority(c),
                 _short(c.p_paired),
             )
-            for c in compare(accuracies[PAPER_METHOD], others)
+            for c in compare(accuracies[strategy], others)
         ]
-    return _table((task, 'against', 'difference', 'p', 'Holm', 'superiority', 'paired p'), rows)
+    return (task, 'against', 'difference', 'p', 'Holm', 'superiority', 'paired p'), rows
 
 
 def _superiority(comparison: Comparison) -> str:

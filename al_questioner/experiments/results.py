@@ -3,10 +3,11 @@
 from __future__ import annotations
 
 import csv
-from collections.abc import Collection, Mapping, Sequence
+from collections.abc import Collection, Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 
@@ -129,38 +130,49 @@ class Results:
         return np.array([[turn.accuracy for turn in episode] for episode in rows])
 
 
+def results_of(episodes: Iterable[Mapping[str, Any]], turns: Iterable[Mapping[str, Any]]) -> Results:
+    """Return the results in rows of the two tables, whose members are values or, as in a file, their texts.
+
+    Raises:
+        InputError: a row that is not one of an experiment.
+    """
+    return Results(
+        [
+            EpisodeRow(
+                _cell(row),
+                float(row['final_accuracy']),
+                float(row['mean_accuracy']),
+                int(row['queries']),
+                float(row['spent']),
+            )
+            for row in episodes
+        ],
+        [
+            TurnRow(
+                _cell(row),
+                int(row['turn']),
+                float(row['accuracy']),
+                row['kind'],
+                _text(row['object_id']),
+                _text(row['symbol']),
+                _text(row['outcome']),
+                float(row['spent']),
+            )
+            for row in turns
+        ],
+    )
+
+
 def read_results(folder: Path) -> Results:
     """Read `episodes.csv` and `turns.csv` of an experiment.
 
     Raises:
         InputError: a table is missing or is not one of an experiment.
     """
-    episodes = [
-        EpisodeRow(
-            _cell(row),
-            float(row['final_accuracy']),
-            float(row['mean_accuracy']),
-            int(row['queries']),
-            float(row['spent']),
-        )
-        for row in _rows(folder / 'episodes.csv')
-    ]
-    turns = [
-        TurnRow(
-            _cell(row),
-            int(row['turn']),
-            float(row['accuracy']),
-            row['kind'],
-            row['object_id'],
-            row['symbol'],
-            row['outcome'],
-            float(row['spent']),
-        )
-        for row in _rows(folder / 'turns.csv')
-    ]
-    if not episodes:
+    results = results_of(_rows(folder / 'episodes.csv'), _rows(folder / 'turns.csv'))
+    if not results.episodes:
         raise InputError(f'{folder}: no episode has been played yet')
-    return Results(episodes, turns)
+    return results
 
 
 def _rows(path: Path) -> list[dict[str, str]]:
@@ -171,7 +183,12 @@ def _rows(path: Path) -> list[dict[str, str]]:
         raise InputError(f'{path}: cannot be read ({error})') from error
 
 
-def _cell(row: Mapping[str, str]) -> Cell:
+def _text(value: object) -> str:
+    """Return a value as a table has it: what is missing is empty."""
+    return '' if value is None else str(value)
+
+
+def _cell(row: Mapping[str, Any]) -> Cell:
     try:
         return Cell(row['task'], float(row['budget']), int(row['turns']), row['strategy'], int(row['sample']))
     except (KeyError, ValueError) as error:

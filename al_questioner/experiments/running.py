@@ -5,20 +5,17 @@ from __future__ import annotations
 import asyncio
 import itertools
 from collections.abc import Callable, Iterator, Sequence
-from concurrent.futures import BrokenExecutor
-from multiprocessing import resource_tracker
-
-from joblib import Parallel, delayed
 
 from al_questioner.domain import EpisodeError, InputError
 from al_questioner.experiments.plan import Cell
 from al_questioner.experiments.playing import Played, play_cells
+from al_questioner.experiments.processes import do_in_processes
 from al_questioner.experiments.storing import Store
-from al_questioner.support import interrupts
 
 GROUPS_PER_JOB = 4
 """Number of worlds per process below which the conditions of one world are spread over several processes."""
 
+AGAIN = 'finished episodes are kept, start it again'
 WAIT_SECONDS = 30
 """Seconds to wait for the first worker of a cluster."""
 
@@ -56,7 +53,8 @@ def run(
         begin([cell for _, group in missing for cell in group])
     work = [(number, stores[number], group, scheduler is None) for number, group in missing]
     failed = []
-    for number, results in _locally(work, jobs) if scheduler is None else _on_cluster(work, scheduler):
+    done = do_in_processes(_play, work, jobs, AGAIN) if scheduler is None else _on_cluster(work, scheduler)
+    for number, results in done:
         for played in results:
             if played.error:
                 failed.append(played)
@@ -92,29 +90,6 @@ def _play(number: int, store: Store, cells: Sequence[Cell], keep: bool) -> tuple
     return number, found
 
 
-def _locally(work: Sequence[Work], jobs: int) -> Results:
-    """Play in processes of this machine.
-
-    Raises:
-        EpisodeError: one of them died.
-    """
-    options = {'n_jobs': jobs, 'pre_dispatch': '2*n_jobs'}
-    try:
-        parallel = Parallel(return_as='generator_unordered', **options)
-    except ValueError:
-        # Before joblib 1.4 results come in the order of the work.
-        parallel = Parallel(return_as='generator', **options)
-    # The tracker unblocks interrupts when it starts, so start it before the workers, as joblib starts its own.
-    resource_tracker.ensure_running()
-    try:
-        with parallel:
-            with interrupts.blocked():
-                results = parallel(delayed(_play)(*piece) for piece in work)
-            yield from results
-    except BrokenExecutor as error:
-        raise EpisodeError('a worker died (out of memory?); finished episodes are kept, start it again') from error
-
-
 def _on_cluster(work: Sequence[Work], scheduler: str) -> Results:
     """Play on the workers of a dask cluster.
 
@@ -140,4 +115,4 @@ def _on_cluster(work: Sequence[Work], scheduler: str) -> Results:
             for future in as_completed(futures):  # type: ignore[no-untyped-call]
                 yield future.result()
         except KilledWorker as error:
-            raise EpisodeError('workers of the cluster died; finished episodes are kept, start it again') from error
+            raise EpisodeError(f'workers of the cluster died; {AGAIN}') from error

@@ -7,6 +7,7 @@ on any data that classifiers are compared on.
 from __future__ import annotations
 
 import operator
+from collections import Counter
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field
 from functools import cached_property
@@ -14,7 +15,7 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from al_questioner.domain import NO_SYMBOL, InputError, Scene, group_of, random_stream
+from al_questioner.domain import NO_SYMBOL, Costs, InputError, Scene, group_of, random_stream
 from al_questioner.domain.names import listed
 from al_questioner.simulation.task import (
     AppearanceParameters,
@@ -36,16 +37,18 @@ class Pool:
     Attributes:
         features: (n, m) float32, one thing a row.
         labels: symbol of each thing, or 'none'; whole numbers are accepted, and read as names.
-        feature_names: m distinct names; the group of a feature is the part of its name before the first underscore.
+        feature_names: m names; the group of a feature is the part of its name before the first underscore. A name that
+            occurs several times is numbered, so the groups alone will do: 'size', 'size' become 'size_0', 'size_1'.
+            Without any, each feature is a group of its own.
 
     Raises:
         InputError: a shape that does not fit, a value that is not a finite number, a label that is neither text nor a
-            whole number, a repeated name, or fewer than two symbols.
+            whole number, a name that is the number of another one, or fewer than two symbols.
     """
 
     features: NDArray[np.float32]
     labels: tuple[str, ...]
-    feature_names: tuple[str, ...]
+    feature_names: tuple[str, ...] = ()
 
     def __post_init__(self) -> None:
         object.__setattr__(self, 'features', _table(self.features))
@@ -53,8 +56,9 @@ class Pool:
         names = listed(self.feature_names)
         if names is None:
             raise InputError(f'feature_names must be a list of names, not {self.feature_names!r}')
-        object.__setattr__(self, 'feature_names', names)
         things, features = self.features.shape
+        names = _numbered(names) or tuple(f'feature{column}' for column in range(features))
+        object.__setattr__(self, 'feature_names', names)
         if len(self.labels) != things:
             raise InputError(f'there are {things} things, but {len(self.labels)} labels')
         if len(names) != features:
@@ -98,6 +102,7 @@ class PoolWorld:
         test_share: share of the things that is held out.
         relevant_groups: groups that the teacher calls relevant; all of the pool if none are given.
         name: name of the task.
+        costs: of each kind of query.
 
     Raises:
         InputError: a number out of its range, an unknown group, too few things for a table, or nothing of a symbol
@@ -111,6 +116,7 @@ class PoolWorld:
     test_share: float = 0.5
     relevant_groups: tuple[str, ...] = ()
     name: str = 'pool'
+    costs: Costs = field(default_factory=Costs)
     _scenes: dict[int, Scene] = field(default_factory=dict, init=False, repr=False)
 
     def __post_init__(self) -> None:
@@ -141,7 +147,7 @@ class PoolWorld:
             source='arrays',
             symbols=self.pool.symbols,
             relevant_groups=self.relevant_groups,
-            episode=EpisodeDefaults(),
+            episode=EpisodeDefaults(costs=self.costs),
             scenes=SceneParameters(objects=self.in_view, change_interval=self.change_interval),
             appearance=AppearanceParameters(),
             camera=CameraParameters(),
@@ -245,6 +251,16 @@ def _labels(values: Iterable[object]) -> tuple[str, ...]:
     if isinstance(values, str) or not isinstance(values, Iterable):
         raise InputError(f'labels must be a list of names, not {values!r}')
     return tuple(map(_label, values))
+
+
+def _numbered(names: tuple[str, ...]) -> tuple[str, ...]:
+    """Return the names, of which those that occur several times have a number."""
+    before: Counter[str] = Counter()
+    found = []
+    for name in names:
+        found.append(f'{name}_{before[name]}' if names.count(name) > 1 else name)
+        before[name] += 1
+    return tuple(found)
 
 
 def _label(value: object) -> str:

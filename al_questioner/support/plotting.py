@@ -7,13 +7,9 @@ from collections.abc import Iterable, Sequence
 from pathlib import Path
 from typing import Any
 
-import matplotlib
-
-matplotlib.use('Agg')
-
-from matplotlib import pyplot as plt
 from matplotlib.artist import Artist
 from matplotlib.axes import Axes
+from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
 
 from al_questioner.domain import Outcome, QueryKind, QueryRecord
@@ -38,6 +34,16 @@ STYLE: dict[Any, Any] = {
 DPI = 150
 LEGEND_MARGIN_POINTS = 6
 """Distance between the panels and the legend below them, in points."""
+
+
+def new_figure(width: float, height: float) -> Figure:
+    """Return an empty figure of this size in inches.
+
+    It is not one of pyplot's, so a notebook keeps its way to show figures, and nobody has to close this one.
+    """
+    figure = Figure(figsize=(width, height))
+    FigureCanvasAgg(figure)
+    return figure
 
 
 def kind_name(kind: QueryKind) -> str:
@@ -81,14 +87,18 @@ def put_legend_below(
     figure.set_layout_engine('constrained', rect=(0, bottom, 1, 1 - bottom))
 
 
+def picture_of(figure: Figure, kind: str = 'png') -> bytes:
+    """Return a figure as the content of a file of this kind."""
+    content = io.BytesIO()
+    figure.savefig(content, dpi=DPI, format=kind)
+    return content.getvalue()
+
+
 def save(figure: Figure, path: Path) -> Path:
-    """Write a figure in the format of the file's suffix, and close it.
+    """Write a figure in the format of the file's suffix.
 
     Raises:
         InputError: it cannot be written.
     """
-    content = io.BytesIO()
-    figure.savefig(content, dpi=DPI, format=path.suffix.removeprefix('.'))
-    plt.close(figure)
-    write_bytes(path, content.getvalue())
+    write_bytes(path, picture_of(figure, path.suffix.removeprefix('.')))
     return path

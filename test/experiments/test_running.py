@@ -2,13 +2,9 @@
 
 from __future__ import annotations
 
-import contextlib
 import csv
 import dataclasses
 import json
-import signal
-from collections.abc import Iterator
-from concurrent.futures import BrokenExecutor
 from pathlib import Path
 
 import pytest
@@ -222,22 +218,6 @@ def test_a_task_file_is_stored_inside_the_folder(tmp_path: Path) -> None:
         dataclasses.replace(PLAN, tasks=(mine, str(tmp_path / 'other' / 'mine.yaml')))
 
 
-def test_a_dead_worker_is_told_in_a_line(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    """Otherwise a machine short of memory would answer with a traceback of the pool."""
-
-    class Broken(contextlib.nullcontext):
-        def __init__(self, **_: object) -> None:
-            super().__init__()
-
-        def __call__(self, tasks: object) -> Iterator[tuple[int, list[Played]]]:
-            yield 0, []
-            raise BrokenExecutor
-
-    monkeypatch.setattr(running, 'Parallel', Broken)
-    with pytest.raises(EpisodeError, match='start it again'):
-        run([Store(tmp_path, PLAN)])
-
-
 def test_the_forecast_is_that_of_episodes_like_those_that_are_left(monkeypatch: pytest.MonkeyPatch) -> None:
     """Otherwise an hour would be announced as a minute because the cheap episodes came first."""
     now = [0.0]
@@ -299,15 +279,3 @@ def test_plans_that_make_no_sense_are_refused() -> None:
     ):
         with pytest.raises(InputError, match=reason):
             dataclasses.replace(PLAN, **changes)
-
-
-def test_interrupts_are_left_to_the_process_that_was_started(monkeypatch: pytest.MonkeyPatch) -> None:
-    """Otherwise each process that plays would print where Ctrl-C met it, also while it starts."""
-
-    def play(*_: object) -> tuple[int, list[object]]:
-        return 0, [signal.SIGINT in signal.pthread_sigmask(signal.SIG_BLOCK, [])]
-
-    monkeypatch.setattr(running, '_play', play)
-    work = [(number, None, (), True) for number in range(4)]
-    assert [heard for _, heard in running._locally(work, 2)] == [[True]] * 4  # type: ignore[arg-type]
-    assert signal.SIGINT not in signal.pthread_sigmask(signal.SIG_BLOCK, [])

@@ -33,7 +33,7 @@ DISTRIBUTIONS = {
 What rosdep would fetch with pip, Ubuntu 24.04 refuses to install.
 """
 
-OPTIONAL = {'dask'}
+OPTIONAL = {'dask', 'sklearn'}
 """Imported only by those who ask for it."""
 
 
@@ -74,8 +74,10 @@ def versions_of_noble() -> dict[str, str]:
 
 
 def test_what_is_imported_only_when_wished_for_is_an_extra() -> None:
-    """Otherwise a user who wants a cluster would have to guess what to install."""
+    """Otherwise a user who wants a cluster, or the estimator, would have to guess what to install."""
     assert 'dask' in required_names('options.extras_require', 'cluster')
+    estimator = requirements('options.extras_require', 'sklearn')
+    assert estimator == [r for r in requirements('options.extras_require', 'test') if r.name == 'scikit-learn']
 
 
 @pytest.mark.parametrize('module', sorted(set(imported_distributions()) - OPTIONAL))

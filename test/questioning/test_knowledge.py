@@ -127,7 +127,7 @@ def test_a_relevance_query_is_kept():
 
 @pytest.mark.parametrize('first_day_ends', [1, 2, 3])
 def test_what_was_left_out_and_matters_after_all_is_kept(first_day_ends):
-    """A thing that was forgotten once stays an example of none in what is kept, or beliefs differ in the last digits."""
+    """A thing that was forgotten once stays an example of none in what is kept, or the last digits differ."""
     settings = make_settings('u_sampling', costs=dataclasses.replace(make_settings('u_sampling').costs, relevance=1.0))
     scene, relevance = ToyWorld(5, change_interval=100).scene(1), Action(QueryKind.RELEVANCE)
     forgotten, named, *_ = scene.object_ids

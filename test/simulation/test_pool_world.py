@@ -8,7 +8,7 @@ import re
 import numpy as np
 import pytest
 
-from al_questioner.domain import NO_SYMBOL, InputError
+from al_questioner.domain import NO_SYMBOL, Costs, InputError
 from al_questioner.experiments.ceilings import CEILING_SETTINGS, CEILINGS
 from al_questioner.simulation import Evaluation, Pool, PoolWorld, ScriptedTeacher, episode_settings, run_episode
 
@@ -41,6 +41,14 @@ def test_a_pool_takes_what_users_have() -> None:
     assert len(pool) == 3
 
 
+def test_the_groups_of_the_features_will_do_for_their_names() -> None:
+    """A data set often says no more, and a person is asked about groups alone."""
+    pool = Pool(np.ones((2, 4)), ['a', 'b'], ['size', 'colour_hue', 'size', 'noise'])
+    assert pool.feature_names == ('size_0', 'colour_hue', 'size_1', 'noise')
+    assert pool.groups == ('size', 'colour', 'noise')
+    assert Pool(np.ones((2, 2)), ['a', 'b']).groups == ('feature0', 'feature1')
+
+
 @pytest.mark.parametrize(
     ('changes', 'reason'),
     [
@@ -54,7 +62,10 @@ def test_a_pool_takes_what_users_have() -> None:
         ({'labels': ['a', NO_SYMBOL]}, "the things must be of at least two symbols, not of ['a']"),
         ({'feature_names': 'ab'}, "feature_names must be a list of names, not 'ab'"),
         ({'feature_names': ['a']}, 'the things have 2 features, but there are 1 feature names'),
-        ({'feature_names': ['a', 'a']}, 'a feature name occurs twice'),
+        (
+            {'features': np.ones((2, 3)), 'feature_names': ['a', 'a', 'a_1']},
+            'a feature name occurs twice',
+        ),
     ],
 )
 def test_a_pool_that_cannot_be_used_is_refused(changes: dict[str, object], reason: str) -> None:
@@ -142,6 +153,12 @@ def test_an_episode_is_played_as_in_any_world() -> None:
     assert result.final_accuracy > 0.5
     again = run_episode(world.spec, settings, teacher, world=PoolWorld(pool_of(120), 5, relevant_groups=('size',)))
     assert again.queries == result.queries
+
+
+def test_the_prices_are_those_that_are_given() -> None:
+    """Otherwise what a question costs the user would not count."""
+    costs = Costs(label=3.0)
+    assert episode_settings(PoolWorld(pool_of(), 0, costs=costs).task, 'random_fsq').costs == costs
 
 
 def test_what_needs_more_than_the_arrays_says_so() -> None:

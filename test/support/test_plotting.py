@@ -2,10 +2,14 @@
 
 from __future__ import annotations
 
+import os
+import subprocess
+import sys
+
 from matplotlib import pyplot as plt
 
 from al_questioner.domain import QueryKind
-from al_questioner.support.plotting import STYLE, colours_of, put_legend_below
+from al_questioner.support.plotting import STYLE, colours_of, new_figure, picture_of, put_legend_below
 
 
 def test_a_legend_stands_below_the_panels_and_inside_the_picture() -> None:
@@ -25,6 +29,22 @@ def test_a_legend_stands_below_the_panels_and_inside_the_picture() -> None:
             assert 0 <= extent.x0 < extent.x1 <= figure.bbox.width
             assert extent.y1 <= min(panel.get_tightbbox().y0 for panel in axes)
             plt.close(figure)
+
+
+def test_a_notebook_keeps_its_way_to_show_figures() -> None:
+    """Otherwise a comparison in a notebook would leave the figures of its user invisible."""
+    before = plt.get_fignums()
+    figure = new_figure(3, 2)
+    figure.subplots().plot([0, 1])
+    assert picture_of(figure).startswith(b'\x89PNG')
+    assert plt.get_fignums() == before
+    code = (
+        'import al_questioner.experiments.figures, matplotlib, sys\n'
+        "print(matplotlib.get_backend(), 'matplotlib.pyplot' in sys.modules)"
+    )
+    given = {**os.environ, 'MPLBACKEND': 'svg'}
+    done = subprocess.run([sys.executable, '-c', code], env=given, capture_output=True, text=True, check=True)
+    assert done.stdout == 'svg False\n'
 
 
 def test_a_figure_shows_the_papers_kinds_and_others_if_they_were_asked() -> None:

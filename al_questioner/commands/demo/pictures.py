@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections import Counter
 from pathlib import Path
 
-from matplotlib import pyplot as plt
+from matplotlib import rc_context
 from matplotlib.colors import to_rgb
 from matplotlib.figure import Figure
 from matplotlib.ticker import MaxNLocator
@@ -20,6 +20,7 @@ from al_questioner.support.plotting import (
     kind_name,
     mark_changes,
     mark_query,
+    new_figure,
     put_legend_below,
     save,
 )
@@ -35,7 +36,7 @@ def draw_pictures(result: EpisodeResult, world: PerceivedWorld, folder: Path, vi
     Raises:
         InputError: one cannot be written.
     """
-    with plt.rc_context(STYLE):
+    with rc_context(STYLE):
         figures = {'learning_curve': _learning_curve(result, views), 'timeline': _timeline(result, world)}
         if views == 'images':
             figures['scene'] = _scene(result, world)
@@ -43,7 +44,8 @@ def draw_pictures(result: EpisodeResult, world: PerceivedWorld, folder: Path, vi
 
 
 def _learning_curve(result: EpisodeResult, views: str) -> Figure:
-    figure, axes = plt.subplots(figsize=(7, 4.2))
+    figure = new_figure(7, 4.2)
+    axes = figure.subplots()
     turns = range(1, len(result.accuracy) + 1)
     # From turn to turn it stays as it is, and a single turn is seen too.
     edges = [turn - 0.5 for turn in (*turns, turns[-1] + 1)]
@@ -65,7 +67,8 @@ def _learning_curve(result: EpisodeResult, views: str) -> Figure:
 
 
 def _timeline(result: EpisodeResult, world: PerceivedWorld) -> Figure:
-    figure, (asked, budget) = plt.subplots(2, 1, figsize=(9, 4.6), sharex=True, height_ratios=(3, 2))
+    figure = new_figure(9, 4.6)
+    asked, budget = figure.subplots(2, 1, sharex=True, height_ratios=(3, 2))
     turns = result.settings.turns
     for axes in (asked, budget):
         mark_changes(axes, world.change_turns(turns))
@@ -100,7 +103,8 @@ def _scene(result: EpisodeResult, world: PerceivedWorld) -> Figure:
     marks = {object_id: _mark(record) for object_id, record in about[best].items()}
     picture = draw_scene(world.observations(starts[best]), marks).image
     height, width, _ = picture.shape
-    figure, axes = plt.subplots(figsize=(9, 9 * height / width + 0.5))
+    figure = new_figure(9, 9 * height / width + 0.5)
+    axes = figure.subplots()
     axes.imshow(picture)
     axes.set_axis_off()
     count = Counter(record.kind for record in asked[best])

@@ -6,7 +6,7 @@ from collections.abc import Sequence
 from pathlib import Path
 
 import numpy as np
-from matplotlib import pyplot as plt
+from matplotlib import rc_context
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.ticker import MaxNLocator
@@ -21,6 +21,7 @@ from al_questioner.support.plotting import (
     kind_name,
     mark_changes,
     mark_query,
+    new_figure,
     put_legend_below,
     save,
 )
@@ -34,9 +35,9 @@ def draw_training(
     Raises:
         InputError: it cannot be written.
     """
-    with plt.rc_context(STYLE):
+    with rc_context(STYLE):
         height = 3.2 + 0.75 * len(demonstrations) + 0.8
-        figure = plt.figure(figsize=(11, height))
+        figure = new_figure(11, height)
         grid = figure.add_gridspec(2, 2, height_ratios=(3.2, height - 3.2))
         _draw_convergence(figure.add_subplot(grid[0, 0]), training)
         _draw_weights(figure.add_subplot(grid[0, 1]), training)
