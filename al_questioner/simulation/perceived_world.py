@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 from al_questioner.domain import Observation, Scene
 from al_questioner.perception import perceive, view_features
-from al_questioner.simulation.world import World
+from al_questioner.simulation.world import Table, World
 
 See = Callable[[Sequence[Observation]], Scene]
 """Function that converts observations to feature vectors."""
@@ -55,6 +55,15 @@ class PerceivedWorld:
         if self._scene is None or not same:
             self._seen, self._scene = observations, self._see(observations)
         return self._scene
+
+    def new_table(self, number: int = 0) -> tuple[Scene, Table]:
+        """Return a held-out table as a scene, and what is really on it, see `World.new_table`.
+
+        Raises:
+            InputError: a number below 0.
+        """
+        table = self._world.new_table(number)
+        return self._see(table.observations), table
 
     @cached_property
     def test_set(self) -> tuple[NDArray[np.float32], tuple[str, ...]]:

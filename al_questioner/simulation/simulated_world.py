@@ -9,8 +9,16 @@ from typing import NamedTuple
 import numpy as np
 
 from al_questioner.domain import InputError, Observation, random_stream
-from al_questioner.simulation.kitchen.pool import KindsBySymbol, ViewSpec, make_sample, make_validation, observe
+from al_questioner.simulation.kitchen.pool import (
+    KindsBySymbol,
+    ViewSpec,
+    make_sample,
+    make_table,
+    make_validation,
+    observe,
+)
 from al_questioner.simulation.task import Task
+from al_questioner.simulation.world import Table
 
 
 class _PlacedView(NamedTuple):
@@ -88,6 +96,16 @@ class SimulatedWorld:
     def validation_labels(self) -> tuple[str, ...]:
         """Return the symbols of the second draw, see `World.validation_labels`."""
         return tuple(view_spec.symbol for view_spec in self._validation)
+
+    def new_table(self, number: int = 0) -> Table:
+        """Return a held-out table, see `World.new_table`; the ids are 1 and up."""
+        if number < 0:
+            raise InputError(f'the number of a table must be 0 or more, not {number}')
+        view_specs = make_table(self._task, self._sample_number, number, self._kinds)
+        return Table(
+            tuple(self._observe(view_spec, i) for i, view_spec in enumerate(view_specs, start=1)),
+            {i: view_spec.symbol for i, view_spec in enumerate(view_specs, start=1)},
+        )
 
     def report(self) -> str:
         """Return an empty text, see `World.report`: there is nothing to say about a simulated world."""

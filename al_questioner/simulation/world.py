@@ -3,12 +3,26 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
 from typing import Protocol
 
 import numpy as np
 from numpy.typing import NDArray
 
 from al_questioner.domain import Observation, Scene
+
+
+@dataclass(frozen=True, eq=False)
+class Table:
+    """A table that no learner has seen.
+
+    Attributes:
+        observations: one per object.
+        symbols: symbol, or 'none', by object id.
+    """
+
+    observations: tuple[Observation, ...]
+    symbols: Mapping[int, str]
 
 
 class World(Protocol):
@@ -70,6 +84,16 @@ class World(Protocol):
 
         Raises:
             InputError: this world has no second draw.
+        """
+        ...
+
+    def new_table(self, number: int = 0) -> Table:
+        """Return a table like those of the scenes, clutter included, of held-out observations.
+
+        Tables of other numbers are drawn independently; their things may be the same ones in a world of few things.
+
+        Raises:
+            InputError: a number below 0.
         """
         ...
 

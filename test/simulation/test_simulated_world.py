@@ -256,3 +256,33 @@ def test_the_second_draw_is_like_the_test_set_and_none_of_it(name: str, request:
     assert len(set(seen)) == 12
     again = SimulatedWorld(task, 5, 2)
     assert again.validation_labels() == world.validation_labels()
+
+
+@pytest.mark.parametrize('name', ['lunch', 'kitchen', 'lunchbox'])
+def test_a_new_table_is_like_a_scene_and_none_of_it_was_seen(name: str, request: pytest.FixtureRequest) -> None:
+    """Otherwise recognition would be measured on what was taught, or on a table that the task never has."""
+    task = request.getfixturevalue(name)
+    world = SimulatedWorld(task, 3)
+    scenes = task.scenes
+    tables = [pool.make_table(task, 3, number) for number in (0, 1, 0)]
+    assert tables[0] == tables[2] != tables[1]
+    known = {view.key for view in (*pool.make_sample(task, 3).training, *pool.make_sample(task, 3).test)}
+    for table in tables[:2]:
+        counts = Counter(view.symbol for view in table)
+        assert len(table) == scenes.objects
+        assert counts[NO_SYMBOL] == round(scenes.clutter_share * scenes.objects)
+        assert {symbol: counts[symbol] for symbol in task.symbols} == pool.apportion(
+            task.class_frequencies, scenes.objects - counts[NO_SYMBOL]
+        )
+        assert not known & {view.key for view in table}
+        assert len({view.place for view in table}) == len(table)
+    if scenes.turnover == 'state':
+        assert {view.thing for view in tables[0]} == {view.thing for view in pool.make_sample(task, 3).training}
+    drawn = world.new_table()
+    assert drawn.symbols == {i: view.symbol for i, view in enumerate(tables[0], start=1)}
+    assert [o.object_id for o in drawn.observations] == list(drawn.symbols)
+
+
+def test_a_table_has_a_number(small: Task) -> None:
+    with pytest.raises(InputError, match='0 or more'):
+        SimulatedWorld(small, 3).new_table(-1)

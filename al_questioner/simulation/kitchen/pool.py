@@ -108,6 +108,32 @@ def make_validation(task: Task, sample: int, there_are: KindsBySymbol | None = N
     return _elsewhere(_things(_kinds(kinds, counts, of_sample), task, of_sample), task, rng, 'validation')
 
 
+def make_table(task: Task, sample: int, number: int, there_are: KindsBySymbol | None = None) -> tuple[ViewSpec, ...]:
+    """Return held-out views of the things of one scene, clutter included, in the order of their slots.
+
+    As in `make_sample`: the sample's own objects in random states if objects change their state, else other objects of
+    the same kinds. Where an object stands is drawn as in the scenes.
+    """
+    of_sample, rng = random_stream(sample, 'world/sample'), random_stream(sample, f'world/table/{number}')
+    scenes, kinds = task.scenes, _some_kinds(task, there_are, of_sample)
+    if scenes.turnover == 'state':
+        counts = apportion(task.class_frequencies, scenes.objects)
+        things = _things(_kinds(kinds, counts, of_sample), task, of_sample)
+    else:
+        clutter = round(scenes.clutter_share * scenes.objects)
+        counts = {**apportion(task.class_frequencies, scenes.objects - clutter), NO_SYMBOL: clutter}
+        things = _things(_kinds(kinds, counts, rng), task, rng)
+    return tuple(
+        ViewSpec(
+            f'table/{number}/{i}',
+            thing,
+            int(rng.integers(len(thing.kind.states))),
+            int(rng.choice(thing.places)),
+        )
+        for i, thing in enumerate(things)
+    )
+
+
 def observe(view_spec: ViewSpec, task: Task, sample: int, object_id: int) -> Observation:
     """Make the observation: render the view and read the sensors. The same view looks the same whatever its id."""
     rng = random_stream(sample, f'world/observation/{view_spec.key}')

@@ -15,6 +15,7 @@ from al_questioner.simulation.kitchen.sensors import read_sensors
 from al_questioner.simulation.rgbd_dataset.files import CropError, CropFiles, Skipped, index_crops, read_view
 from al_questioner.simulation.rgbd_dataset.split import CropsByCategory, Draw, draw_sample, split_crops
 from al_questioner.simulation.task import DatasetParameters, Task
+from al_questioner.simulation.world import Table
 
 FRAME_CENTRE = (319.5, 239.5)
 """Principal point of a 640 x 480 frame, in pixels."""
@@ -77,6 +78,7 @@ class DatasetWorld:
         scenes = task.scenes
         frequencies = task.class_frequencies
         shares = {s: f * (1 - scenes.clutter_share) for s, f in frequencies.items()} | {NO_SYMBOL: scenes.clutter_share}
+        self._shares, self._held_out = shares, split.test
         self._training = self._draw(split.training, scenes.training_size, shares, 'training')
         balanced = {symbol: 1 / len(task.symbols) for symbol in task.symbols}
         self._test = self._draw(
@@ -137,6 +139,24 @@ class DatasetWorld:
     def validation_labels(self) -> tuple[str, ...]:
         """Raise an error, since a directory of crops has no second draw, see `World.validation_labels`."""
         raise InputError('a directory of crops has no second draw of held-out observations')
+
+    def new_table(self, number: int = 0) -> Table:
+        """Return a held-out table, see `World.new_table`; a thing stands on it once, the ids are 1 and up.
+
+        Raises:
+            InputError: a number below 0, or no held-out crop can be read.
+        """
+        if number < 0:
+            raise InputError(f'the number of a table must be 0 or more, not {number}')
+        draws = self._draw(self._held_out, self._task.scenes.objects, self._shares, f'table/{number}')
+        shown = {crop.thing: (crop, view) for draw in draws.values() for crop, view in self._read_all(draw)}
+        if not shown:
+            raise InputError(f'dataset {self._root}: no held-out crop can be read; the last: {self.skipped[-1]}')
+        placed = list(enumerate(shown.values()))
+        return Table(
+            tuple(self._observe(place + 1, crop, view, place) for place, (crop, view) in placed),
+            {place + 1: self._symbol(crop) for place, (crop, _) in placed},
+        )
 
     @property
     def skipped(self) -> tuple[Skipped, ...]:

@@ -139,6 +139,21 @@ def test_test_objects_are_never_in_a_scene_and_all_of_some_symbol(filled: Tree) 
         assert pixels(world.scene(turn)) <= pixels(world.training_pool())
 
 
+def test_a_new_table_holds_each_held_out_thing_once_with_clutter(filled: Tree) -> None:
+    """Otherwise recognition would be measured on things that were taught, or without things of no symbol."""
+    filled.add_category('stapler', objects=6, views=2)
+    world = DatasetWorld(make_task(clutter_share=0.5), filled.root, seed=4)
+    tables = [world.new_table(number) for number in range(8)]
+    for table in tables:
+        assert not pixels(table.observations) & pixels(world.training_pool())
+        assert list(table.symbols) == [o.object_id for o in table.observations]
+        assert len({o.position for o in table.observations}) == len(table.observations) <= 4
+    assert {symbol for table in tables for symbol in table.symbols.values()} == {'fruit', 'beverage', NO_SYMBOL}
+    assert contents(world.new_table(3).observations) == contents(tables[3].observations)
+    with pytest.raises(InputError, match='0 or more'):
+        world.new_table(-1)
+
+
 def test_sample_has_the_size_and_the_shares_of_the_task(filled: Tree) -> None:
     """Two categories of fruit share the half of the symbol."""
     world = DatasetWorld(make_task(training_size=8, test_size=4), filled.root, seed=4)
