@@ -1,4 +1,4 @@
-"""What an experiment found about one strategy: where it is the most accurate, and where others are."""
+"""Results of one strategy in words: where it is the most accurate, and where others are."""
 
 from __future__ import annotations
 
@@ -22,7 +22,7 @@ The best control of each cell (one-tailed Mann-Whitney U tests, Holm-corrected f
 
 @dataclass(frozen=True)
 class Findings:
-    """What was found about a strategy, in Markdown.
+    """Findings about one strategy, in Markdown.
 
     Attributes:
         rank: in how many cells it is the most accurate; empty if it stands beside none.
