@@ -76,7 +76,7 @@ EXECUTABLES = {
     'experiment': Executable(
         'al_questioner.commands.experiment.arguments:parse',
         'al_questioner.commands.experiment.command:main',
-        "plays, tests and draws the paper's comparison",
+        "plays, tests and draws comparisons of strategies: the paper's, or others",
     ),
     'demo': Executable(
         'al_questioner.commands.demo.arguments:parse',

@@ -9,11 +9,10 @@ from dataclasses import dataclass
 import numpy as np
 
 from al_questioner.domain import QueryKind
-from al_questioner.experiments.plan import PAPER_CONDITIONS, PAPER_STRATEGIES, PAPER_TASKS, Condition
+from al_questioner.experiments.plan import PAPER_CONDITIONS, PAPER_METHOD, PAPER_STRATEGIES, PAPER_TASKS, Condition
 from al_questioner.experiments.results import Results, TurnRow
 from al_questioner.experiments.statistics import Comparison, compare, exceeds, p_text, paired_p
 
-PAPER_METHOD = 'dt_task_env'
 BASELINES = tuple(name for name in PAPER_STRATEGIES if name != PAPER_METHOD)
 TASK_CENTRIC = ('dt_iros', 'dt_task')
 DECISION_THEORETIC = (*TASK_CENTRIC, PAPER_METHOD)

@@ -16,7 +16,6 @@ from al_questioner.domain import QueryKind
 from al_questioner.experiments.ceilings import CEILINGS
 from al_questioner.experiments.plan import (
     CONTROLS,
-    PAPER_CONDITIONS,
     PAPER_STRATEGIES,
     PROPOSED,
     Cell,
@@ -59,8 +58,16 @@ LONG = 40
 """Number of turns above which the paper shows the questioning behaviour."""
 
 
-def draw_figures(results: Results, change_intervals: Mapping[str, int], folder: Path) -> list[Path]:
-    """Write all figures of all tasks and return their paths; the intervals are turns, by task.
+def draw_figures(
+    results: Results, change_intervals: Mapping[str, int], folder: Path, compared: str | None = None
+) -> list[Path]:
+    """Write all figures of all tasks and return their paths.
+
+    Args:
+        results: of the experiment.
+        change_intervals: turns between changes of the scene, by task.
+        folder: where the figures go.
+        compared: the strategy that the figures are about.
 
     Raises:
         InputError: a picture cannot be written.
@@ -69,19 +76,12 @@ def draw_figures(results: Results, change_intervals: Mapping[str, int], folder: 
     with rc_context(STYLE):
         for task in results.tasks:
             name = task_label(task)
-            paths.append(save(learning_curves(results, task), folder / f'learning_curves_{name}.png'))
+            paths.append(save(learning_curves(results, task, compared), folder / f'learning_curves_{name}.png'))
             paths.append(_behaviour(results, task, change_intervals[task], folder / f'behaviour_{name}.png'))
             paths.append(_kinds(results, task, folder / f'queries_{name}.png'))
             paths.append(_budget(results, task, folder / f'budget_{name}.png'))
             paths.append(draw_cost_curves(results, task, folder))
     return paths
-
-
-def condition_name(condition: Condition) -> str:
-    """Return the condition in words, with the paper's number if it has one."""
-    numbered = {value: name for name, value in PAPER_CONDITIONS.items()}
-    limits = f'budget {condition.budget:g}, {number_of(condition.turns, "turn")}'
-    return f'{numbered[condition]}: {limits}' if condition in numbered else limits
 
 
 def _conditions(results: Results, task: str) -> list[Condition]:
@@ -102,7 +102,7 @@ def _panels(
         panel.set_axis_off()
     panels = list(zip(axes.flat, conditions, strict=False))
     for panel, condition in panels:
-        panel.set_title(condition_name(condition), loc='left', fontsize=10)
+        panel.set_title(results.name_of(condition), loc='left', fontsize=10)
     figure.suptitle(f'{task}, {number_of(len(results.samples), "sample")}', x=0.01, ha='left', fontsize=11)
     return figure, panels
 
@@ -128,8 +128,17 @@ def _line(strategy: str) -> dict[str, Any]:
     return {'color': COLOURS.get(strategy), 'linestyle': style, 'linewidth': width, 'label': strategy}
 
 
-def learning_curves(results: Results, task: str) -> Figure:
-    """Draw accuracy after each turn, with the standard error of the paper's strategies only, to keep it readable."""
+def strategies_with_bands(results: Results, compared: str | None = None) -> list[str]:
+    """Return the strategies whose standard error the learning curves show: more bands would not be readable.
+
+    It is the one that they are about, and those of the paper.
+    """
+    return [name for name in results.strategies if name == compared or name in PAPER_STRATEGIES]
+
+
+def learning_curves(results: Results, task: str, compared: str | None = None) -> Figure:
+    """Draw accuracy after each turn, with the standard error of some strategies."""
+    with_bands = strategies_with_bands(results, compared)
     with rc_context(STYLE):
         figure, panels = _panels(results, task, 3.6, same_scale=True)
         for panel, condition in panels:
@@ -140,7 +149,7 @@ def learning_curves(results: Results, task: str) -> Figure:
                 mean, error = mean_and_error(curves)
                 turns = np.arange(1, len(mean) + 1)
                 (line,) = panel.plot(turns, mean, marker='o' if len(mean) == 1 else None, **_line(strategy))
-                if strategy in PAPER_STRATEGIES:
+                if strategy in with_bands:
                     low, high = mean - error, mean + error
                     panel.fill_between(turns, low, high, color=line.get_color(), alpha=0.15, linewidth=0)
             panel.set(xlabel='turn', ylabel='accuracy', ylim=(0, 1), xlim=(0, max(condition.turns, 2)))
@@ -165,7 +174,7 @@ def _behaviour(results: Results, task: str, change_interval: int, path: Path) ->
         panel.set_yticks([-row for row in range(len(strategies))], strategies, fontsize=9)
         panel.set(xlim=(0, condition.turns + 1), ylim=(0.6 - len(strategies), 0.6), xlabel='turn')
         panel.xaxis.set_major_locator(MaxNLocator(integer=True))
-        panel.set_title(condition_name(condition), loc='left', fontsize=10)
+        panel.set_title(results.name_of(condition), loc='left', fontsize=10)
     figure.suptitle(f'{task}, sample {results.samples[0]}', x=0.01, ha='left', fontsize=11)
     shown = _colours(results, task)
     for kind, colour in shown.items():

@@ -46,6 +46,7 @@ PAPER_CONDITIONS = {
 }
 """Conditions of section 4.3 of the paper, by name."""
 PAPER_STRATEGIES = ('u_sampling', 'dt_iros', 'dt_task', 'dt_task_env')
+PAPER_METHOD = 'dt_task_env'
 PROPOSED = ('value_per_cost',)
 """Strategies that we propose, in addition to those of the paper."""
 CONTROLS = ('u_sampling_fsq', 'random_fsq', 'farthest_fsq', 'rarest_demo', 'typiclust', 'probcover')
@@ -124,6 +125,25 @@ def shipped_weights() -> Mapping[str, Weights]:
     """Return the weights in `config/weights` of the strategies that have some."""
     paths = {name: shipped_file(name) for name in (*PAPER_STRATEGIES, *PROPOSED)}
     return {name: read_weights(path) for name, path in paths.items() if path is not None}
+
+
+def strategy_to_compare(strategies: Sequence[str], wanted: str | None = None) -> str | None:
+    """Return which strategy is tested against the others.
+
+    If none is wanted, it is the method of the paper, or, where that is not played, the first one that is named. None
+    where only ceilings are played: what knows the truth is not tested.
+
+    Raises:
+        InputError: the wanted one is not played, or is a ceiling.
+    """
+    played = [name for name in strategies if name not in CEILINGS]
+    if wanted is None:
+        return PAPER_METHOD if PAPER_METHOD in played else next(iter(played), None)
+    if wanted in CEILINGS:
+        raise SettingsError(f'--compare {wanted}: it knows the truth, and is not tested against strategies')
+    if wanted not in played:
+        raise SettingsError(f'--compare {wanted}: not among the strategies that are played: {", ".join(strategies)}')
+    return wanted
 
 
 def task_label(name: str) -> str:

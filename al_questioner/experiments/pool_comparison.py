@@ -78,7 +78,7 @@ class PoolComparison:
 
     def figure(self) -> Figure:
         """Return the learning curves, a panel for each budget."""
-        return learning_curves(self.results, self.name)
+        return learning_curves(self.results, self.name, self.strategies[0])
 
     def draw(self, folder: Path | str) -> list[Path]:
         """Write the figures of an experiment into a folder, and return their paths.
@@ -86,7 +86,7 @@ class PoolComparison:
         Raises:
             InputError: a picture cannot be written.
         """
-        return draw_figures(self.results, {self.name: self.change_interval}, Path(folder))
+        return draw_figures(self.results, {self.name: self.change_interval}, Path(folder), self.strategies[0])
 
     def __str__(self) -> str:
         accuracies = accuracy_table(self.results, self.name)
@@ -186,7 +186,8 @@ def compare(
             watch(played)
     in_order = [found[cell] for cell in itertools.chain.from_iterable(groups_of_cells)]
     results = results_of([each.episode for each in in_order], [row for each in in_order for row in each.turns])
-    return PoolComparison(results, plan.strategies, change_interval)
+    # Whose data are not the paper's need not know its numbers of conditions.
+    return PoolComparison(dataclasses.replace(results, numbered=False), plan.strategies, change_interval)
 
 
 class _PoolPlan(Plan):

@@ -10,26 +10,17 @@ from pathlib import Path
 import numpy as np
 
 from al_questioner.experiments.ceilings import CEILINGS
-from al_questioner.experiments.claims import (
-    BASELINES,
-    PAPER_METHOD,
-    SIGNIFICANT,
-    Verdict,
-    baseline_comparisons,
-    verdicts,
-)
-from al_questioner.experiments.figures import condition_name
-from al_questioner.experiments.plan import CONTROLS, Condition
+from al_questioner.experiments.claims import Verdict, verdicts
+from al_questioner.experiments.figures import strategies_with_bands
+from al_questioner.experiments.findings import find, others_than
+from al_questioner.experiments.plan import PAPER_METHOD, PAPER_STRATEGIES, Condition
 from al_questioner.experiments.results import Results
 from al_questioner.experiments.statistics import (
     LEAST_FOR_INTERVAL,
     Comparison,
-    best_of,
     compare,
-    control_test,
     exceeds,
     mean_and_deviation,
-    p_text,
 )
 from al_questioner.experiments.studies import Study
 from al_questioner.questioning import Weights
@@ -37,14 +28,8 @@ from al_questioner.support.text import number_of
 
 PAPER_SAMPLES = 5
 
-ABOUT_CELLS = """\
-A cell is a task with a budget and a time."""
-
 Table = tuple[Sequence[str], Sequence[Sequence[str]]]
 """Head and rows of a table."""
-
-ABOUT_CONTROLS = f"""\
-The controls, {', '.join(CONTROLS)}, follow one rule each."""
 
 ABOUT_CLAIMS = """\
 A claim about significance counts as reproduced if one-tailed Mann-Whitney U tests of the accuracies at the end of the
@@ -71,9 +56,6 @@ interval."""
 ABOUT_NO_INTERVAL = f"""\
 There is no interval here: fewer than {LEAST_FOR_INTERVAL} samples cannot tell how much they vary."""
 
-ABOUT_BANDS = """\
-The bands in the learning curves are the mean and one standard error, of the paper's strategies."""
-
 ABOUT_STUDIES = """\
 One thing at a time is changed. [difficulty.md](difficulty.md) tells what was tried to make the simulated tables neither
 too easy nor hopeless, [imitation.md](../explanation/imitation.md) the paces of the scripted expert and the settings of
@@ -92,6 +74,7 @@ class Page:
         weights: of the decision-theoretic strategies.
         studies: with the results of their variants, by label.
         varied: what is not as the tasks and the strategies have it, in words; empty for nothing.
+        compared: strategy that is tested against the others; None where there are only ceilings.
     """
 
     command: str
@@ -101,43 +84,67 @@ class Page:
     weights: Mapping[str, Weights]
     studies: Sequence[tuple[Study, Mapping[str, Results]]] = field(default=())
     varied: str = ''
+    compared: str | None = PAPER_METHOD
 
 
 def report(page: Page, folder: Path) -> str:
     """Write the page in Markdown, with links from the folder in which it will lie."""
-    results = page.results
-    against_controls, where = _against_controls(results)
-    for_the_paper = [_among_the_papers_own(results), _count_claims(results, page.change_intervals)]
+    results, compared = page.results, page.compared
+    findings = find(results, compared)
+    found = list(verdicts(results, page.change_intervals))
+    counted = _count_claims(results, page.change_intervals)
+    is_reproduction = bool(found) and compared == PAPER_METHOD
     parts = [
-        '# Reproduction' if PAPER_METHOD in results.strategies else '# Comparison of questioning strategies',
-        ' '.join(filter(None, for_the_paper)),
-        against_controls,
+        '# Reproduction' if is_reproduction else f'# {_title(results, compared)}',
+        ' '.join(filter(None, [findings.rank, counted if is_reproduction else ''])),
+        findings.against_controls,
         f'**Varied throughout: {page.varied}.**' if page.varied else '',
-        *_conclusions(verdicts(results, page.change_intervals)),
-        *(['## Where others are more accurate', where] if where else []),
-        '## What the paper claims',
-        *_claims(results, page.change_intervals),
+        *(_conclusions(found) if is_reproduction else ()),
+        *(['## Where others are more accurate', findings.where] if findings.where else []),
     ]
+    if found:
+        parts += ['## What the paper claims']
+        parts += [] if is_reproduction else [counted, *_conclusions(found)]
+        parts += _claims(results, page.change_intervals)
     if page.weights:
         parts += ['## The weights', _weights(page.weights)]
         parts += [f'`{name}`: {weights.provenance}' for name, weights in page.weights.items() if weights.provenance]
     parts += ['## Accuracy at the end of the time', ABOUT_ACCURACIES]
     parts += [_about_ceilings(results)]
     parts += [_table(*accuracy_table(results, task)) for task in results.tasks]
-    if PAPER_METHOD in results.strategies:
+    if compared in results.strategies and others_than(compared, results):
         few = len(results.samples) < LEAST_FOR_INTERVAL
         about = f'{ABOUT_TESTS} {ABOUT_NO_INTERVAL}' if few else ABOUT_TESTS
-        parts += [f'## {PAPER_METHOD} against each other strategy', about]
-        parts += [_table(*comparison_table(results, task, PAPER_METHOD)) for task in results.tasks]
-    parts += ['## Figures', ABOUT_BANDS if len(results.samples) > 1 else '']
+        parts += [f'## {compared} against each other strategy', about]
+        parts += [_table(*comparison_table(results, task, compared)) for task in results.tasks]
+    parts += ['## Figures', _about_bands(results, compared)]
     parts += [f'![{path.stem.replace("_", " ")}]({_relative(path, folder)})' for path in page.figures]
     if page.studies:
         parts += ['## What the paper does not tell', ABOUT_STUDIES]
-        for study, found in page.studies:
-            parts += [f'### {study.title}', study.about, *_study(study, results, found)]
+        for study, variants in page.studies:
+            parts += [f'### {study.title}', study.about, *_study(study, results, variants, compared)]
     parts += ['## How this page was made']
     parts += [f'Written by `{page.command}`; every result on this page is computed from its tables.']
     return '\n\n'.join(part for part in parts if part) + '\n'
+
+
+def _title(results: Results, compared: str | None) -> str:
+    """Return the title of a page that does not reproduce the paper: who was played, beside how many."""
+    if compared is None or compared not in results.strategies:
+        return f'Accuracy of {", ".join(results.strategies)}'
+    others = others_than(compared, results)
+    if not others:
+        return f'Accuracy of {compared}'
+    return f'{compared} against {others[0] if len(others) == 1 else f"{len(others)} other strategies"}'
+
+
+def _about_bands(results: Results, compared: str | None) -> str:
+    """Say what the bands in the learning curves are, and of which strategies; nothing if there are none."""
+    named = strategies_with_bands(results, compared)
+    if len(results.samples) == 1 or not named:
+        return ''
+    whose = dict.fromkeys("the paper's strategies" if name in PAPER_STRATEGIES else name for name in named)
+    return f'The bands in the learning curves are the mean and one standard error, of {" and ".join(whose)}.'
 
 
 def _relative(path: Path, folder: Path) -> str:
@@ -145,26 +152,6 @@ def _relative(path: Path, folder: Path) -> str:
         return path.resolve().relative_to(folder.resolve()).as_posix()
     except ValueError:
         return path.as_posix()
-
-
-def _among_the_papers_own(results: Results) -> str:
-    """Say in how many cells the method is the best of the paper's strategies; nothing if it stands beside none."""
-    cells, first, sure = 0, 0, 0
-    for task in results.tasks:
-        for condition in results.conditions(task):
-            accuracies = results.final_accuracies(task, condition)
-            others = [accuracies[name].mean() for name in BASELINES if name in accuracies]
-            if not others or not len(accuracies.get(PAPER_METHOD, ())):
-                continue
-            cells += 1
-            first += not exceeds(max(others), accuracies[PAPER_METHOD].mean())
-            sure += all(each.p_holm < SIGNIFICANT for each in baseline_comparisons(results, task, condition))
-    if not cells:
-        return ''
-    return (
-        f"**Of the paper's own strategies, {PAPER_METHOD} is the most accurate, in the mean, in {first} of"
-        f' {number_of(cells, "cell")}**, significantly above each of the others in {sure or "none"}. {ABOUT_CELLS}'
-    )
 
 
 def _about_ceilings(results: Results) -> str:
@@ -175,60 +162,6 @@ def _about_ceilings(results: Results) -> str:
     fewer = len(samples) < len(results.samples)
     played = f' They were played on the first {number_of(len(samples), "sample")} alone.' if fewer else ''
     return f'{ABOUT_CEILINGS}{played}'
-
-
-def _against_controls(results: Results) -> tuple[str, str]:
-    """Say first what is against the method: a simple rule that is better. Then where, and which other is better."""
-    beaten, others, cells, sure = [], [], 0, 0
-    for task in results.tasks:
-        for condition in results.conditions(task):
-            accuracies = results.final_accuracies(task, condition)
-            controls = {name: float(accuracies[name].mean()) for name in CONTROLS if name in accuracies}
-            if PAPER_METHOD not in accuracies or not controls or not len(accuracies[PAPER_METHOD]):
-                continue
-            cells += 1
-            better = [
-                f'{name} {accuracies[name].mean():.3f}'
-                for name in BASELINES
-                if name in accuracies and exceeds(accuracies[name].mean(), accuracies[PAPER_METHOD].mean())
-            ]
-            if better:
-                others.append(f'{task}, {condition_name(condition)}: {", ".join(better)}')
-            best = best_of(controls)
-            ours = float(accuracies[PAPER_METHOD].mean())
-            if exceeds(controls[best], ours):
-                rivals = [accuracies[name] for name in controls if name != best]
-                p = control_test(accuracies[best], rivals, accuracies[PAPER_METHOD])
-                sure += p < SIGNIFICANT
-                where = f'{task}, {condition_name(condition)}'
-                beaten.append(f'{where}: {best} {controls[best]:.3f}, {PAPER_METHOD} {ours:.3f} ({p_text(p)})')
-    if not cells:
-        return _not_compared(results.strategies), ''
-    parts = []
-    if beaten:
-        where = f'{len(beaten)} of {number_of(cells, "cell")}'
-        finding = f'**A simple control is more accurate, in the mean, than {PAPER_METHOD} in {where}**, significantly'
-        finding += f' in {sure or "none"}. {ABOUT_CONTROLS}'
-        how = 'one-tailed Mann-Whitney U tests, Holm-corrected for the number of controls'
-        parts += [f'The best control of each cell ({how}):', '\n'.join(f'- {line}' for line in beaten)]
-    else:
-        where = 'In the only cell no control is' if cells == 1 else f'In none of the {cells} cells is a control'
-        finding = f'{where} more accurate, in the mean, than {PAPER_METHOD}.'
-    if others:
-        listed = '\n'.join(f'- {line}' for line in others)
-        parts.append(f'Other strategies of the paper are more accurate than it in these cells:\n\n{listed}')
-    return finding, '\n\n'.join(parts)
-
-
-def _not_compared(strategies: Sequence[str]) -> str:
-    """Say why the method of the paper stands beside no control."""
-    controls = any(name in CONTROLS for name in strategies)
-    if PAPER_METHOD not in strategies:
-        beside = 'Controls were played, but' if controls else 'No control was played, and'
-        return f'{beside} {PAPER_METHOD}, the method of the paper, was not.'
-    if not controls:
-        return f'No control was played beside {PAPER_METHOD}.'
-    return f'No control was played in the same cell as {PAPER_METHOD}.'
 
 
 def _conclusions(found: Iterable[Verdict]) -> Iterator[str]:
@@ -249,13 +182,13 @@ def _count_claims(results: Results, change_intervals: Mapping[str, int]) -> str:
     for samples in dict.fromkeys((results.samples[:PAPER_SAMPLES], results.samples)):
         found = list(verdicts(results.of_samples(samples), change_intervals))
         if not found:
-            return ''
+            continue
         held = [verdict for verdict in found if verdict.reproduced]
         sure = sum(verdict.by_construction for verdict in held)
         counts.append(
             f'{len(held)} of {len(found)} are reproduced on {_count(samples).lower()} ({sure} of them by construction)'
         )
-    return f"Of the paper's claims, {', '.join(counts)}."
+    return f"Of the paper's claims, {', '.join(counts)}." if counts else ''
 
 
 def _claims(results: Results, change_intervals: Mapping[str, int]) -> list[str]:
@@ -264,9 +197,8 @@ def _claims(results: Results, change_intervals: Mapping[str, int]) -> list[str]:
     parts = [ABOUT_CLAIMS]
     for samples in dict.fromkeys((first, results.samples)):
         rows = [(v.claim, v.found, v.tests, _word(v)) for v in verdicts(results.of_samples(samples), change_intervals)]
-        if not rows:
-            return ['The strategies of the paper were not all played in one of its conditions: no claim is tested.']
-        parts += [f'### {_count(samples)}', _table(('claim', 'found', 'tests', 'verdict'), rows)]
+        if rows:
+            parts += [f'### {_count(samples)}', _table(('claim', 'found', 'tests', 'verdict'), rows)]
     return parts
 
 
@@ -297,7 +229,7 @@ def accuracy_table(results: Results, task: str) -> Table:
     for strategy in results.strategies:
         cells = [_mean_and_deviation(results, task, condition, strategy) for condition in conditions]
         rows.append((f'`{strategy}`', *cells))
-    return (f'{task}, {_count(results.samples).lower()}', *map(condition_name, conditions)), rows
+    return (f'{task}, {_count(results.samples).lower()}', *map(results.name_of, conditions)), rows
 
 
 def _mean_and_deviation(results: Results, task: str, condition: Condition, strategy: str) -> str:
@@ -319,7 +251,7 @@ def comparison_table(results: Results, task: str, strategy: str) -> Table:
         others = {name: values for name, values in accuracies.items() if name != strategy and name not in CEILINGS}
         rows += [
             (
-                condition_name(condition),
+                results.name_of(condition),
                 f'`{c.other}`',
                 f'{c.mean - c.other_mean:+.3f}',
                 _short(c.p),
@@ -343,7 +275,7 @@ def _short(p: float) -> str:
     return '< .0001' if p < 0.0001 else f'{p:.4f}'
 
 
-def _study(study: Study, comparison: Results, found: Mapping[str, Results]) -> list[str]:
+def _study(study: Study, comparison: Results, found: Mapping[str, Results], compared: str | None) -> list[str]:
     """Write a table of each cell with a column for each variant, or, of a single strategy, one with a row for each."""
     plan = next(iter(study.plans.values()))
     own = comparison.of_samples(plan.samples)
@@ -357,37 +289,39 @@ def _study(study: Study, comparison: Results, found: Mapping[str, Results]) -> l
             (label, *(_mean_and_deviation(results, *cell, strategy) for cell in cells))
             for label, results in columns.items()
         ]
-        head = (f'`{strategy}`', *(f'{task}, {condition_name(condition)}' for task, condition in cells))
-        if strategy == PAPER_METHOD or not any(own.group(*cell, PAPER_METHOD) for cell in cells):
+        head = (f'`{strategy}`', *(f'{task}, {own.name_of(condition)}' for task, condition in cells))
+        if compared in (None, strategy) or not any(own.group(*cell, compared) for cell in cells):
             return [about, _table(head, rows)]
-        rows.append(
-            (f'beside it: `{PAPER_METHOD}`', *(_mean_and_deviation(own, *cell, PAPER_METHOD) for cell in cells))
-        )
-        return [about, _table(head, rows), _better_than_ours(strategy, own, columns, cells)]
+        rows.append((f'beside it: `{compared}`', *(_mean_and_deviation(own, *cell, compared) for cell in cells)))
+        return [about, _table(head, rows), _better_variants(strategy, compared, own, columns, cells)]
     tables = []
     for task, condition in cells:
         rows = [
             (f'`{name}`', *(_mean_and_deviation(results, task, condition, name) for results in columns.values()))
             for name in plan.strategies
         ]
-        tables.append(_table((f'{task}, {condition_name(condition)}', *columns), rows))
+        tables.append(_table((f'{task}, {own.name_of(condition)}', *columns), rows))
     return [about, *tables]
 
 
-def _better_than_ours(
-    strategy: str, own: Results, columns: Mapping[str, Results], cells: Sequence[tuple[str, Condition]]
+def _better_variants(
+    strategy: str,
+    compared: str,
+    own: Results,
+    columns: Mapping[str, Results],
+    cells: Sequence[tuple[str, Condition]],
 ) -> str:
-    """Name the variants of a strategy that are more accurate, in the mean, than dt_task_env."""
+    """Name the variants of a strategy that are more accurate, in the mean, than the compared one."""
     found = []
     for task, condition in cells:
-        ours = own.mean_accuracy(task, condition, PAPER_METHOD)
+        ours = own.mean_accuracy(task, condition, compared)
         means = {label: results.mean_accuracy(task, condition, strategy) for label, results in columns.items()}
         known = {label: mean for label, mean in means.items() if mean is not None}
         better = [label for label, mean in known.items() if ours is not None and exceeds(mean, ours)]
         if better:
-            found.append(f'{task}, {condition_name(condition)}: {"; ".join(better)}')
+            found.append(f'{task}, {own.name_of(condition)}: {"; ".join(better)}')
     listed = '\n'.join(f'- {line}' for line in found)
-    return f'More accurate than {PAPER_METHOD}, in the mean:\n\n{listed}' if found else ''
+    return f'More accurate than {compared}, in the mean:\n\n{listed}' if found else ''
 
 
 def _table(head: Sequence[str], rows: Sequence[Sequence[str]]) -> str:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import csv
+import dataclasses
 from collections.abc import Collection, Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property
@@ -13,8 +14,17 @@ import numpy as np
 
 from al_questioner.domain import InputError
 from al_questioner.experiments.ceilings import CEILINGS
-from al_questioner.experiments.plan import CONTROLS, PAPER_STRATEGIES, PAPER_TASKS, PROPOSED, Cell, Condition
+from al_questioner.experiments.plan import (
+    CONTROLS,
+    PAPER_CONDITIONS,
+    PAPER_STRATEGIES,
+    PAPER_TASKS,
+    PROPOSED,
+    Cell,
+    Condition,
+)
 from al_questioner.support.arrays import Array
+from al_questioner.support.text import number_of
 
 
 @dataclass(frozen=True, eq=False)
@@ -49,16 +59,19 @@ class Results:
     Attributes:
         episodes: rows of `episodes.csv`.
         turns: rows of `turns.csv`.
+        numbered: whether conditions of the paper bear its numbers, C1 to C4.
     """
 
     episodes: Sequence[EpisodeRow]
     turns: Sequence[TurnRow]
+    numbered: bool = True
 
     def of_samples(self, samples: Collection[int]) -> Results:
         """Return the results of these samples."""
-        return Results(
-            [row for row in self.episodes if row.cell.sample in samples],
-            [row for row in self.turns if row.cell.sample in samples],
+        return dataclasses.replace(
+            self,
+            episodes=[row for row in self.episodes if row.cell.sample in samples],
+            turns=[row for row in self.turns if row.cell.sample in samples],
         )
 
     @cached_property
@@ -82,6 +95,12 @@ class Results:
     def conditions(self, task: str) -> tuple[Condition, ...]:
         """Return the conditions of a task."""
         return tuple(dict.fromkeys(row.cell.condition for row in self.episodes if row.cell.task == task))
+
+    def name_of(self, condition: Condition) -> str:
+        """Return a condition in words, with the paper's number if it has one."""
+        numbers = {value: name for name, value in PAPER_CONDITIONS.items()} if self.numbered else {}
+        limits = f'budget {condition.budget:g}, {number_of(condition.turns, "turn")}'
+        return f'{numbers[condition]}: {limits}' if condition in numbers else limits
 
     @cached_property
     def _by_group(self) -> Mapping[tuple[str, Condition, str], list[EpisodeRow]]:

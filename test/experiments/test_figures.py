@@ -5,8 +5,9 @@ from itertools import product
 import numpy as np
 import pytest
 from matplotlib import image as images
+from matplotlib.colors import to_rgb
 
-from al_questioner.experiments.figures import accuracy_by_cost, draw_cost_curves
+from al_questioner.experiments.figures import accuracy_by_cost, draw_cost_curves, learning_curves
 from al_questioner.experiments.plan import CONTROLS, PAPER_STRATEGIES, PROPOSED, Cell
 from al_questioner.experiments.results import EpisodeRow, Results, TurnRow
 
@@ -33,6 +34,19 @@ def test_the_picture_shows_all_who_ask(tmp_path):
     path = draw_cost_curves(made('value_per_cost', 'all_labels'), 'kitchen_table', tmp_path / 'new')
     assert path.name == 'accuracy_by_cost_kitchen_table.png'
     assert path.stat().st_size > 10_000
+
+
+def test_the_strategy_that_is_asked_about_has_a_band():
+    """Otherwise the certainty of other strategies would be shown, and not that of the one that matters."""
+    results = made('mine', 'random_fsq', 'dt_task')
+
+    def colours_of_bands(compared):
+        (panel,) = learning_curves(results, 'kitchen_table', compared).axes
+        bands = {tuple(band.get_facecolor()[0][:3]) for band in panel.collections}
+        return {line.get_label() for line in panel.lines if to_rgb(line.get_color()) in bands}
+
+    assert colours_of_bands('mine') == {'mine', 'dt_task'}
+    assert colours_of_bands(None) == {'dt_task'}
 
 
 @pytest.mark.parametrize('budgets', [(25.0,), (25.0, 500.0)])

@@ -93,6 +93,15 @@ def test_it_is_drawn_as_an_experiment_is(found: PoolComparison, tmp_path: Path) 
     assert titles == ['budget 8, 8 turns', 'budget 4, 8 turns']
 
 
+def test_the_conditions_of_the_paper_are_not_those_of_a_pool() -> None:
+    """Otherwise who knows nothing of the paper would ask what C1 is."""
+    found = compare(['random_fsq'], POOL, 25, **{**SMALL, 'repeats': 1, 'turns': 40})
+    assert 'budget 25, 40 turns' in str(found)
+    assert 'C1' not in str(found)
+    (panel,) = found.figure().axes
+    assert panel.get_title(loc='left') == 'budget 25, 40 turns'
+
+
 def test_a_single_strategy_is_tested_against_nobody() -> None:
     """A first look at a pool needs one strategy only, and one budget need not be named."""
     found = compare(['random_fsq'], POOL, 4, **SMALL)

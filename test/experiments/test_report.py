@@ -80,11 +80,70 @@ def test_the_first_paragraph_says_where_none_is() -> None:
 
 def test_the_first_paragraph_says_what_was_not_compared() -> None:
     """Otherwise the page would say that no control was played although their accuracies stand below."""
-    assert 'No control was played beside dt_task_env.' in page_of(made({'dt_task_env': PAPER_METHOD}))
+    assert 'No other strategy was played beside dt_task_env' in page_of(made({'dt_task_env': PAPER_METHOD}))
+    assert 'No control was played beside dt_task_env.' in page_of(made({'dt_task_env': BETTER, 'dt_task': WORSE}))
     controls = page_of(made({'random_fsq': WORSE, 'rarest_demo': BETTER}))
-    assert 'Controls were played, but dt_task_env, the method of the paper, was not.' in controls
+    assert 'No episode of dt_task_env was finished: nothing is tested.' in controls
     assert 'No control was played' not in controls
-    assert 'No control was played, and dt_task_env' in page_of(made({'value_per_cost': PAPER_METHOD}))
+    ceilings = page_of(made({'all_labels': BETTER, 'greedy_oracle': BETTER}), compared=None)
+    assert ceilings.startswith(
+        '# Accuracy of all_labels, greedy_oracle\n\nOnly ceilings were played: nothing is tested.'
+    )
+
+
+def test_a_page_is_about_the_strategy_that_was_asked_about() -> None:
+    """Otherwise who asks about a strategy would read whether another one is better than the others."""
+    others = {'dt_iros': WORSE, 'random_fsq': WORSE, 'farthest_fsq': BETTER}
+    page = page_of(made({'value_per_cost': PAPER_METHOD, **others}), compared='value_per_cost')
+    assert page.startswith('# value_per_cost against 3 other strategies\n')
+    assert (
+        'Of the strategies that were played, value_per_cost is the most accurate, in the mean, in 0 of 1 cell' in page
+    )
+    assert 'A simple control is more accurate, in the mean, than value_per_cost in 1 of 1 cell' in page
+    # Only the controls that were played.
+    assert 'The controls, random_fsq, farthest_fsq, follow one rule each.' in page
+    assert '- kitchen_table, C1: budget 25, 40 turns: farthest_fsq 0.825, value_per_cost 0.725 (' in page
+    assert '## value_per_cost against each other strategy' in page
+    p = mannwhitneyu(PAPER_METHOD, WORSE, alternative='greater').pvalue
+    assert f'| `dt_iros` | +0.200 | {p:.4f} |' in page
+    assert "one standard error, of the paper's strategies and value_per_cost." in page
+    assert 'dt_task_env' not in page
+
+
+def test_a_control_is_compared_with_the_others() -> None:
+    """Otherwise it would be said to be better than itself."""
+    finals = {'random_fsq': WORSE, 'farthest_fsq': BETTER, 'value_per_cost': PAPER_METHOD}
+    beaten = page_of(made(finals), compared='random_fsq')
+    assert 'Another simple control is more accurate, in the mean, than random_fsq in 1 of 1 cell' in beaten
+    assert 'The other control, farthest_fsq, follows one rule.' in beaten
+    others = 'Other strategies are more accurate than it in these cells:'
+    assert f'{others}\n\n- kitchen_table, C1: budget 25, 40 turns: value_per_cost 0.725\n' in beaten
+    best = page_of(made(finals), compared='farthest_fsq')
+    assert 'In the only cell no other control is more accurate, in the mean, than farthest_fsq.' in best
+    assert '## Where others are more accurate' not in best
+
+
+def test_a_strategy_that_is_played_alone_claims_nothing() -> None:
+    """Otherwise a page about a strategy of one's own would speak of claims that nobody made."""
+    page = page_of(made({'mine': PAPER_METHOD}), compared='mine')
+    assert page.startswith('# Accuracy of mine\n\nNo other strategy was played beside mine: nothing is tested.\n')
+    assert 'claim' not in page
+    assert "the paper's" not in page
+    assert 'against' not in page
+
+
+def test_the_claims_of_the_paper_stand_below_what_was_asked() -> None:
+    """Otherwise who asks about another strategy would have to read first what the paper says of its own."""
+    own = {'dt_task_env': BETTER, **dict.fromkeys(('u_sampling', 'dt_iros', 'dt_task'), WORSE)}
+    results = made({**own, 'value_per_cost': PAPER_METHOD}, 'prepare_lunch')
+    page = page_of(results, compared='value_per_cost')
+    assert page.startswith('# value_per_cost against 4 other strategies\n')
+    before, _, after = page.partition('## What the paper claims')
+    assert 'hold:' not in before
+    assert 'Of the paper' not in before
+    assert "Of the paper's claims, " in after
+    assert 'These claims of the paper hold:\n\n- prepare_lunch, C1: accuracy order: dt_task_env first\n' in after
+    assert page_of(results).startswith('# Reproduction\n')
 
 
 def test_means_deviations_and_tests_are_those_of_the_tables() -> None:
@@ -95,12 +154,14 @@ def test_means_deviations_and_tests_are_those_of_the_tables() -> None:
     assert f'| `random_fsq` | +0.200 | {p:.4f} | {p:.4f} | 1.00 [1.00, 1.00] |' in page
 
 
-def test_only_a_page_with_the_papers_method_is_called_a_reproduction() -> None:
-    """Otherwise a comparison of other strategies would pass for a reproduction of the paper."""
-    assert page_of(made({'dt_task_env': PAPER_METHOD, 'random_fsq': WORSE})).startswith('# Reproduction\n')
-    others = page_of(made({'value_per_cost': PAPER_METHOD, 'dt_iros': WORSE}))
-    assert others.startswith('# Comparison of questioning strategies\n')
-    assert 'Reproduction' not in others
+def test_only_a_page_that_tests_a_claim_is_called_a_reproduction() -> None:
+    """Otherwise a comparison of other strategies, or on other tasks, would pass for a reproduction of the paper."""
+    own = {'dt_task_env': PAPER_METHOD, **dict.fromkeys(('u_sampling', 'dt_iros', 'dt_task'), WORSE)}
+    assert page_of(made(own, 'prepare_lunch')).startswith('# Reproduction\n')
+    for elsewhere in (made(own), made({'dt_task_env': PAPER_METHOD, 'random_fsq': WORSE}, 'prepare_lunch')):
+        page = page_of(elsewhere)
+        assert page.startswith('# dt_task_env against ')
+        assert 'Reproduction' not in page
 
 
 def test_few_samples_give_no_interval() -> None:
@@ -114,9 +175,9 @@ def test_few_samples_give_no_interval() -> None:
 
 def test_what_was_not_played_has_no_section() -> None:
     """Otherwise empty tables would look like results."""
-    page = page_of(made({'random_fsq': WORSE}))
+    page = page_of(made({'random_fsq': WORSE}), compared='random_fsq')
     assert 'against each other strategy' not in page
-    assert 'no claim is tested' in page
+    assert 'What the paper claims' not in page
     assert '## The weights' not in page
     assert 'greedy_oracle' not in page
 
@@ -131,20 +192,21 @@ def test_variations_and_weights_are_told() -> None:
     assert '`dt_iros`: Set by somebody.' in page
 
 
+@pytest.mark.parametrize('compared', ['dt_task_env', 'value_per_cost'])
 @pytest.mark.parametrize('own', [True, False])
-def test_a_study_shows_the_comparison_only_if_it_has_it(own: bool) -> None:
+def test_a_study_shows_the_comparison_only_if_it_has_it(own: bool, compared: str) -> None:
     """Otherwise an empty row would stand for what was never played."""
     plan = Plan(
         ('kitchen_table',), (Cell('kitchen_table', 25.0, 40, 'x', 0).condition,), ('u_sampling',), (0, 1), Variation()
     )
     study = Study('s', 'A study', 'About it.', 'as it is', {'otherwise': plan})
     found = {'otherwise': made({'u_sampling': WORSE[:2]})}
-    comparison = made({'dt_task_env': PAPER_METHOD, **({'u_sampling': BETTER} if own else {})})
-    page = page_of(comparison, studies=[(study, found)])
+    comparison = made({compared: PAPER_METHOD, **({'u_sampling': BETTER} if own else {})})
+    page = page_of(comparison, studies=[(study, found)], compared=compared)
     assert '| otherwise | 0.505 ± 0.007 (3) |' in page
     assert ('| as it is | 0.805 ± 0.007 (3) |' in page) == own
-    assert '| beside it: `dt_task_env` | 0.705 ± 0.007 (3) |' in page
-    better = 'More accurate than dt_task_env, in the mean:\n\n- kitchen_table, C1: budget 25, 40 turns: as it is'
+    assert f'| beside it: `{compared}` | 0.705 ± 0.007 (3) |' in page
+    better = f'More accurate than {compared}, in the mean:\n\n- kitchen_table, C1: budget 25, 40 turns: as it is'
     assert (better in page) == own
 
 

@@ -21,11 +21,13 @@ from al_questioner.experiments.ceilings import CEILINGS
 from al_questioner.experiments.plan import (
     CONTROLS,
     PAPER_CONDITIONS,
+    PAPER_METHOD,
     PAPER_STRATEGIES,
     PAPER_TASKS,
     Condition,
     Plan,
     Variation,
+    strategy_to_compare,
 )
 from al_questioner.experiments.studies import STUDIES
 from al_questioner.questioning import FEATURE_SETS
@@ -63,7 +65,10 @@ def condition(text: str) -> Condition:
 
 def parser() -> Parser:
     """Make the parser of `experiment`."""
-    result = Parser(prog='experiment', description="Play the paper's comparison, test it, draw it, and write it down.")
+    result = Parser(
+        prog='experiment',
+        description="Play the paper's comparison, or another one, test it, draw it, and write it down.",
+    )
     result.add_argument('--out', type=Path, default=Path('out/experiment'), help='folder of the tables (%(default)s)')
     task_help = f'{", ".join(shipped_names("tasks"))}, or YAML files (%(default)s)'
     result.add_argument('--task', nargs='+', default=list(PAPER_TASKS), help=task_help)
@@ -75,6 +80,11 @@ def parser() -> Parser:
         help='C1 to C4, or BUDGET/TURNS',
     )
     result.add_argument('--strategy', nargs='+', default=[*PAPER_STRATEGIES, *CONTROLS], help='(%(default)s)')
+    result.add_argument(
+        '--compare',
+        metavar='NAME',
+        help=f'strategy that is tested against the others ({PAPER_METHOD}, or the first one if that is not played)',
+    )
     result.add_argument(
         '--ceilings',
         nargs='?',
@@ -127,7 +137,7 @@ def parse(arguments: Sequence[str]) -> argparse.Namespace:
     given.words = tuple(arguments)
     given.jobs = given.jobs or os.cpu_count() or 1
     # To refuse what is unknown before all that an experiment needs is imported.
-    plan_of(given, {})
+    strategy_to_compare(plan_of(given, {}).strategies, given.compare)
     return given
 
 

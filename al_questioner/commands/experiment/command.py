@@ -16,8 +16,9 @@ from rich.table import Table
 from al_questioner.commands.experiment.arguments import plan_of
 from al_questioner.concepts import compile_models
 from al_questioner.domain import CLASSIFIERS, NEVER, EpisodeError, SettingsError
-from al_questioner.experiments.figures import condition_name, draw_figures
-from al_questioner.experiments.plan import PROPOSED, Cell, Plan, shipped_weights
+from al_questioner.experiments.figures import draw_figures
+from al_questioner.experiments.findings import find
+from al_questioner.experiments.plan import PROPOSED, Cell, Plan, shipped_weights, strategy_to_compare
 from al_questioner.experiments.playing import Played
 from al_questioner.experiments.progress import ExperimentProgress
 from al_questioner.experiments.report import Page, report
@@ -73,12 +74,16 @@ def main(given: argparse.Namespace) -> int:
             for study, by_label in variants
         ],
         _varied(given),
+        strategy_to_compare(plan.strategies, given.compare),
     )
     paths = [*tables[:2], *_write_page(page, given.out / 'report.md')]
     if given.page:
         paths += _write_page(page, given.page)
     for task in page.results.tasks:
-        console.print(_summary(page.results, task))
+        console.print(_summary(page.results, task, page.compared))
+    findings = find(page.results, page.compared)
+    for text in filter(None, (findings.rank, findings.against_controls)):
+        console.print(text.replace('**', ''), highlight=False, markup=False, soft_wrap=True)
     for path in paths:
         console.print(f'  {path}', highlight=False, soft_wrap=True)
     before = f' ({progress.before} from before)' if progress.before else ''
@@ -156,16 +161,17 @@ def _failures(failed: Sequence[Played]) -> list[str]:
 
 
 def _write_page(page: Page, path: Path) -> list[Path]:
-    figures = draw_figures(page.results, page.change_intervals, path.parent / 'figures' / path.stem)
+    figures = draw_figures(page.results, page.change_intervals, path.parent / 'figures' / path.stem, page.compared)
     write_text(path, report(dataclasses.replace(page, figures=figures), path.parent))
     return [path, *figures]
 
 
-def _summary(results: Results, task: str) -> Table:
-    """Mean and standard deviation of the accuracies at the end of the time."""
+def _summary(results: Results, task: str, compared: str | None) -> Table:
+    """Mean and standard deviation of the accuracies at the end of the time, with the compared strategy in bold."""
     conditions = results.conditions(task)
-    table = Table(task, *(condition_name(limits) for limits in conditions))
+    table = Table(task, *map(results.name_of, conditions))
     for name in results.strategies:
         accuracies = [results.final_accuracies(task, limits) for limits in conditions]
-        table.add_row(name, *(mean_and_deviation(found[name]) if name in found else '' for found in accuracies))
+        cells = [mean_and_deviation(found[name]) if name in found else '' for found in accuracies]
+        table.add_row(name, *cells, style='bold' if name == compared else None)
     return table

@@ -19,7 +19,7 @@ from scipy.stats import mannwhitneyu, wilcoxon
 
 from al_questioner.cli import main
 from al_questioner.experiments import playing
-from al_questioner.experiments.plan import Cell, Condition, Plan, Variation
+from al_questioner.experiments.plan import Cell, Condition, Plan, Variation, strategy_to_compare
 from al_questioner.experiments.results import read_results
 from al_questioner.experiments.studies import STUDIES, Study
 from al_questioner.support.configuration import config_dir
@@ -53,6 +53,28 @@ def test_the_command_writes_tables_figures_and_page(tmp_path: Path, capsys: pyte
     assert main(['experiment', *arguments, '--out', str(tmp_path), '--page', str(elsewhere)]) == 0
     assert elsewhere.read_text().splitlines()[:-1] == page.replace('figures/report/', 'figures/page/').splitlines()[:-1]
     assert len(list((tmp_path / 'docs' / 'figures' / 'page').glob('*.png'))) == 5
+
+
+def test_the_user_says_which_strategy_is_tested(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    """Otherwise who has a question of their own would get the answer to the paper's. Nothing is played again for it."""
+    arguments = [*SMALL, '--strategy', 'rarest_demo', 'random_fsq', 'dt_task_env', '--out', str(tmp_path)]
+    for options, name in (([], 'dt_task_env'), (['--compare', 'random_fsq'], 'random_fsq')):
+        assert main(['experiment', *arguments, *options]) == 0
+        page = (tmp_path / 'report.md').read_text()
+        assert page.startswith(f'# {name} against 2 other strategies\n')
+        first = page.split('\n\n')[1].replace('**', '')
+        assert first.startswith(f'Of the strategies that were played, {name} is ')
+        printed = capsys.readouterr().out
+        assert first in printed
+    assert '(9 from before)' in printed
+
+
+def test_without_a_wish_the_method_of_the_paper_is_tested_or_else_the_first() -> None:
+    """These are what most would have asked about; a ceiling, which knows the truth, is no strategy to ask about."""
+    assert strategy_to_compare(['rarest_demo', 'dt_task_env', 'mine']) == 'dt_task_env'
+    assert strategy_to_compare(['all_labels', 'mine', 'value_per_cost']) == 'mine'
+    assert strategy_to_compare(['all_labels', 'greedy_oracle']) is None
+    assert strategy_to_compare(['dt_task_env', 'mine'], 'mine') == 'mine'
 
 
 @pytest.mark.parametrize(
@@ -160,6 +182,9 @@ def test_unusable_arguments_end_with_status_2_and_one_line(tmp_path: Path, refus
         (['--samples', '-3'], 'at most 100000, not -3'),
         (['--samples', '0'], 'must be at least 1'),
         (['--strategy', 'clever'], 'unknown strategy'),
+        (['--compare', 'clever'], '--compare clever: not among the strategies that are played: u_sampling, dt_iros'),
+        (['--compare', 'value_per_cost'], 'not among the strategies that are played'),
+        (['--compare', 'all_labels', '--ceilings'], '--compare all_labels: it knows the truth'),
         (['--studies', 'magic'], 'unknown study'),
         (['--studies', 'repeats', 'repeats'], 'named twice'),
         (['--weights-file', 'missing.yaml'], 'cannot be read'),
