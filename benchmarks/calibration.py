@@ -25,7 +25,7 @@ os.environ.setdefault('OMP_NUM_THREADS', '1')
 import numpy as np
 from joblib import Parallel, delayed
 from matplotlib import pyplot as plt
-from measuring import print_table
+from measuring import calibration_error, print_table, reliability
 from numpy.typing import NDArray
 
 from al_questioner.domain import DEFAULT_CLASSIFIERS, Classifiers, InputError, random_stream
@@ -42,7 +42,6 @@ COMPARED: Mapping[str, Classifiers] = {
     'grouped, no balance': Classifiers(class_balance=0.0),
     'grouped, balance 0.5 (ships)': DEFAULT_CLASSIFIERS,
 }
-BINS = 10
 LEAST_PROBABILITY = 1e-12
 """Probability whose logarithm stands for that of 0."""
 
@@ -98,21 +97,6 @@ def scores(tested: Tested) -> list[float]:
     squares = ((tested.probabilities - tested.truth) ** 2).sum(axis=1)
     errors = calibration_error(sure, right), calibration_error(*tested.binary)
     return [float(value) for value in (right.mean(), sure.mean(), squares.mean(), -np.log(true).mean(), *errors)]
-
-
-def calibration_error(sure: Array, right: NDArray[np.bool_]) -> float:
-    """Mean difference of probability and share, of the bins by the things in them."""
-    counts, probability, share = reliability(sure, right)
-    return float((counts * np.abs(probability - share)).sum() / len(sure))
-
-
-def reliability(sure: Array, right: NDArray[np.bool_]) -> tuple[NDArray[np.intp], Array, Array]:
-    """Number of things, mean probability and share of right names in each bin of the probability that has any."""
-    of = np.minimum((sure * BINS).astype(int), BINS - 1)
-    counts = np.bincount(of, minlength=BINS)
-    filled = counts > 0
-    means = [np.bincount(of, values, BINS)[filled] / counts[filled] for values in (sure, right)]
-    return counts[filled], means[0], means[1]
 
 
 def draw(by_task: Mapping[str, Sequence[Sequence[Tested]]], path: Path) -> Path:

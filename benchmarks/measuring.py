@@ -1,4 +1,4 @@
-"""Tools that the benchmarks share: summing times up, and printing tables."""
+"""Tools that the benchmarks share: summing times up, calibration, and printing tables."""
 
 from __future__ import annotations
 
@@ -10,6 +10,9 @@ from rich.console import Console
 from rich.table import Table
 
 Seconds = NDArray[np.float64]
+Array = NDArray[np.float64]
+BINS = 10
+"""Bins of a probability."""
 
 
 def median_and_spread(values: ArrayLike) -> tuple[float, float]:
@@ -19,6 +22,21 @@ def median_and_spread(values: ArrayLike) -> tuple[float, float]:
         return float('nan'), float('nan')
     lower, median, upper = np.percentile(numbers, (25, 50, 75))
     return float(median), float(upper - lower)
+
+
+def calibration_error(sure: Array, right: NDArray[np.bool_]) -> float:
+    """Mean difference of probability and share, of the bins by the things in them."""
+    counts, probability, share = reliability(sure, right)
+    return float((counts * np.abs(probability - share)).sum() / len(sure))
+
+
+def reliability(sure: Array, right: NDArray[np.bool_]) -> tuple[NDArray[np.intp], Array, Array]:
+    """Number of things, mean probability and share of right names in each bin of the probability that has any."""
+    of = np.minimum((sure * BINS).astype(int), BINS - 1)
+    counts = np.bincount(of, minlength=BINS)
+    filled = counts > 0
+    means = [np.bincount(of, values, BINS)[filled] / counts[filled] for values in (sure, right)]
+    return counts[filled], means[0], means[1]
 
 
 def print_table(title: str, columns: Sequence[str], rows: Sequence[Sequence[str]]) -> None:
