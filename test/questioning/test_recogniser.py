@@ -141,7 +141,7 @@ def test_a_word_that_means_two_symbols_is_to_be_written_exactly() -> None:
 
 def test_the_most_probable_thing_is_found_with_the_runner_up() -> None:
     """Otherwise a manipulator would fetch another thing than what is most likely wanted."""
-    recogniser = taught()
+    recogniser = taught(0.0)
     found = looked(recogniser, scene(*LOOKS))
     column = [each.probabilities[1] for each in found.things]
     finding = recogniser.find('snack')
@@ -152,11 +152,11 @@ def test_the_most_probable_thing_is_found_with_the_runner_up() -> None:
     assert (finding.runner_up.object_id, finding.runner_up.probability) == (20 + second, column[second])
     assert finding.target.position == found.things[best].position
     assert finding.reason == ''
-    assert finding.text.startswith(f'Object {20 + best} is snack with a probability of 0.')
+    assert finding.text.startswith(f'Object {20 + best} is snack with a probability of ')
 
 
 def test_a_single_thing_has_no_runner_up() -> None:
-    recogniser = taught()
+    recogniser = taught(0.0)
     looked(recogniser, scene((10, 0)))
     finding = recogniser.find('snack')
     assert finding.target is not None
@@ -179,7 +179,7 @@ def test_what_is_too_improbable_is_not_fetched_but_named() -> None:
 
 def test_it_is_said_why_nothing_can_be_found() -> None:
     """Otherwise a person could not tell a robot that has learnt nothing from one that sees nothing."""
-    recogniser = Recogniser()
+    recogniser = Recogniser(0.0)
     assert recogniser.find('snack').reason == 'nothing has been taught yet'
     assert recogniser.look(scene(*LOOKS)) is None
     recogniser.follow(knowledge(()))

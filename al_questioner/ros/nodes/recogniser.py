@@ -108,10 +108,14 @@ class RecogniserNode(QuestionerNode):
     def _learn(self, knowledge: Knowledge) -> None:
         """Learn what is known, and see the last things with other eyes."""
         self.episode_id = knowledge.origins[-1].episode if knowledge.origins else NO_EPISODE
-        self.recogniser.follow(knowledge)
+        try:
+            self.recogniser.follow(knowledge)
+        finally:
+            if self.recogniser.concepts is None:
+                self.set_status('nothing has been taught yet')
         if self.recogniser.concepts is None:
-            self.set_status('nothing has been taught yet')
-        elif self._seen is None:
+            return
+        if self._seen is None:
             self.set_status('waiting for objects', awaited='objects')
         else:
             try:
@@ -146,7 +150,7 @@ class RecogniserNode(QuestionerNode):
         if finding.target is not None and seen is not None:
             self._target.publish(pose(seen.header, finding.target.position))
         self._tell_target(finding_members(finding, *where))
-        if finding.symbol is None:
+        if finding.symbol is None and self.recogniser.concepts is not None:
             raise InputError(finding.reason)
 
     def _detector(self) -> Callable[[Recognition, Header], None] | None:
