@@ -40,7 +40,7 @@ from al_questioner.domain import (
     ViewLabel,
 )
 from al_questioner.messages.concepts_file import read_concepts, write_concepts
-from al_questioner.questioning.recogniser import Recogniser
+from al_questioner.questioning import Recogniser
 
 GROUPS = ('colour', 'size', 'shape', 'texture', 'weight', 'location', 'base', 'arms', 'hands', 'noise')
 FEATURES = tuple(f'{GROUPS[i % len(GROUPS)]}_{i}' for i in range(74))

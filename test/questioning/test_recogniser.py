@@ -19,7 +19,7 @@ from al_questioner.domain import (
     SettingsError,
     ViewLabel,
 )
-from al_questioner.questioning.recogniser import Recogniser
+from al_questioner.questioning import Recogniser
 from al_questioner.questioning.review import taught_learner
 
 NAMES = ('colour_red', 'size_height')

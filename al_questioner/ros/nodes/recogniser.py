@@ -26,7 +26,7 @@ from al_questioner.messages.recognition import (
     recognition_members,
 )
 from al_questioner.messages.stamps import nanoseconds
-from al_questioner.questioning.recogniser import Recogniser
+from al_questioner.questioning import Recogniser
 from al_questioner.ros import qos
 from al_questioner.ros.node import QuestionerNode
 from al_questioner.ros.parameters import Value, declare, reject_unknown
