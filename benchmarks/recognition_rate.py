@@ -40,7 +40,7 @@ from al_questioner.domain import (
     ViewLabel,
 )
 from al_questioner.messages.concepts_file import read_concepts, write_concepts
-from al_questioner.questioning import Recogniser
+from al_questioner.questioning import SceneRecogniser
 
 GROUPS = ('colour', 'size', 'shape', 'texture', 'weight', 'location', 'base', 'arms', 'hands', 'noise')
 FEATURES = tuple(f'{GROUPS[i % len(GROUPS)]}_{i}' for i in range(74))
@@ -101,14 +101,14 @@ def report_loading(knowledge: Knowledge, path: Path) -> None:
     rows = [
         ['size, kB', f'{path.stat().st_size / 1000:.0f}'],
         ['read, ms', f'{timed(lambda: read_concepts(path)):.0f}'],
-        ['learn, ms', f'{timed(lambda: Recogniser().follow(knowledge)):.0f}'],
+        ['learn, ms', f'{timed(lambda: SceneRecogniser().follow(knowledge)):.0f}'],
     ]
     print_table('Concepts file', ('', str(len(knowledge.examples)) + ' examples'), rows)
 
 
 def report_work(knowledge: Knowledge, scene: Scene, repeats: int) -> None:
     """Print the work on one cloud; the encodings only where the message types are installed."""
-    recogniser = Recogniser()
+    recogniser = SceneRecogniser()
     recogniser.follow(knowledge)
     parts: dict[str, Callable[[], Any]] = {'recognise': lambda: recogniser.look(scene)}
     try:

@@ -26,7 +26,7 @@ from al_questioner.messages.recognition import (
     recognition_members,
 )
 from al_questioner.messages.stamps import nanoseconds
-from al_questioner.questioning import Recogniser
+from al_questioner.questioning import SceneRecogniser
 from al_questioner.ros import qos
 from al_questioner.ros.node import QuestionerNode
 from al_questioner.ros.parameters import Value, declare, reject_unknown
@@ -75,7 +75,7 @@ class RecogniserNode(QuestionerNode):
         # What cannot be used is to be said before anything is published.
         known = known_already(given)
         self.episode_id = NO_EPISODE
-        self.recogniser = Recogniser(float(given['threshold']))
+        self.recogniser = SceneRecogniser(float(given['threshold']))
         self._seen: Seen | None = None
         self._clouds = 0
         self._cloud = self.advertise(PointCloud2, 'recognised', qos.LATCHED)

@@ -28,7 +28,7 @@ from al_questioner.questioning.review import KnowledgeFollower
 _ARTICLE = re.compile(r'^(?:the|an?|some|my) ')
 
 
-class Recogniser:
+class SceneRecogniser:
     """Follower of what a learner knows that tells what the things of a scene are taken for.
 
     Args:

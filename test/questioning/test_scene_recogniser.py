@@ -19,7 +19,7 @@ from al_questioner.domain import (
     SettingsError,
     ViewLabel,
 )
-from al_questioner.questioning import Recogniser
+from al_questioner.questioning import SceneRecogniser
 from al_questioner.questioning.review import taught_learner
 
 NAMES = ('colour_red', 'size_height')
@@ -48,13 +48,13 @@ def scene(*looks, ids=None, names=NAMES) -> Scene:
 LOOKS = ((0, 0), (10, 0), (0, 10), (9, 1))
 
 
-def taught(threshold=0.5, **changes) -> Recogniser:
-    recogniser = Recogniser(threshold)
+def taught(threshold=0.5, **changes) -> SceneRecogniser:
+    recogniser = SceneRecogniser(threshold)
     recogniser.follow(knowledge(**changes))
     return recogniser
 
 
-def looked(recogniser: Recogniser, seen: Scene) -> Recognition:
+def looked(recogniser: SceneRecogniser, seen: Scene) -> Recognition:
     found = recogniser.look(seen)
     assert found is not None
     assert recogniser.recognition == found
@@ -88,7 +88,7 @@ def test_the_threshold_decides_between_a_name_and_the_question_to_ask(threshold:
 
 def test_more_lessons_are_followed_one_by_one() -> None:
     """A learner that goes on is followed without learning all again, and to the last bit."""
-    recogniser, labels = Recogniser(), ('main_dish', 'snack', NO_SYMBOL, 'snack')
+    recogniser, labels = SceneRecogniser(), ('main_dish', 'snack', NO_SYMBOL, 'snack')
     seen, learners = scene(*LOOKS), []
     for count in range(1, len(labels) + 1):
         recogniser.follow(knowledge(labels[:count]))
@@ -179,7 +179,7 @@ def test_what_is_too_improbable_is_not_fetched_but_named() -> None:
 
 def test_it_is_said_why_nothing_can_be_found() -> None:
     """Otherwise a person could not tell a robot that has learnt nothing from one that sees nothing."""
-    recogniser = Recogniser(0.0)
+    recogniser = SceneRecogniser(0.0)
     assert recogniser.find('snack').reason == 'nothing has been taught yet'
     assert recogniser.look(scene(*LOOKS)) is None
     recogniser.follow(knowledge(()))
@@ -201,4 +201,4 @@ def test_it_is_said_why_nothing_can_be_found() -> None:
 @pytest.mark.parametrize('threshold', [-0.1, 1.1, float('nan')])
 def test_a_threshold_is_a_probability(threshold: float) -> None:
     with pytest.raises(SettingsError, match='threshold'):
-        Recogniser(threshold)
+        SceneRecogniser(threshold)
