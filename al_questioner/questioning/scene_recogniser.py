@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import re
+from functools import partial
 
 from al_questioner.concepts import ConceptLearner
 from al_questioner.concepts.lessons import check_fits
@@ -86,23 +87,24 @@ class SceneRecogniser:
         except InputError as error:
             self._fault = str(error)
             raise
-        symbols = self._concepts.symbols
-        probabilities = recognise(self._concepts, scene.features).tolist()
-        things = map(self._thing, scene.object_ids, scene.positions.tolist(), probabilities)
-        examples = len(self._concepts.labelled_views)
-        self.recognition = Recognition(symbols, examples, self._threshold, tuple(things))
+        concepts = self._concepts
+        probabilities = recognise(concepts, scene.features).tolist()
+        things = map(partial(self._thing, concepts.symbols), scene.object_ids, scene.positions.tolist(), probabilities)
+        examples = len(concepts.labelled_views)
+        self.recognition = Recognition(concepts.symbols, examples, self._threshold, tuple(things))
         return self.recognition
 
     def find(self, text: str) -> Finding:
         """Return the most probable thing of the symbol that a plain word means, or why there is none."""
-        if self._concepts is None:
+        if self.concepts is None:
             return Finding(text, reason='nothing has been taught yet')
-        symbol, reason = _symbol_meant(text, self._concepts.symbols)
+        symbols = self.concepts.symbols
+        symbol, reason = _symbol_meant(text, symbols)
         if symbol is None:
             return Finding(text, reason=reason)
         if self.recognition is None:
             return Finding(text, symbol, reason=self._fault or 'no objects have been seen yet')
-        column = self._concepts.symbols.index(symbol)
+        column = symbols.index(symbol)
         found = [
             Candidate(each.object_id, each.position, each.probabilities[column]) for each in self.recognition.things
         ]
@@ -115,8 +117,9 @@ class SceneRecogniser:
             return Finding(text, symbol, None, first, reason)
         return Finding(text, symbol, first, others[0] if others else None)
 
-    def _thing(self, object_id: int, position: list[float], probabilities: list[float]) -> RecognisedThing:
-        symbols = () if self._concepts is None else self._concepts.symbols
+    def _thing(
+        self, symbols: tuple[str, ...], object_id: int, position: list[float], probabilities: list[float]
+    ) -> RecognisedThing:
         highest = max(probabilities)
         best = (*symbols, NO_SYMBOL)[probabilities.index(highest)]
         question = question_text(Action(QueryKind.LABEL, object_id), symbols) if highest < self._threshold else ''
