@@ -7,7 +7,7 @@ from setuptools import setup
 
 NAME = 'al_questioner'
 SHARE = f'share/{NAME}'
-SHARED = ('.cfg', '.db3', '.mcap', '.md', '.py', '.yaml')
+SHARED = ('.cfg', '.db3', '.json', '.mcap', '.md', '.py', '.rviz', '.yaml')
 
 
 def data_files() -> list[tuple[str, list[str]]]:

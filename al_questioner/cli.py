@@ -48,6 +48,11 @@ EXECUTABLES = {
         'al_questioner.ros.nodes.teacher:main',
         'node: answers the questions from a script; mode:=terminal lets you answer',
     ),
+    'recognise': Executable(
+        'al_questioner.ros.node_arguments:recogniser',
+        'al_questioner.ros.nodes.recogniser:main',
+        'node: tells what the things in view are taken for, and where the wanted one is',
+    ),
     'record': Executable(
         'al_questioner.commands.record.arguments:parse',
         'al_questioner.commands.record.command:main',

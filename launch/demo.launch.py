@@ -2,6 +2,7 @@
 
     ros2 launch al_questioner demo.launch.py strategy:=dt_task_env bag:=my_bag
     ros2 launch al_questioner demo.launch.py perception:=none teacher:=none    # on a robot, taught by a person
+    ros2 launch al_questioner demo.launch.py recognise:=true show:=rviz    # with what each thing is taken for, in RViz
 
 A person who wants to teach answers on the topic `answer`, or runs the teacher in a terminal, which launch does not
 give: see docs/how_to/answer_questions.md.
@@ -12,12 +13,13 @@ from __future__ import annotations
 import sys
 from pathlib import Path
 
-from ament_index_python.packages import get_package_share_directory
+from ament_index_python.packages import PackageNotFoundError, get_package_share_directory
 from launch import LaunchContext, LaunchDescription
 from launch.actions import DeclareLaunchArgument, OpaqueFunction, Shutdown
 from launch.events.process import ProcessExited
 from launch_ros.actions import Node
 
+from al_questioner.ros import qos
 from al_questioner.ros.settings import LEARNER_SETTINGS, WORLD_SETTINGS
 from al_questioner.simulation.world_spec import TASK
 
@@ -32,6 +34,9 @@ CHOICES = {
     'perception': (('simulated', 'none'), 'who shows objects: the simulated table, or none of these nodes'),
     'teacher': (('scripted', 'none'), 'who answers: the script, or none of these nodes'),
 }
+SHOWN = {'none': '', 'rviz': 'rviz2', 'foxglove': 'foxglove_bridge'}
+"""Package of what shows the table; each has an executable of its own name."""
+TRANSFORM = ('--frame-id', 'world', '--child-frame-id', 'table')
 
 
 def given(context: LaunchContext, arguments: tuple[str, ...]) -> dict[str, str | int | float | bool]:
@@ -78,6 +83,40 @@ def parameter_files(context: LaunchContext) -> list[str]:
     return [str(shipped)] if shipped.is_file() and '/' not in task else []
 
 
+def is_installed(package: str) -> bool:
+    """Return whether ROS finds a package."""
+    try:
+        get_package_share_directory(package)
+    except PackageNotFoundError:
+        return False
+    return True
+
+
+def viewers(context: LaunchContext, namespace: str) -> list[Node]:
+    """Return the nodes that show the table, and tell the place of the simulated one in the world.
+
+    Raises:
+        ValueError: it is not installed.
+    """
+    name = one_of(context, 'show', tuple(SHOWN))
+    package = SHOWN[name]
+    if not package:
+        return []
+    if not is_installed(package):
+        raise ValueError(f'launch argument show: the package {package} is not installed')
+    options = {}
+    if name == 'rviz':
+        file = Path(get_package_share_directory(PACKAGE), 'config', 'rviz', f'{PACKAGE}.rviz')
+        # The file has absolute names; these follow the namespace.
+        names = [(f'/{topic}', topic) for topic in qos.TOPICS if not topic.startswith('/')]
+        options = {'namespace': namespace, 'arguments': ['-d', str(file)], 'remappings': names}
+    found = [Node(package=package, executable=package, name=package, output='screen', **options)]
+    if one_of(context, 'perception', CHOICES['perception'][0]) == 'simulated' and is_installed('tf2_ros'):
+        executable = 'static_transform_publisher'
+        found.append(Node(package='tf2_ros', executable=executable, name='table_in_world', arguments=[*TRANSFORM]))
+    return found
+
+
 def nodes(context: LaunchContext) -> list[Node]:
     """The nodes; they stay up after the episode, until Ctrl-C, or until the learner ends if it is to end them."""
     # Name and namespace are both given: only then do these parameters prevail over a file's entries for a single node.
@@ -107,13 +146,18 @@ def nodes(context: LaunchContext) -> list[Node]:
             **{'name': executable, **options},
         )
 
-    # The recorder has the world of nobody, but may share their clock.
-    recorder = {'bag': bag, **{name: common[name] for name in ('use_sim_time',) if name in common}}
+    # Recorder and recogniser have the world of nobody, but may share the others' clock.
+    clock = {name: common[name] for name in ('use_sim_time',) if name in common}
+    recognises = TRUTH[one_of(context, 'recognise', tuple(TRUTH))]
+    # Whatever the learner begins with, or is written down: it is the learner that is followed.
+    follower = {'concepts': '', 'session': '', **clock}
     simulated = [name for name in CHOICES if one_of(context, name, CHOICES[name][0]) != 'none']
     return [
-        *([node('record', recorder, name='recorder')] if bag else []),
+        *([node('record', {'bag': bag, **clock}, name='recorder')] if bag else []),
         *(node(name, common) for name in simulated),
         node('learner', {**common, **given(context, LEARNER_ARGUMENTS)}, on_exit=end),
+        *([node('recognise', follower, name='recogniser')] if recognises else []),
+        *viewers(context, namespace),
     ]
 
 
@@ -138,6 +182,8 @@ def generate_launch_description() -> LaunchDescription:
             'false' if is_included else 'true',
             'whether all ends when the learner does; by default not where another launch file includes this one',
         ),
+        'recognise': ('false', 'whether a recogniser tells what each thing is taken for, by what the learner knows'),
+        'show': ('none', f'what shows the table, with the files in config: {" or ".join(SHOWN)}'),
         **{name: (values[0], f'{text}: {" or ".join(values)}') for name, (values, text) in CHOICES.items()},
         **{name: ('', f'{text}; unless set, that of the parameter file') for name, text in optional.items()},
     }

@@ -6,6 +6,8 @@ import re
 
 import numpy as np
 
+from al_questioner.domain import DEFAULT_CLASSIFIERS, Knowledge, Lesson, Origin, Scene, SeenView, ViewLabel
+from al_questioner.messages.concepts_file import write_concepts
 from shared.checkout import ROOT
 
 PAGE = (ROOT / 'docs' / 'how_to' / 'use_it_in_python.md').read_text(encoding='utf-8')
@@ -68,3 +70,20 @@ def test_the_tutorial_on_own_data_runs(capsys, tmp_path, monkeypatch) -> None:
         assert len(printed) == len(expected)
         assert [line[:1] for line in printed[2:]] == [line[:1] for line in expected[2:]]
     assert (tmp_path / 'out' / 'digits' / 'learning_curves_digits.png').is_file()
+
+
+def test_the_snippet_that_puts_to_use_what_was_taught_runs(capsys, tmp_path, monkeypatch) -> None:
+    """Otherwise those without ROS could not ask for anything."""
+    monkeypatch.chdir(tmp_path)
+    names, rng = ('colour_red', 'size_height'), np.random.default_rng(1)
+    views = tuple(SeenView(n, n, tuple(rng.normal(size=2).astype(np.float32).tolist())) for n in (1, 2))
+    labels = (ViewLabel(1, 'snack'), ViewLabel(2, 'fruit'))
+    lesson = Lesson('day', 1, seen=views, labels=labels)
+    origins = (Origin('day', ('snack', 'fruit')),)
+    known = Knowledge(('snack', 'fruit'), names, DEFAULT_CLASSIFIERS, lessons=(lesson,), origins=origins)
+    write_concepts(tmp_path / 'monday.json', known)
+    scene = Scene((7,), np.zeros((1, 3)), [views[0].features], names)
+    page = (ROOT / 'docs' / 'how_to' / 'recognise_and_fetch.md').read_text(encoding='utf-8')
+    [snippet] = re.findall(r'```python\n(.*?)```', page, flags=re.DOTALL)
+    exec(snippet, {'scene': scene})
+    assert 'object 7' in capsys.readouterr().out.lower()

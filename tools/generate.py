@@ -21,6 +21,7 @@ from al_questioner.domain.setting import LARGEST_AMOUNT, LARGEST_INTEGER
 from al_questioner.ros.settings import (
     LEARNER_SETTINGS,
     PERCEPTION_SETTINGS,
+    RECOGNISER_SETTINGS,
     RECORDER_SETTINGS,
     TEACHER_SETTINGS,
     WAIT_FOR_RECORDER,
@@ -50,6 +51,7 @@ Perception, learner and teacher have these, and must have the same `task`, `data
     'learner': """\
 A task can have its own `strategy`, `budget`, `turns`, `change_interval`, costs and charges: see its parameter file. The
 defaults here are those of a task that has none of its own.""",
+    'recognise': 'The node is called `recogniser`. Give `concepts`, or `session`, or neither.',
     'record': 'The node is called `recorder`.',
 }
 """Texts above the tables."""
@@ -61,6 +63,7 @@ def parts_of(learner: Settings) -> Mapping[str, Settings]:
         'perception': PERCEPTION_SETTINGS,
         'learner': learner,
         'teacher': TEACHER_SETTINGS,
+        'recognise': RECOGNISER_SETTINGS,
         'record': RECORDER_SETTINGS,
     }
     common = (*WORLD_SETTINGS, WAIT_FOR_RECORDER)
@@ -83,9 +86,14 @@ def parameter_file(name: str) -> str:
     # What depends on the sample has no value of its own.
     unset = {'sample': '', **({'change_interval': '; unless set, that of its kitchen'} if task.variety else {})}
     notes = {**unset, **({'dataset': ': needed here'} if task.source == 'dataset' else {})}
+    written: set[str] = set()
     for part, settings in parts_of(learner_settings(task)).items():
         lines.append(f'    # {part}')
         for each in settings:
+            if each.name in written:
+                # A parameter that two nodes have under one name; a key stands once in a file.
+                continue
+            written.add(each.name)
             text = f'    {"# " if each.name in unset else ""}{each.name}: {yaml_of(each.default)}'
             is_task = each is TASK
             lines += [f'    task: {name}'] if is_task else commented(text, each.explained + notes.get(each.name, ''))

@@ -31,6 +31,7 @@ from al_questioner.domain.query import (
     QueryRecord,
 )
 from al_questioner.domain.random_streams import random_stream
+from al_questioner.domain.recognition import THRESHOLD, Candidate, Finding, RecognisedThing, Recognition
 from al_questioner.domain.scene import Camera, FloatArray, Observation, Scene, View, group_of
 from al_questioner.domain.setting import Setting
 from al_questioner.domain.settings import (
@@ -74,17 +75,20 @@ __all__ = [
     'NO_SYMBOL',
     'SAME_VIEW',
     'SAYABLE_OUTCOMES',
+    'THRESHOLD',
     'TURNS',
     'Action',
     'Answer',
     'AnswerError',
     'Camera',
+    'Candidate',
     'Classifiers',
     'Content',
     'Costs',
     'Decision',
     'EpisodeError',
     'EpisodeSettings',
+    'Finding',
     'FloatArray',
     'Hearsay',
     'InputError',
@@ -96,6 +100,8 @@ __all__ = [
     'Query',
     'QueryKind',
     'QueryRecord',
+    'RecognisedThing',
+    'Recognition',
     'Scene',
     'SceneError',
     'SeenView',

@@ -21,9 +21,9 @@ _DATATYPES = {format_: datatype for datatype, format_ in _FORMATS.items()}
 _KINDS = tuple(QueryKind)
 _NO_SYMBOL = -1
 _NO_OBJECT = 2**32 - 1
-_POSITION = (('x', 'f4'), ('y', 'f4'), ('z', 'f4'))
+POSITION = (('x', 'f4'), ('y', 'f4'), ('z', 'f4'))
 """Fields that RViz and Foxglove need to draw a cloud."""
-_SCENE_HEAD = (*_POSITION, ('object_id', 'u4'))
+_SCENE_HEAD = (*POSITION, ('object_id', 'u4'))
 _DECISION_FIELDS = (
     ('kind', 'u1'),
     ('chosen', 'u1'),
@@ -57,7 +57,7 @@ def cloud_of_scene(scene: Scene, header: Any, types: CloudTypes) -> Any:
     points['object_id'] = scene.object_ids
     for column, name in enumerate(scene.feature_names):
         points[name] = scene.features[:, column]
-    return _cloud(points, header, types)
+    return cloud_of_points(points, header, types)
 
 
 def scene_of_cloud(cloud: Any, known_features: Sequence[str] = ()) -> Scene:
@@ -107,7 +107,7 @@ def cloud_of_decision(
     places = {} if scene is None else dict(zip(scene.object_ids, scene.positions, strict=True))
     nowhere = np.full(3, np.nan, np.float32)
     # Zeros, so that the padding bytes between the fields are always the same.
-    points = np.zeros(len(decision.candidates), dtype=np.dtype([*_POSITION, *_DECISION_FIELDS], align=True))
+    points = np.zeros(len(decision.candidates), dtype=np.dtype([*POSITION, *_DECISION_FIELDS], align=True))
     for row, action in enumerate(decision.candidates):
         place = nowhere if action.object_id is None else places.get(action.object_id, nowhere)
         points['x'][row], points['y'][row], points['z'][row] = place
@@ -118,7 +118,7 @@ def cloud_of_decision(
         points[name] = decision.features[:, column]
     points['utility'] = decision.utilities
     points['chosen'] = np.arange(len(points)) == decision.chosen
-    return _cloud(points, header, types)
+    return cloud_of_points(points, header, types)
 
 
 def decision_of_cloud(cloud: Any, symbols: tuple[str, ...], turn: int) -> Decision:
@@ -152,7 +152,8 @@ def decision_of_cloud(cloud: Any, symbols: tuple[str, ...], turn: int) -> Decisi
     )
 
 
-def _cloud(points: NDArray[np.void], header: Any, types: CloudTypes) -> Any:
+def cloud_of_points(points: NDArray[np.void], header: Any, types: CloudTypes) -> Any:
+    """Return a cloud of structured points; among their fields are those of `POSITION`."""
     layout = points.dtype
     fields = [
         types.field(name=name, offset=offset, datatype=_DATATYPES[kind.str[1:]], count=1)
@@ -167,7 +168,7 @@ def _cloud(points: NDArray[np.void], header: Any, types: CloudTypes) -> Any:
         point_step=layout.itemsize,
         row_step=layout.itemsize * len(points),
         data=types.octets(points.tobytes()),
-        is_dense=bool(np.isfinite([points[axis] for axis, _ in _POSITION]).all()),
+        is_dense=bool(np.isfinite([points[axis] for axis, _ in POSITION]).all()),
     )
 
 

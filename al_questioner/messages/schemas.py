@@ -162,6 +162,20 @@ _CONCEPTS = _record(
     },
 )
 
+_POSITION: JsonSchema = {'type': 'array', 'items': {'type': 'number'}, 'minItems': 3, 'maxItems': 3}
+_CANDIDATE: JsonSchema = {'object_id': _OBJECT_IDS['items'], 'probability': _SHARE, 'position': _POSITION}
+_RECOGNISED = _record(
+    {
+        'object_id': _OBJECT_IDS['items'],
+        'known': {'type': 'boolean'},
+        'best': _TEXT,
+        'probability': _SHARE,
+        'position': _POSITION,
+        'probabilities': {'type': 'object', 'additionalProperties': _SHARE},
+    },
+    {'question': _TEXT},
+)
+
 SCHEMAS: dict[str, JsonSchema] = {
     'episode': _record(
         {
@@ -233,5 +247,27 @@ SCHEMAS: dict[str, JsonSchema] = {
         },
     ),
     'concepts': _CONCEPTS,
+    'recognition': _record(
+        {
+            'stamp': _STAMP,
+            'frame_id': {'type': 'string'},
+            'symbols': {'type': 'array', 'items': _TEXT, 'minItems': 2},
+            'examples': _COUNT,
+            'threshold': _SHARE,
+            'things': {'type': 'array', 'items': _RECOGNISED},
+        }
+    ),
+    'target_info': _record(
+        {
+            'text': _TEXT,
+            'wanted': {'type': 'string'},
+            'symbol': _OPTIONAL_TEXT,
+            **{name: {'anyOf': [schema, {'type': 'null'}]} for name, schema in _CANDIDATE.items()},
+            'runner_up': {'anyOf': [_record(_CANDIDATE), {'type': 'null'}]},
+            'reason': {'type': 'string'},
+            'stamp': {'anyOf': [_STAMP, {'type': 'null'}]},
+            'frame_id': {'type': 'string'},
+        }
+    ),
 }
 """Schema of each kind of document, without the `schema` and `episode_id` that every document carries."""

@@ -4,6 +4,7 @@ from al_questioner.questioning.answers import PreparedAnswer, Receipt
 from al_questioner.questioning.episode import Episode
 from al_questioner.questioning.initial_concepts import new_concept_learner
 from al_questioner.questioning.plain_answers import read_plain_answer, respelt
+from al_questioner.questioning.scene_recogniser import SceneRecogniser
 from al_questioner.questioning.strategies.choice import (
     Choice,
     Strategy,
@@ -39,6 +40,7 @@ __all__ = [
     'Picker',
     'PreparedAnswer',
     'Receipt',
+    'SceneRecogniser',
     'Strategy',
     'Teacher',
     'TurnContext',

@@ -6,7 +6,14 @@ import json
 from collections.abc import Iterator, Sequence
 
 from al_questioner.domain import InputError
-from al_questioner.ros.settings import PERCEPTION_SETTINGS, TEACHER_SETTINGS, WORLD_SETTINGS, Settings, learner_settings
+from al_questioner.ros.settings import (
+    PERCEPTION_SETTINGS,
+    RECOGNISER_SETTINGS,
+    TEACHER_SETTINGS,
+    WORLD_SETTINGS,
+    Settings,
+    learner_settings,
+)
 from al_questioner.simulation import load_task
 from al_questioner.simulation.world_spec import TASK
 
@@ -15,6 +22,10 @@ LEARNER = 'The learner node: an Episode between the topics of the robot and of t
 TEACHER = """The teacher node: answers the learner's queries, from a script or by a person at this process's terminal.
 
 mode:=scripted answers with the truth of the simulated world; mode:=terminal shows each question to you."""
+
+RECOGNISER = """The recogniser node: tells what the things in view are taken for, and where the wanted one is.
+
+Without `concepts` and `session` it follows a learner on the topic `concepts`."""
 
 
 def perception(arguments: Sequence[str]) -> list[str]:
@@ -30,6 +41,11 @@ def learner(arguments: Sequence[str]) -> list[str]:
 def teacher(arguments: Sequence[str]) -> list[str]:
     """Read the ROS arguments of the teacher node."""
     return read_node_arguments(arguments, TEACHER, (*WORLD_SETTINGS, *TEACHER_SETTINGS))
+
+
+def recogniser(arguments: Sequence[str]) -> list[str]:
+    """Read the ROS arguments of the recogniser node."""
+    return read_node_arguments(arguments, RECOGNISER, RECOGNISER_SETTINGS)
 
 
 def help_text(description: str, settings: Settings) -> str:

@@ -15,7 +15,7 @@ from al_questioner.support.configuration import NoMappingError, read_parameter_f
 
 VALUES = 'ros__parameters'
 """Key below the name of a node in a parameter file."""
-NEIGHBOURS = frozenset(('learner', 'perception', 'recorder', 'replay', 'teacher'))
+NEIGHBOURS = frozenset(('learner', 'perception', 'recogniser', 'recorder', 'replay', 'teacher'))
 """Names of our nodes, which may share a parameter file."""
 
 

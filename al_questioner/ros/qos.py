@@ -21,6 +21,7 @@ SENSED = ('objects', 'scene_image')
 
 TOPICS = (
     *('episode', 'turn', 'objects', 'scene_image', 'scene_markers', 'query', 'answer', 'answer_ack', 'decision'),
-    *('learner_state', 'concepts', '/diagnostics'),
+    *('learner_state', 'concepts', 'recognised', 'recognised_markers', 'recognition', 'detections'),
+    *('want', 'target', 'target_info', '/diagnostics'),
 )
 """Names of all topics of the nodes."""

@@ -18,6 +18,7 @@ from al_questioner.domain import (
     LENGTH_SCALE,
     NEVER,
     SAME_VIEW,
+    THRESHOLD,
     TURNS,
     Knowledge,
     Setting,
@@ -85,6 +86,14 @@ LEARNER_SETTINGS: Settings = (
     WAIT_FOR_RECORDER,
 )
 
+_OF_FILE = "concepts file of what is known; empty: what the session's log holds, or what a learner tells"
+_OF_LOG = 'folder of the log of a session, up to now; empty: none'
+RECOGNISER_SETTINGS: Settings = (
+    replace(CONCEPTS, description=_OF_FILE),
+    Setting('session', '', _OF_LOG),
+    THRESHOLD,
+)
+
 RECORDER_SETTINGS: Settings = (
     Setting('bag', '', 'directory of the new bag; empty: al_questioner_ and the date and time'),
     STORAGE,
@@ -94,7 +103,14 @@ RECORDER_SETTINGS: Settings = (
 
 ALL_NAMES = frozenset(
     setting.name
-    for settings in (WORLD_SETTINGS, PERCEPTION_SETTINGS, TEACHER_SETTINGS, LEARNER_SETTINGS, RECORDER_SETTINGS)
+    for settings in (
+        WORLD_SETTINGS,
+        PERCEPTION_SETTINGS,
+        TEACHER_SETTINGS,
+        LEARNER_SETTINGS,
+        RECOGNISER_SETTINGS,
+        RECORDER_SETTINGS,
+    )
     for setting in settings
 )
 """Every parameter of every node: a file for all nodes sets parameters that a single one does not have."""

@@ -17,7 +17,7 @@ from turn_parts.topics import TYPES
 from al_questioner.domain import EpisodeSettings
 from al_questioner.messages import documents
 from al_questioner.messages.clouds import cloud_of_decision, cloud_of_scene, decision_of_cloud, scene_of_cloud
-from al_questioner.messages.pictures import markers
+from al_questioner.messages.markers import markers
 from al_questioner.ros.types import CLOUD_TYPES, MARKER_TYPES, header, text
 
 Write = Callable[[], Any]

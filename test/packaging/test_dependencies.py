@@ -33,8 +33,8 @@ DISTRIBUTIONS = {
 What rosdep would fetch with pip, Ubuntu 24.04 refuses to install.
 """
 
-OPTIONAL = {'dask', 'sklearn'}
-"""Imported only by those who ask for it."""
+OPTIONAL = {'dask', 'sklearn', 'vision_msgs'}
+"""Imported only by those who ask for it, or where it is there."""
 
 
 def imported_distributions() -> list[str]:

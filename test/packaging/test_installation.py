@@ -33,7 +33,7 @@ def test_the_installed_package_has_its_types(installation, tmp_path):
 def test_manifest_configuration_and_launch_files_are_shared(installation):
     share = installation.prefix / 'share' / 'al_questioner'
     expected = [Path('package.xml'), Path('launch/demo.launch.py')]
-    expected += [path.relative_to(ROOT) for path in (ROOT / 'config').rglob('*.yaml')]
+    expected += [path.relative_to(ROOT) for path in (ROOT / 'config').rglob('*.*')]
     assert [str(path) for path in expected if not (share / path).is_file()] == []
 
 

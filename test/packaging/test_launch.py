@@ -14,6 +14,7 @@ import pytest
 from shared.checkout import ROOT
 
 DEFAULTS = {'end_with_learner': 'false', 'perception': 'simulated', 'teacher': 'scripted', 'task': 'kitchen_table'}
+DEFAULTS |= {'recognise': 'false', 'show': 'none'}
 OPTIONAL = ('namespace', 'params_file', 'bag', 'use_sim_time', 'dataset', 'seed', 'strategy', 'budget', 'turns')
 OPTIONAL += ('turn_period', 'session', 'concepts', 'save_concepts')
 
@@ -42,7 +43,9 @@ def load(monkeypatch: pytest.MonkeyPatch) -> Callable[[], list[Recorded]]:
         module = ModuleType(module_name)
         vars(module).update({name: type(name, (Recorded,), {}) for name in classes})
         monkeypatch.setitem(sys.modules, module_name, module)
-    vars(module)['get_package_share_directory'] = lambda _: str(ROOT)
+    vars(module)['PackageNotFoundError'] = KeyError
+    installed = {'al_questioner': str(ROOT), 'rviz2': '/opt/rviz2', 'tf2_ros': '/opt/tf2_ros'}
+    vars(module)['get_package_share_directory'] = installed.__getitem__
     path = str(ROOT / 'launch' / 'demo.launch.py')
     return lambda: runpy.run_path(path)['generate_launch_description']().positional[0]
 
@@ -107,6 +110,29 @@ def test_a_robot_brings_eyes_teacher_and_recorder_of_its_own(description, argume
     assert started(description, **arguments).keys() == executables
 
 
+def test_a_recogniser_follows_the_learner(description):
+    """The learner's file, or its log of another day, would be all that it knows otherwise."""
+    arguments = {'concepts': 'known.json', 'session': 'log', 'use_sim_time': 'true', 'seed': '3'}
+    nodes = started(description, recognise='true', namespace='/robot_1', **arguments)
+    assert nodes.keys() == {'perception', 'teacher', 'learner', 'recognise'}
+    recogniser = nodes['recognise']
+    assert (recogniser.name, recogniser.namespace) == ('recogniser', '/robot_1')
+    assert recogniser.parameters[-1] == {'concepts': '', 'session': '', 'use_sim_time': True}
+    assert nodes['learner'].parameters[-1]['concepts'] == 'known.json'
+
+
+def test_rviz_shows_the_table_in_the_world(description):
+    """Without a transform RViz complains of a frame that does not exist."""
+    nodes = started(description, show='rviz', namespace='/robot_1')
+    rviz, transform = nodes['rviz2'], nodes['static_transform_publisher']
+    assert (rviz.package, rviz.namespace) == ('rviz2', '/robot_1')
+    assert rviz.arguments == ['-d', str(ROOT / 'config' / 'rviz' / 'al_questioner.rviz')]
+    assert ('/scene_markers', 'scene_markers') in rviz.remappings
+    assert transform.package == 'tf2_ros'
+    assert transform.arguments == ['--frame-id', 'world', '--child-frame-id', 'table']
+    assert 'static_transform_publisher' not in started(description, show='rviz', perception='none')
+
+
 def test_all_wait_for_the_recorder(description):
     """Otherwise the bag would lack the first turns, and be of no use as a demonstration."""
     nodes = started(description, bag='/tmp/bag', seed='3')
@@ -165,6 +191,9 @@ def test_the_learners_end_is_that_of_all_only_where_this_file_is_what_was_launch
         ({'use_sim_time': 'maybe'}, "launch argument use_sim_time must be one of .*, not 'maybe'"),
         ({'end_with_learner': ''}, "launch argument end_with_learner must be one of .*, not ''"),
         ({'params_file': '/no/such.yaml'}, "launch argument params_file: '/no/such.yaml' is no file"),
+        ({'show': 'tv'}, "launch argument show must be one of none, rviz, foxglove, not 'tv'"),
+        ({'show': 'foxglove'}, 'launch argument show: the package foxglove_bridge is not installed'),
+        ({'recognise': 'maybe'}, "launch argument recognise must be one of .*, not 'maybe'"),
         ({'turns': 'many'}, "launch argument turns must be of type int, not 'many'"),
     ],
 )

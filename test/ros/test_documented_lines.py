@@ -6,6 +6,7 @@ a ROS installation runs the lines that are marked as theirs. A new line in the d
 
 from __future__ import annotations
 
+import contextlib
 import os
 import re
 import shlex
@@ -28,11 +29,14 @@ from al_questioner.messages.concepts_file import write_concepts
 from al_questioner.ros.node import QuestionerNode
 from al_questioner.ros.nodes.learner import LearnerNode
 from al_questioner.ros.nodes.perception import PerceptionNode
+from al_questioner.ros.nodes.recogniser import RecogniserNode
 from al_questioner.ros.nodes.recorder import RecorderNode
 from al_questioner.ros.nodes.replayer import ReplayNode
 from al_questioner.ros.nodes.teacher import TeacherNode
-from al_questioner.simulation import load_task
+from al_questioner.simulation import PerceivedWorld, load_task
 from shared.checkout import ROOT
+from shared.durable_sessions import play_turns, start_durable
+from shared.lunches import WORLD_SPEC
 
 DOCUMENTS = (ROOT / 'README.md', ROOT / 'CONTRIBUTING.md', *sorted((ROOT / 'docs').rglob('*.md')))
 DEADLINE = 90.0
@@ -47,6 +51,8 @@ LINES = {
     'ros2 launch al_questioner demo.launch.py': GENUINE,
     'ros2 launch al_questioner demo.launch.py --show-args': GENUINE,
     'ros2 launch al_questioner demo.launch.py perception:=none teacher:=none use_sim_time:=true': GENUINE,
+    'ros2 launch al_questioner demo.launch.py recognise:=true show:=foxglove': GENUINE,
+    'ros2 launch al_questioner demo.launch.py recognise:=true show:=rviz': GENUINE,
     'ros2 launch al_questioner demo.launch.py task:=prepare_lunch strategy:=dt_task_env bag:=my_bag': GENUINE,
     'ros2 run al_questioner X': PATTERN,
     'ros2 run al_questioner learner --ros-args -p concepts:=monday.json -p save_concepts:=tuesday.json': NODE,
@@ -63,6 +69,9 @@ LINES = {
     ' -p strategy:=farthest_fsq -p budget:=12.0 -p turns:=30': NODE,
     'ros2 run al_questioner perception --ros-args -p task:=kitchen_table': NODE,
     'ros2 run al_questioner perception --ros-args -p task:=prepare_lunch -p seed:=7': NODE,
+    'ros2 run al_questioner recognise': NODE,
+    'ros2 run al_questioner recognise --ros-args -p concepts:=monday.json': NODE,
+    'ros2 run al_questioner recognise --ros-args -p session:=monday -p threshold:=0.7': NODE,
     'ros2 run al_questioner record --repair my_demonstration': ENDS,
     'ros2 run al_questioner record --ros-args -p bag:=demonstration_1': NODE,
     'ros2 run al_questioner record --ros-args -p bag:=my_demonstration': NODE,
@@ -78,14 +87,22 @@ LINES = {
     'ros2 run al_questioner train_weights expert_0 expert_1 expert_2 --amplitude 100 --kernel-shape grouped'
     ' --class-balance 0.5 --out my_weights.yaml': ENDS,
     'ros2 run al_questioner train_weights demonstration_* --method choice --out my_weights.yaml': ENDS,
+    'ros2 run rviz2 rviz2 -d config/rviz/al_questioner.rviz': GENUINE,
+    'ros2 run tf2_ros static_transform_publisher --frame-id world --child-frame-id table': GENUINE,
+    'ros2 topic echo --full-length --field data target_info': GENUINE,
     'ros2 topic echo --once --full-length --field data query': GENUINE,
     'ros2 topic pub --once answer std_msgs/msg/String "data: \'snack\'"': GENUINE,
+    'ros2 topic pub --once want std_msgs/msg/String "data: \'snack\'"': GENUINE,
 }
+
+ALWAYS_NODES = {'learner': LearnerNode, 'perception': PerceptionNode, 'recognise': RecogniserNode}
 
 LONGEST_TRAINING = 900.0
 """Seconds after which learning weights has failed."""
 
 OPTIONS = {
+    'run rviz2 rviz2': {'-d', '--display-config', '-f', '--fixed-frame', '--fullscreen'},
+    'run tf2_ros static_transform_publisher': {'--frame-id', '--child-frame-id', '--x', '--y', '--z'},
     'topic echo': {'--once', '--full-length', '--field', '--csv', '--timeout', '--no-arr', '--flow-style'},
     'topic pub': {'--once', '--rate', '--times', '--wait-matching-subscriptions', '--keep-alive', '--qos-reliability'},
     'launch': {'--show-args', '--print', '--debug', '--noninteractive', '--launch-prefix'},
@@ -139,6 +156,8 @@ def workplace(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
     shutil.copy(ROOT / 'config' / 'weights' / 'dt_task_env.yaml', tmp_path / 'my_weights.yaml')
     known = Knowledge(load_task('prepare_lunch').symbols, ('size_height',), DEFAULT_CLASSIFIERS)
     write_concepts(tmp_path / 'monday.json', known)
+    with contextlib.closing(start_durable(tmp_path / 'monday')) as session:
+        play_turns(session, PerceivedWorld(WORLD_SPEC.open()), 2)
     monkeypatch.chdir(tmp_path)
     return tmp_path
 
@@ -160,8 +179,8 @@ def arguments_of(line: str) -> tuple[str, list[str], list[str]]:
 
 def make_node(executable: str, own: list[str], **arguments: Any) -> QuestionerNode | None:
     """The node of an executable; None for one that is none, whose arguments are parsed alone."""
-    if executable in ('learner', 'perception'):
-        return {'learner': LearnerNode, 'perception': PerceptionNode}[executable](**arguments)
+    if executable in ALWAYS_NODES:
+        return ALWAYS_NODES[executable](**arguments)
     if executable == 'teacher':
         return TeacherNode(lambda session, ended: ended.wait(), **arguments)
     if executable == 'record' and not own:

@@ -14,12 +14,15 @@ import pytest
 from sensor_msgs.msg import PointCloud2, PointField
 from std_msgs.msg import String
 
-from al_questioner.domain import InputError
+from al_questioner.domain import DEFAULT_CLASSIFIERS, InputError, Knowledge, Lesson, Origin, SeenView, ViewLabel
+from al_questioner.messages.concepts_file import concepts_of_text
+from al_questioner.messages.concepts_text import concepts_text
 from al_questioner.messages.documents import query_of
 from al_questioner.questioning import read_plain_answer
 from al_questioner.ros import qos
 from al_questioner.ros.nodes.learner import LearnerNode
 from al_questioner.ros.nodes.perception import PerceptionNode
+from al_questioner.ros.nodes.recogniser import RecogniserNode
 
 MESSAGES = 50_000
 JUNK = (None, True, -1, 2**70, 1e308, '', 'x' * 5000, [], {}, [[]], {'a': {}}, '\x00\x1b[2J', 'snack')
@@ -207,3 +210,29 @@ def test_a_flood_of_garbage_turns_is_refused(graph: Any) -> None:
     assert not seen
     begin(String(data=json.dumps(turn)))
     graph.wait_for(lambda: seen, 'the scene of the one turn that makes sense')
+
+
+def test_a_recogniser_survives_garbage_and_goes_on(graph: Any) -> None:
+    """Otherwise anybody on the network could take from the robot what it knows."""
+    rng = np.random.default_rng(3)
+    views = tuple(SeenView(n, n, tuple(rng.normal(size=2).astype(np.float32).tolist())) for n in range(1, 5))
+    labels = tuple(ViewLabel(n, ('snack', 'fruit', 'none')[n % 3]) for n in range(1, 5))
+    origins = (Origin('day', ('snack', 'fruit')),)
+    lessons = (Lesson('day', 1, seen=views, labels=labels),)
+    names = ('size_height', 'weight_kg')
+    good = concepts_text(Knowledge(('snack', 'fruit'), names, DEFAULT_CLASSIFIERS, lessons=lessons, origins=origins))
+    recogniser = graph.start(RecogniserNode)
+    hear, want = callback_of(recogniser, 'concepts'), callback_of(recogniser, 'want')
+    refused = 0
+    with in_this_thread(recogniser):
+        for text in texts(json.loads(good), rng, 300):
+            try:
+                concepts_of_text(text)
+            except InputError:
+                refused += 1
+            hear(String(data=text))
+            want(String(data=text))
+        assert recogniser.counts()['refused on concepts'] == refused > 100
+        hear(String(data=good))
+    assert recogniser.recogniser.find('snack').symbol == 'snack'
+    assert recogniser._failure == ''

@@ -99,6 +99,7 @@ def test_every_topic_tells_the_same_story(graph: Any) -> None:
     assert len(pictures[-1].data) == pictures[-1].height * pictures[-1].step
     named = Counter(marker.ns for marker in arrays[-1].markers)
     assert named['objects'] == named['beliefs'] == len(scene)
+    assert [marker.text for marker in arrays[-1].markers if marker.ns == 'question'] == [query['text']]
     assert not acks
 
 

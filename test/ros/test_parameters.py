@@ -19,6 +19,7 @@ from al_questioner.ros.nodes.teacher import TeacherNode
 from al_questioner.ros.parameters import checked
 from al_questioner.ros.settings import (
     PERCEPTION_SETTINGS,
+    RECOGNISER_SETTINGS,
     RECORDER_SETTINGS,
     TEACHER_SETTINGS,
     WORLD_SETTINGS,
@@ -37,7 +38,14 @@ def test_file_lists_every_parameter_at_its_default(path: Path) -> None:
     content = read_yaml(path)
     task = load_task(path.stem)
     learner = learner_settings(task)
-    settings = (*WORLD_SETTINGS, *PERCEPTION_SETTINGS, *TEACHER_SETTINGS, *RECORDER_SETTINGS, *learner)
+    settings = (
+        *WORLD_SETTINGS,
+        *PERCEPTION_SETTINGS,
+        *TEACHER_SETTINGS,
+        *RECOGNISER_SETTINGS,
+        *RECORDER_SETTINGS,
+        *learner,
+    )
     # Of the sample depends what these are.
     left_out = {'sample'} if task.variety is None else {'sample', 'change_interval'}
     expected = {setting.name: setting.default for setting in settings if setting.name not in left_out}

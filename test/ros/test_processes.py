@@ -12,7 +12,7 @@ DEADLINE = 90.0
 
 
 @pytest.mark.parametrize('interrupts', [pytest.param(1, marks=pytest.mark.slow), 2])
-@pytest.mark.parametrize('name', ['perception', 'learner', 'teacher'])
+@pytest.mark.parametrize('name', ['perception', 'learner', 'teacher', 'recognise'])
 def test_nodes_end_cleanly_when_interrupted(processes: Any, name: str, interrupts: int) -> None:
     """Otherwise Ctrl-C, which `ros2 launch` sends twice, would leave a traceback or a process behind."""
     process = processes.node(name, task='prepare_lunch')

@@ -32,7 +32,7 @@ from al_questioner.event_log.storage import SqliteStorage, StorageFactory
 from al_questioner.messages import documents
 from al_questioner.messages.clouds import cloud_of_decision, scene_of_cloud
 from al_questioner.messages.documents import Document
-from al_questioner.messages.pictures import markers
+from al_questioner.messages.markers import markers
 from al_questioner.messages.stamps import nanoseconds, stamp_members
 from al_questioner.questioning import Receipt, make_strategy, read_plain_answer, respelt
 from al_questioner.questioning.answer_acknowledgement import acknowledgement
@@ -348,9 +348,9 @@ class LearnerNode(QuestionerNode):
     def _show(self, observed: SceneObserved, beliefs: NDArray[np.float64]) -> None:
         """Publish the scene, the beliefs and the pending query for people who watch."""
         pending = self._durable.episode.pending
-        asked = pending.action.object_id if pending else None
-        head = header(observed.stamp, observed.frame_id)
-        self._markers.publish(markers(observed.scene, beliefs, self._settings.symbols, asked, head, MARKER_TYPES))
+        asked, question = (pending.action.object_id, pending.text) if pending else (None, '')
+        head, symbols = header(observed.stamp, observed.frame_id), self._settings.symbols
+        self._markers.publish(markers(observed.scene, beliefs, symbols, asked, head, MARKER_TYPES, question))
 
     def health_warning(self) -> str:
         """Warn that nobody answers, or that another learner uses the same topics, which confuses everybody."""

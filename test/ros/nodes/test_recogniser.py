@@ -1,0 +1,318 @@
+"""A node that recognises what a learner was taught, beside the learner, from a file, or from a log."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+from types import SimpleNamespace
+from typing import Any
+
+import numpy as np
+import pytest
+from diagnostic_msgs.msg import DiagnosticStatus
+from geometry_msgs.msg import PoseStamped
+from rclpy.qos import DurabilityPolicy, QoSProfile, ReliabilityPolicy
+from sensor_msgs.msg import PointCloud2
+from std_msgs.msg import String
+from visualization_msgs.msg import MarkerArray
+
+from al_questioner.cli import main
+from al_questioner.concepts.recognition import recognise
+from al_questioner.domain import InputError, Knowledge, Scene, random_stream
+from al_questioner.messages import documents
+from al_questioner.messages.clouds import cloud_of_scene, scene_of_cloud
+from al_questioner.messages.concepts_file import write_concepts
+from al_questioner.messages.concepts_text import concepts_text
+from al_questioner.questioning import Episode
+from al_questioner.questioning.review import taught_learner
+from al_questioner.ros import qos
+from al_questioner.ros.nodes.learner import LearnerNode
+from al_questioner.ros.nodes.perception import PerceptionNode
+from al_questioner.ros.nodes.recogniser import RecogniserNode
+from al_questioner.ros.nodes.teacher import TeacherNode
+from al_questioner.ros.types import CLOUD_TYPES, detection_types, header
+from al_questioner.simulation import PerceivedWorld, ScriptedTeacher, WorldSpec, episode_settings, load_task, turns
+
+TASK = 'prepare_lunch'
+SENSOR = QoSProfile(depth=5, reliability=ReliabilityPolicy.BEST_EFFORT, durability=DurabilityPolicy.VOLATILE)
+
+
+@pytest.fixture(scope='module')
+def lunch() -> SimpleNamespace:
+    """Knowledge of a learner after an episode, and the last scene that it saw."""
+    task = load_task(TASK)
+    episode = Episode(episode_settings(task, 'farthest_fsq', 10.0, 12), random_stream(4, 'learner'))
+    world = PerceivedWorld(WorldSpec(task, 4, 4).open())
+    for _ in turns(episode, world, ScriptedTeacher(task.symbols, task.relevant_groups, 4)):
+        pass
+    return SimpleNamespace(knowledge=episode.knowledge('lunch'), scene=world.scene(12), symbols=task.symbols)
+
+
+class Robot:
+    """Somebody who shows things to a recogniser, wants some of them, and hears it."""
+
+    def __init__(self, graph: Any) -> None:
+        self.graph = graph
+        self.clouds = graph.listen('recognised', PointCloud2)
+        self.documents = graph.listen('recognition')
+        self.markers = graph.listen('recognised_markers', MarkerArray)
+        self.targets = graph.listen('target', PoseStamped, qos.EVENTS)
+        self.answers = graph.listen('target_info', profile=qos.EVENTS)
+        self.wish = graph.ears.create_publisher(String, 'want', qos.EVENTS)
+        self.eyes = graph.ears.create_publisher(PointCloud2, 'objects', SENSOR)
+
+    def shows(self, scene: Scene, second: int, **changes: Any) -> None:
+        """Show things as a camera driver does."""
+        self.graph.wait_for(self.eyes.get_subscription_count, 'a node that looks')
+        cloud = cloud_of_scene(scene, header(second * 10**9, 'camera'), CLOUD_TYPES)
+        for name, value in changes.items():
+            setattr(cloud, name, value)
+        self.eyes.publish(cloud)
+
+    def recognised(self, second: int) -> dict[str, Any]:
+        """The document of the cloud of a second."""
+        self.graph.wait_for(
+            lambda: self.documents and self.documents[-1]['stamp']['sec'] == second, f'what was seen in second {second}'
+        )
+        return self.documents[-1]
+
+    def wants(self, text: str) -> dict[str, Any]:
+        """Say what is wanted, and hear the answer."""
+        before = len(self.answers)
+        self.graph.wait_for(self.wish.get_subscription_count, 'a node that listens')
+        self.wish.publish(String(data=text))
+        self.graph.wait_for(lambda: len(self.answers) > before, f'an answer to {text!r}')
+        answer = self.answers[-1]
+        documents.read('target_info', json.dumps(answer))
+        return answer
+
+
+@pytest.fixture
+def robot(graph: Any) -> Robot:
+    return Robot(graph)
+
+
+def probabilities(document: dict[str, Any]) -> list[list[float]]:
+    return [list(each['probabilities'].values()) for each in document['things']]
+
+
+def test_a_live_learner_is_followed_from_its_first_answer_on(graph: Any, robot: Robot) -> None:
+    """Otherwise the robot could be asked for nothing before its lessons are over, or would believe two things."""
+    told, clouds = graph.listen('concepts'), graph.listen('objects', PointCloud2)
+    recogniser = graph.start(RecogniserNode)
+    learner = graph.start(LearnerNode, **graph.episode)
+    graph.start(PerceptionNode, **graph.world)
+    graph.wait_for(lambda: clouds, 'the first scene')
+    assert robot.wants('snack')['reason'] == 'nothing has been taught yet'
+    graph.start(TeacherNode, **graph.world)
+    first = graph.wait_for(lambda: robot.documents and robot.documents[0], 'what is recognised')
+    states = graph.listen('learner_state')
+    graph.wait_for_end(states)
+    examples = sum(told[-1]['examples'].values())
+    graph.wait_for(lambda: sum(told[-1]['examples'].values()) > first['examples'], 'more examples')
+    graph.wait_for(
+        lambda: robot.documents[-1]['examples'] == sum(told[-1]['examples'].values()), 'all that the learner knows'
+    )
+    assert first['examples'] == 1
+    assert examples > 3
+    graph.wait_for(lambda: recogniser.recogniser.recognition, 'the last scene')
+    features = scene_of_cloud(clouds[-1]).features
+    concepts = learner._durable.episode.concepts
+    assert np.array_equal(recogniser.recogniser.concepts.predict_proba(features), concepts.predict_proba(features)), (
+        'to the last bit'
+    )
+    last = robot.documents[-1]
+    assert probabilities(last) == recognise(concepts, features).tolist()
+    assert last['episode_id'] == learner.episode_id
+    assert last['frame_id'] == 'table'
+    documents.read('recognition', json.dumps(last))
+
+
+def by_file(lunch: SimpleNamespace, folder: Path) -> dict[str, str]:
+    write_concepts(folder / 'known.json', lunch.knowledge)
+    return {'concepts': str(folder / 'known.json')}
+
+
+def test_a_file_is_put_to_use(graph: Any, robot: Robot, lunch: SimpleNamespace, tmp_path: Path) -> None:
+    """Otherwise what was taught yesterday would be of no use today; a camera driver's clouds are heard, too."""
+    expected = recognise(taught_learner(lunch.knowledge), lunch.scene.features)
+    column = lunch.symbols.index('snack')
+    # So that there is one.
+    threshold = float(expected[:, column].max())
+    node = graph.start(RecogniserNode, threshold=threshold, **by_file(lunch, tmp_path))
+    has_detections = any(name.endswith('/detections') for name in node._advertised)
+    assert has_detections is (detection_types() is not None)
+    robot.shows(lunch.scene, 11)
+    document = robot.recognised(11)
+    assert probabilities(document) == expected.tolist()
+    assert document['threshold'] == threshold
+    assert [each['known'] for each in document['things']] == (expected.max(axis=1) >= threshold).tolist()
+    assert [('question' in each) for each in document['things']] == (expected.max(axis=1) < threshold).tolist()
+    cloud = graph.wait_for(lambda: robot.clouds and robot.clouds[-1], 'the cloud')
+    assert (cloud.header.stamp.sec, cloud.header.frame_id, cloud.width) == (11, 'camera', len(lunch.scene))
+    markers = graph.wait_for(lambda: robot.markers and robot.markers[-1].markers, 'the markers')
+    assert sum(marker.ns == 'names' for marker in markers) == len(lunch.scene)
+
+    answer = robot.wants('the Snack')
+    row = int(expected[:, column].argmax())
+    assert (answer['symbol'], answer['object_id']) == ('snack', lunch.scene.object_ids[row])
+    assert answer['probability'] == expected[row, column]
+    assert answer['runner_up']['probability'] == np.sort(expected[:, column])[-2]
+    target = graph.wait_for(lambda: robot.targets and robot.targets[-1], 'the target')
+    assert (target.header.frame_id, target.header.stamp.sec) == ('camera', 11)
+    position = target.pose.position
+    assert [position.x, position.y, position.z] == lunch.scene.positions[row].tolist() == answer['position']
+    assert target.pose.orientation.w == 1.0
+
+
+def test_nothing_is_fetched_without_a_reason(
+    graph: Any, robot: Robot, diagnostics: Any, lunch: SimpleNamespace, tmp_path: Path
+) -> None:
+    """Otherwise a manipulation stack would wait for a target that never comes, or fetch another thing."""
+    graph.start(RecogniserNode, threshold=1.0, **by_file(lunch, tmp_path))
+    robot.wants('snack')
+    graph.wait_for(lambda: robot.wants('snack')['reason'] == 'no objects have been seen yet', 'what is known')
+    assert 'did you mean snack?' in robot.wants('snak')['reason']
+    diagnostics.wait_for("refused want: 'snak' is nothing that was taught", DiagnosticStatus.WARN)
+    robot.shows(lunch.scene, 11)
+    robot.recognised(11)
+    answer = robot.wants('snack')
+    assert 'nothing in view is snack with a probability of 1 or more' in answer['reason']
+    assert (answer['object_id'], answer['stamp']['sec'], answer['frame_id']) == (None, 11, 'camera')
+    assert answer['runner_up']['object_id'] in lunch.scene.object_ids
+    nothing = Scene((), np.empty((0, 3)), np.empty((0, lunch.scene.features.shape[1])), lunch.scene.feature_names)
+    robot.shows(nothing, 12)
+    assert robot.recognised(12)['things'] == []
+    assert robot.wants('snack')['reason'] == 'there is nothing in view'
+    assert robot.targets == []
+
+
+def with_nan(cloud: PointCloud2) -> bytes:
+    return bytes(cloud.data[:16]) + np.float32(np.nan).tobytes() + bytes(cloud.data[20:])
+
+
+def test_unusable_clouds_are_refused_and_the_next_one_is_recognised(
+    graph: Any, robot: Robot, diagnostics: Any, lunch: SimpleNamespace, tmp_path: Path
+) -> None:
+    """Otherwise one bad frame of a camera would end the node."""
+    graph.start(RecogniserNode, **by_file(lunch, tmp_path))
+    scene = lunch.scene
+    good = cloud_of_scene(scene, header(1, 'camera'), CLOUD_TYPES)
+    robot.shows(scene, 11, data=with_nan(good))
+    diagnostics.wait_for('not finite', DiagnosticStatus.WARN)
+    robot.shows(scene, 12, data=bytes(good.data)[:-1])
+    diagnostics.wait_for('too few', DiagnosticStatus.WARN)
+    other = Scene(scene.object_ids, scene.positions, scene.features, ('weight_g', *scene.feature_names[1:]))
+    robot.shows(other, 13)
+    reason = f'the concepts are of other features: they lack weight_g and have {scene.feature_names[0]}'
+    diagnostics.wait_for(f'refused objects: {reason}', DiagnosticStatus.WARN)
+    assert robot.wants('snack')['reason'] == reason
+    assert robot.documents == []
+    robot.shows(scene, 14)
+    assert len(robot.recognised(14)['things']) == len(scene)
+    graph.wait_for(lambda: diagnostics.values.get('clouds recognised') == '1', 'the count')
+    assert diagnostics.values['refused on objects'] == '3'
+
+
+def test_unusable_concepts_are_refused_and_the_next_ones_are_taken(
+    graph: Any, robot: Robot, diagnostics: Any, lunch: SimpleNamespace
+) -> None:
+    """Otherwise garbage on a topic would cost the robot all that it knows."""
+    graph.start(RecogniserNode)
+    mouth = graph.ears.create_publisher(String, 'concepts', qos.LATCHED)
+    robot.shows(lunch.scene, 11)
+    mouth.publish(String(data='{'))
+    diagnostics.wait_for('not valid JSON', DiagnosticStatus.WARN)
+    mouth.publish(String(data=concepts_text(lunch.knowledge)))
+    # What was seen before is recognised as soon as it can be.
+    document = robot.recognised(11)
+    assert document['examples'] == len(lunch.knowledge.examples)
+    mouth.publish(String(data=concepts_text(lunch.knowledge).replace('concepts/1', 'concepts/7')))
+    diagnostics.wait_for('of another version (al_questioner/concepts/7)', DiagnosticStatus.WARN)
+    robot.shows(lunch.scene, 12)
+    assert probabilities(robot.recognised(12)) == probabilities(document)
+
+
+def test_concepts_of_other_features_than_the_things_are_told(
+    graph: Any, robot: Robot, diagnostics: Any, lunch: SimpleNamespace
+) -> None:
+    graph.start(RecogniserNode)
+    names = tuple(f'other_{i}' for i in range(len(lunch.scene.feature_names)))
+    robot.shows(Scene(lunch.scene.object_ids, lunch.scene.positions, lunch.scene.features, names), 11)
+    mouth = graph.ears.create_publisher(String, 'concepts', qos.LATCHED)
+    mouth.publish(String(data=concepts_text(lunch.knowledge)))
+    diagnostics.wait_for('refused objects: the concepts are of other features', DiagnosticStatus.WARN)
+    robot.shows(lunch.scene, 12)
+    robot.recognised(12)
+
+
+def test_the_log_of_a_session_is_put_to_use(graph: Any, robot: Robot, tmp_path: Path) -> None:
+    """A learner may still be writing to it."""
+    clouds = graph.listen('objects', PointCloud2)
+    graph.play(session=str(tmp_path / 'log'))
+    recogniser = graph.start(RecogniserNode, session=str(tmp_path / 'log'), namespace=f'{graph.namespace}/other')
+    learner = next(node for node in graph.nodes if isinstance(node, LearnerNode))
+    graph.wait_for(lambda: recogniser.recogniser.concepts is not None, 'what the log holds')
+    features = scene_of_cloud(clouds[-1]).features
+    expected = learner._durable.episode.concepts.predict_proba(features)
+    assert np.array_equal(recogniser.recogniser.concepts.predict_proba(features), expected)
+
+
+def test_detections_are_published_where_their_type_is_installed(
+    graph: Any, robot: Robot, lunch: SimpleNamespace, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Other packages read those; where vision_msgs is missing, all else works."""
+    # Any installed type may stand in for one that is not: what is in it is tested without ROS.
+    name = 'al_questioner.ros.nodes.recogniser'
+    monkeypatch.setattr(f'{name}.detection_types', lambda: SimpleNamespace(array=String))
+    monkeypatch.setattr(f'{name}.detections_of_recognition', lambda found, *_: String(data=f'{len(found.things)}'))
+    heard = graph.listen('detections')
+    graph.start(RecogniserNode, **by_file(lunch, tmp_path))
+    robot.shows(lunch.scene, 11)
+    graph.wait_for(lambda: heard and heard[-1].data == f'{len(lunch.scene)}', 'detections')
+
+
+@pytest.mark.parametrize(
+    ('parameters', 'said'),
+    [
+        ({'concepts': 'damaged.json'}, 'damaged.json: concepts: not valid JSON'),
+        ({'concepts': 'missing.json'}, 'missing.json cannot be read'),
+        ({'session': 'missing'}, 'missing: does not exist'),
+        ({'session': '.'}, 'there is no session log in it'),
+        ({'concepts': 'damaged.json', 'session': '.'}, 'one of the parameters concepts and session, not both'),
+        ({'threshold': 1.5}, 'parameter threshold must lie in'),
+        ({'threshold': 'high'}, 'parameter threshold must be of type float'),
+        ({'treshold': 0.5}, 'unknown parameter treshold'),
+    ],
+)
+def test_unusable_parameters_are_refused_at_once(
+    graph: Any, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, parameters: dict[str, Any], said: str
+) -> None:
+    """Otherwise the robot would seem to be ready, and know nothing."""
+    monkeypatch.chdir(tmp_path)
+    (tmp_path / 'damaged.json').write_text('{')
+    with pytest.raises(InputError, match=said):
+        graph.start(RecogniserNode, **parameters)
+
+
+def test_a_file_without_examples_is_no_error(graph: Any, diagnostics: Any, tmp_path: Path) -> None:
+    task = load_task(TASK)
+    known = Knowledge(task.symbols, ('size_height',), episode_settings(task).classifiers)
+    write_concepts(tmp_path / 'known.json', known)
+    graph.start(RecogniserNode, concepts=str(tmp_path / 'known.json'))
+    diagnostics.wait_for('nothing has been taught yet')
+
+
+def test_the_executable_refuses_bad_input_in_one_line(processes: Any, tmp_path: Path) -> None:
+    """A script can rely on the status."""
+    (tmp_path / 'damaged.json').write_text('{')
+    for parameter in (f'concepts:={tmp_path / "damaged.json"}', 'threshold:=2.0'):
+        done = processes.run('recognise', '--ros-args', '-p', parameter)
+        assert done.returncode == 2
+        assert done.stderr.strip().splitlines()[-1].startswith('recognise: ')
+        assert 'Traceback' not in done.stderr
+
+
+def test_a_wrong_argument_needs_no_ros(capsys: pytest.CaptureFixture[str]) -> None:
+    assert main(['recognise', '--nonsense']) == 2
+    assert capsys.readouterr().err.startswith("recognise: unexpected argument '--nonsense'")
