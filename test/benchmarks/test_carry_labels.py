@@ -1,4 +1,4 @@
-"""What is told of labels that follow things must come from tracks that fail as they say."""
+"""Tracks fail as the benchmark of labels that follow things says, and it measures both kinds of learners."""
 
 import carry_labels
 import numpy as np

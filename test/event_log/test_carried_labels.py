@@ -70,7 +70,7 @@ def test_a_session_does_not_change_its_mind(tmp_path: Path, world: PerceivedWorl
 
 
 def test_a_bag_tells_of_it_and_is_checked(tmp_path: Path, world: PerceivedWorld) -> None:
-    """Whoever gets the bag cannot play the episode again."""
+    """Somebody who gets the bag cannot play the episode again."""
     durable = start_durable(tmp_path / 's', settings=SETTINGS)
     play_turns(durable, world, 12)
     durable.close()

@@ -89,7 +89,7 @@ def test_where_no_thing_changes_everything_is_the_same_to_the_last_bit(strategy)
 
 @pytest.mark.parametrize('strategy', ['value_per_cost', 'u_sampling_fsq', 'random_fsq', 'farthest_fsq', 'typiclust'])
 def test_a_thing_is_asked_about_once(strategy):
-    """What is carried is not seen by who asks, and the budget goes into what is known."""
+    """A budget goes into what is known, as the strategy does not see what was carried."""
     asked = {}
     for carries in (False, True):
         episode = begin(carrying(strategy, 30.0, carry_labels=carries))
@@ -221,7 +221,7 @@ def test_contradictions_are_kept():
 
 
 def test_a_relevance_query_is_kept_with_what_was_carried():
-    """What did not matter is forgotten overnight, or counts although it matters."""
+    """A thing that did not matter is forgotten overnight, or counts although it matters."""
     rng = np.random.default_rng(7)
     scenes = [make_scene(rng.normal(size=(4, 5)) * 3) for _ in range(4)]
     episode = begin(carrying('random_fsq', 30.0, 4), 1, Asks(Action(QueryKind.RELEVANCE)), 1e-3)
