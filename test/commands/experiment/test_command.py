@@ -63,6 +63,7 @@ def test_the_command_writes_tables_figures_and_page(tmp_path: Path, capsys: pyte
             ['--kernel-shape', 'rbf', '--class-balance', '0', '--cost-relevance', 'never', '--repeat-shown'],
             'no relevance query, the teacher shows also what is known, kernel shape rbf, class balance 0',
         ),
+        (['--carry-labels'], 'labels are carried to all views of a thing'),
         (['--amplitude', '4', '--cost-relevance', '3'], 'cost 3.0 of a relevance query, amplitude 4'),
     ],
 )
