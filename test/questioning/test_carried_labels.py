@@ -245,3 +245,36 @@ def test_teachers_are_judged_by_what_they_said():
     assert knowledge.teachers['toy'].answered == 2
     assert [knowledge.teacher_of(lesson, label) for lesson, label in knowledge.examples] == ['toy'] * 4
     assert sum(record.cost for record in episode.records) == 2.0
+
+
+@pytest.mark.parametrize('seed', range(12))
+def test_what_is_kept_is_exact_whatever_happens(seed):
+    """Wrong, late and corrected answers, silence and noise: one of them leads to other bits, or to two names."""
+    rng = np.random.default_rng(seed)
+    strategy = ('u_sampling', 'value_per_cost', 'rarest_demo', 'random_fsq')[seed % 4]
+    episode = begin(carrying(strategy, 25.0), seed, view_tolerance=(AUTO, AUTO, 1e-3, 0.5)[seed // 3])
+    world, labels = Changing(seed, noise=(0.0, 0.05, 0.2)[seed % 3]), ('snack', 'fruit', NO_SYMBOL)
+    said = []
+    while not episode.done:
+        episode.ask(world.scene(episode.turn + 1))
+        query, number = episode.awaited, f'a{len(said)}-{episode.turn}'
+        if query is not None and rng.random() < 0.3:
+            episode.time_out()
+        elif query is not None:
+            if query.action.kind is QueryKind.LABEL and rng.random() < 0.4:
+                told = reply(query, str(rng.choice(labels)))
+                said.append(dataclasses.replace(told, answer_id=number))
+                episode.tell(said[-1])
+            else:
+                episode.tell(dataclasses.replace(world.answer(query), answer_id=number))
+        if said and rng.random() < 0.2:
+            wrong = said.pop(int(rng.integers(len(said))))
+            replaced = {'answer_id': f'{number}-right', 'content': str(rng.choice(labels))}
+            episode.tell(dataclasses.replace(wrong, **replaced, replaces=wrong.answer_id))
+    knowledge = concepts_of_text(concepts_text(episode.knowledge('day 1')))
+    assert is_same(taught_learner(knowledge), episode.concepts, episode.scene)
+    assert reviewed(knowledge).statistics == knowledge.statistics
+    views = episode.concepts.labelled_views
+    assert [view.label for view in views] == [label.label for _, label in knowledge.examples]
+    carried = {(view.object_id, view.label) for view in views if view.is_carried}
+    assert len(carried) == len({object_id for object_id, _ in carried})
