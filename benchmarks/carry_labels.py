@@ -4,9 +4,9 @@
 
 Every strategy plays the same samples without and with `carry_labels`, in worlds whose tracks fail: at a change of a
 thing's view it gets a new id with the probability `--breaks`, or exchanges its id with another thing whose view changes
-then with the probability `--swaps`. Printed are the accuracy at the end, mean and standard deviation over the samples,
-the number of queries, and the difference that carrying makes with its standard error. Episodes that are in the file
-`--out` (CSV) already are not played again.
+then with the probability `--swaps`. Printed are, as means over the samples, the accuracy at the end, the number of
+queries, and the difference that carrying makes with its standard error. Episodes that are in the file `--out` (CSV)
+already are not played again.
 """
 
 from __future__ import annotations
