@@ -55,8 +55,11 @@ ADDED_SHARE = 0.25
 THRESHOLD = 0.5
 """Probability from which a thing is named: the default of the node `recognise`."""
 CANDIDATE_THRESHOLDS = np.arange(0.40, 0.955, 0.01)
+PANELS_PER_ROW = 3
 NAMES = ('precision', 'recall')
 FIT_SAMPLES = range(1000, 1024)
+FIT_BOUNDS = ((0.1, 10), (-10, 2), (0.1, 10))
+"""Of the sharpness, the logarithm of the weight of none, and the steepness."""
 FIT_TURNS = (8, 20, 40, 80, 150)
 FIT_EPISODES = (('value_per_cost', 'C1'), ('value_per_cost', 'C2'), ('rarest_demo', 'C1'))
 
@@ -162,7 +165,7 @@ def fit(jobs: int) -> Calibration:
         probabilities = weigh(evidence, with_values(values))
         return -float(weights @ np.log(probabilities[np.arange(len(truth)), truth]))
 
-    found = minimize(loss, [1.0, 0.0, 1.0], method='BFGS')
+    found = minimize(loss, [1.0, -1.0, 1.0], method='L-BFGS-B', bounds=FIT_BOUNDS)
     calibration = with_values(found.x)
     print(f'{len(learners)} learners, {len(truth)} things; mean logarithmic loss {found.fun:.4f} with')
     print(', '.join(f'{name} {value:.3f}' for name, value in calibration._asdict().items()))
@@ -174,9 +177,12 @@ def fit(jobs: int) -> Calibration:
 def draw(by_table: Mapping[str, Sequence[Seen]], path: Path) -> Path:
     """Draw a reliability diagram for each kind of table: of the most probable, and of none."""
     with rc_context(STYLE):
-        figure = new_figure(2.6 * len(by_table), 3.6)
-        panels = figure.subplots(1, len(by_table), squeeze=False, sharex=True, sharey=True)[0]
-        for axes, (name, seen) in zip(panels, by_table.items(), strict=True):
+        rows = -(-len(by_table) // PANELS_PER_ROW)
+        figure = new_figure(3 * PANELS_PER_ROW, 3.2 * rows + 0.4)
+        panels = figure.subplots(rows, PANELS_PER_ROW, squeeze=False, sharex=True, sharey=True).ravel()
+        for axes in panels[len(by_table) :]:
+            axes.set_axis_off()
+        for axes, (name, seen) in zip(panels, by_table.items(), strict=False):
             probabilities, truth = _probabilities(seen), np.concatenate([each.truth for each in seen])
             none = probabilities.shape[1] - 1
             axes.plot([0, 1], [0, 1], color='grey', linewidth=1)
@@ -190,9 +196,10 @@ def draw(by_table: Mapping[str, Sequence[Seen]], path: Path) -> Path:
                 counts, mean, share = reliability(sure, right)
                 (line,) = axes.plot(mean, share, linewidth=1, label=label)
                 axes.scatter(mean, share, s=4 + 120 * counts / counts.sum(), color=line.get_color())
-            axes.set_title(name.replace(', ', ',\n'), fontsize=10)
+            axes.set_title(name, fontsize=10)
             axes.set(xlabel='probability', xlim=(0, 1), ylim=(0, 1))
-        panels[0].set_ylabel('share that is right')
+        for axes in panels[::PANELS_PER_ROW]:
+            axes.set_ylabel('share that is right')
         put_legend_below(figure, 2, *panels[0].get_legend_handles_labels())
     return save(figure, path)
 

@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 from al_questioner.concepts.concept_models import ConceptModels
 from al_questioner.concepts.feature_selection import Selector, select_features
 from al_questioner.concepts.kernel import RBF, Kernel, KernelShape
+from al_questioner.concepts.label_carrier import LabelCarrier
 from al_questioner.concepts.laplace.earlier_tuning import tuned_kernel
 from al_questioner.concepts.seen_views import SeenViews
 from al_questioner.concepts.standardiser import Standardiser
@@ -74,6 +75,7 @@ class ConceptLearner:
         self.groups: tuple[str, ...] = ()
         self.seen = SeenViews()
         self._taught = TaughtViews(self._same_views)
+        self._carrier: LabelCarrier | None = None
         self._models = ConceptModels(self.symbols, amplitude, length_scale, shape=shape, class_balance=class_balance)
         self._configured = (amplitude, length_scale)
         self._selector = selector
@@ -98,6 +100,11 @@ class ConceptLearner:
     def withdrawn_views(self) -> Sequence[WithdrawnView]:
         """Labels that no longer count, with the turn since when."""
         return self._taught.withdrawn
+
+    @property
+    def learnt_labels(self) -> Sequence[LabelledView]:
+        """All labels of this episode in the order in which they came, those that no longer count included."""
+        return self._taught.learnt
 
     @property
     def positives(self) -> dict[str, int]:
@@ -187,11 +194,21 @@ class ConceptLearner:
         if self.feature_names and scene.feature_names != self.feature_names:
             raise SceneError(_layout_difference(self.feature_names, scene.feature_names))
 
-    def observe(self, scene: Scene) -> None:
+    def carry_labels(self) -> None:
+        """Let what is said of an object from now on count for all views of it that are seen from now on."""
+        self._carrier = LabelCarrier(self._taught, self._same_views)
+
+    def observe(self, scene: Scene, turn: int = 0, carried: Sequence[LabelledView] = ()) -> None:
         """Update the features' statistics with a scene; a view that is already known is not counted again.
+
+        Args:
+            scene: what is seen.
+            turn: of the scene; only where labels are carried it has to be given.
+            carried: labels that the views of the scene got by this, in an earlier episode that is learnt again.
 
         Raises:
             SceneError: the features are not those of the earlier scenes.
+            InputError: a label that cannot be learnt.
         """
         self.check_features(scene)
         if not self.feature_names:
@@ -206,6 +223,12 @@ class ConceptLearner:
             self._last_views.update(zip(scene.object_ids, views, strict=True))
             for row in np.flatnonzero(new):
                 self.seen.add(scene.object_ids[row], scene.features[row], self._same_views)
+                if self._carrier is not None:
+                    self._carrier.see(scene.object_ids[row], scene.features[row], turn)
+        for view in carried:
+            self._check_label(view.object_id, view.features, view.label)
+            self._taught.carry(view)
+        if any(new) or carried:
             self._fit_models()
 
     def label(self, object_id: int, features: FloatArray, symbol: str, turn: int) -> None:
@@ -214,8 +237,7 @@ class ConceptLearner:
         Raises:
             InputError: an unknown symbol, or features that do not fit those observed.
         """
-        self._taught.label(self._labelled_view(object_id, features, symbol, turn))
-        self._fit_models()
+        self._label([self._labelled_view(object_id, features, symbol, turn)])
 
     def label_scene(self, scene: Scene, symbols: Mapping[int, str], turn: int) -> None:
         """Learn the labels, symbols or `NO_SYMBOL` by object id, of several objects of a scene at once.
@@ -224,9 +246,7 @@ class ConceptLearner:
             InputError: an object is not in the scene, a symbol is unknown, or features do not fit those observed.
         """
         rows = {object_id: _row(scene, object_id) for object_id in symbols}
-        for view in [self._labelled_view(each, row, symbols[each], turn) for each, row in rows.items()]:
-            self._taught.label(view)
-        self._fit_models()
+        self._label([self._labelled_view(each, row, symbols[each], turn) for each, row in rows.items()])
 
     def learn(self, record: QueryRecord, scene: Scene) -> None:
         """Learn the result of a query about a scene; an answer without a name does not change the models.
@@ -254,7 +274,8 @@ class ConceptLearner:
         """
         for object_id in mattering:
             _row(scene, object_id)
-        if self._taught.judge(scene, mattering, turn):
+        by = self._taught if self._carrier is None else self._carrier
+        if by.judge(scene, mattering, turn):
             self._fit_models()
 
     def learn_views(
@@ -391,6 +412,13 @@ class ConceptLearner:
         points, others = (self._standardiser.transform(table)[:, self._active] for table in (scene.features, views))
         squared: Array = np.mean((points[:, None] - others[None]) ** 2, axis=2)
         return np.sqrt(squared)
+
+    def _label(self, views: Iterable[LabelledView]) -> None:
+        for view in views:
+            self._taught.label(view)
+            if self._carrier is not None:
+                self._carrier.hear(view)
+        self._fit_models()
 
     def _labelled_view(self, object_id: int, features: FloatArray, symbol: str, turn: int) -> LabelledView:
         vector = np.array(features, dtype=np.float32)

@@ -15,6 +15,8 @@ from al_questioner.domain.names import check_names, quoted, suggestion
 def without_example(knowledge: Knowledge, view: int) -> Knowledge:
     """Return the knowledge without any label of a view, by the view's number; the view itself stays seen.
 
+    Labels that were carried from it to other views of its object go, too.
+
     Raises:
         InputError: no view of this number has a label.
     """
@@ -24,7 +26,7 @@ def without_example(knowledge: Knowledge, view: int) -> Knowledge:
         knowledge,
         lambda lesson: replace(
             lesson,
-            labels=tuple(label for label in lesson.labels if label.view != view),
+            labels=tuple(label for label in lesson.labels if view not in (label.view, label.carried_from)),
             hearsay=tuple(said for said in lesson.hearsay if said.view != view),
         ),
     )

@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 from al_questioner.concepts.concept_learner import ConceptLearner
 from al_questioner.concepts.standardiser import Standardiser
 from al_questioner.concepts.taught_views import JudgedView, LabelledView
-from al_questioner.domain import InputError, Knowledge, Lesson, Scene, SeenView, Statistics
+from al_questioner.domain import InputError, Knowledge, Lesson, Scene, SeenView, Statistics, ViewLabel
 
 BEFORE = 0
 """Turn of what is known from earlier episodes: before the first."""
@@ -38,8 +38,10 @@ def learn_again(
     """
     views = knowledge.views
     for index, lesson in enumerate(knowledge.lessons[first:], start=first):
+        at_sight = len(lesson.carried_at_sight) if lesson.seen else 0
+        labels = [_labelled_view(views[each.view], each) for each in lesson.labels]
         if lesson.seen:
-            concepts.observe(scene_of(lesson.seen, knowledge.feature_names))
+            concepts.observe(scene_of(lesson.seen, knowledge.feature_names), BEFORE, labels[:at_sight])
         if watch is not None:
             watch(index, lesson)
         if lesson.groups:
@@ -51,19 +53,15 @@ def learn_again(
                 JudgedView(views[each.view].object_id, features_of(views[each.view]), each.matters, BEFORE)
                 for each in lesson.judgements
             ],
-            [
-                LabelledView(
-                    views[each.view].object_id,
-                    features_of(views[each.view]),
-                    each.label,
-                    BEFORE,
-                    each.left_out,
-                    each.view,
-                )
-                for each in lesson.labels
-            ],
+            labels[at_sight:],
             lesson.withdrawn,
         )
+
+
+def _labelled_view(view: SeenView, label: ViewLabel) -> LabelledView:
+    return LabelledView(
+        view.object_id, features_of(view), label.label, BEFORE, label.left_out, view.number, label.is_carried
+    )
 
 
 def scene_of(views: Iterable[SeenView], feature_names: tuple[str, ...]) -> Scene:

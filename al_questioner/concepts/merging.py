@@ -130,7 +130,8 @@ def settled(
     """Return the knowledge with each view learnt as one thing, and the contradictions that it had.
 
     Views are the same if they are to the last bit. What does not count, because the same is learnt from another episode
-    or because another label is kept, stays as hearsay, for what it tells of its teacher.
+    or because another label is kept, stays as hearsay, for what it tells of its teacher. A label that was carried gives
+    way to one that was said; those that were carried from a view whose label does not count go with it.
 
     Args:
         knowledge: as `joined_knowledge` returns it.
@@ -143,9 +144,12 @@ def settled(
     for index, place in knowledge.places_of_examples:
         lesson = knowledge.lessons[index]
         label = lesson.labels[place]
-        by_look[knowledge.views[label.view].features].append(_Told(index, place, label, lesson.teacher))
+        by_look[knowledge.views[label.view].features].append(
+            _Told(index, place, label, knowledge.teacher_of(lesson, label))
+        )
     found: list[Contradiction] = []
     outvoted: dict[int, set[int]] = defaultdict(set)
+    refuted: set[int] = set()
     heard: dict[int, list[Hearsay]] = defaultdict(list)
     for told in by_look.values():
         labels = {each.label.label for each in told}
@@ -162,12 +166,18 @@ def settled(
             is_repeated = each.label.label == winner.label.label and knowledge.lessons[each.lesson].episode == episode
             if each is not winner and not is_repeated:
                 outvoted[each.lesson].add(each.place)
-                if each.teacher:
+                if each.label.label != winner.label.label:
+                    refuted.add(each.label.view)
+                if each.teacher and not each.label.is_carried:
                     heard[winner.lesson].append(Hearsay(winner.label.view, each.label.label, each.teacher))
     lessons = tuple(
         replace(
             lesson,
-            labels=tuple(label for place, label in enumerate(lesson.labels) if place not in outvoted[index]),
+            labels=tuple(
+                label
+                for place, label in enumerate(lesson.labels)
+                if place not in outvoted[index] and label.carried_from not in refuted
+            ),
             hearsay=(*lesson.hearsay, *heard[index]),
         )
         for index, lesson in enumerate(knowledge.lessons)
@@ -185,9 +195,9 @@ def _winner(
     stamps = [knowledge.lessons[each.lesson].stamp for each in told]
     times = [0 if stamp is None else stamp for stamp in stamps] if None not in stamps else [0] * len(told)
 
-    def rank(which: int) -> tuple[float, int, int]:
+    def rank(which: int) -> tuple[bool, float, int, int]:
         reliable = reliabilities.get(told[which].teacher, 0.0) if settlement == RELIABLE else 0.0
-        return reliable, times[which], which
+        return not told[which].label.is_carried, reliable, times[which], which
 
     return told[max(range(len(told)), key=rank)]
 
@@ -200,7 +210,14 @@ def _answers(origin: Origin) -> int:
 def _renumbered(lesson: Lesson, numbers: Mapping[int, int]) -> Lesson:
     return replace(
         lesson,
-        labels=tuple(replace(each, view=numbers[each.view]) for each in lesson.labels),
+        labels=tuple(
+            replace(
+                each,
+                view=numbers[each.view],
+                carried_from=None if each.carried_from is None else numbers[each.carried_from],
+            )
+            for each in lesson.labels
+        ),
         judgements=tuple(replace(each, view=numbers[each.view]) for each in lesson.judgements),
         hearsay=tuple(replace(each, view=numbers[each.view]) for each in lesson.hearsay),
         withdrawn=tuple(numbers[number] for number in lesson.withdrawn),

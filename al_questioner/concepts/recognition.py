@@ -8,7 +8,6 @@ from __future__ import annotations
 from typing import NamedTuple
 
 import numpy as np
-from scipy.spatial.distance import cdist
 
 from al_questioner.concepts.concept_learner import ConceptLearner
 from al_questioner.domain import NO_SYMBOL, FloatArray
@@ -117,8 +116,8 @@ class Recogniser:
         """Return (k,) distances of points to the nearest view, in standard deviations, root mean square."""
         if not views:
             return np.full(len(points), np.inf)
-        nearest: Array = cdist(points, self.concepts.points_of(np.array(views))).min(axis=1) / np.sqrt(points.shape[1])
-        return nearest
+        table = _distances(points, self.concepts.points_of(np.array(views)))
+        return np.asarray(table.min(axis=1) / np.sqrt(points.shape[1]))
 
     def _spacing(self) -> float:
         """Return the median distance of a view that was seen to the nearest other one, likewise."""
@@ -140,7 +139,16 @@ def median_spacing(points: Array) -> float:
     nearest = np.empty(len(points))
     for begin in range(0, len(points), ROWS_AT_ONCE):
         rows = np.arange(begin, min(begin + ROWS_AT_ONCE, len(points)))
-        table = cdist(points[rows], points)
+        table = _distances(points[rows], points)
         table[np.arange(len(rows)), rows] = np.inf
         nearest[rows] = table.min(axis=1)
     return max(float(np.median(nearest)) / float(np.sqrt(points.shape[1])), LEAST_SPACING)
+
+
+def _distances(points: Array, others: Array) -> Array:
+    """Return the (k, n) Euclidean distances of (k, m) points to (n, m) others."""
+    # Only now, as scipy takes long to import, and most programs recognise nothing.
+    from scipy.spatial.distance import cdist
+
+    table: Array = cdist(points, others)
+    return table

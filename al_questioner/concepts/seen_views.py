@@ -48,6 +48,11 @@ class SeenViews:
         self._object_ids.append(object_id)
         self._views.append(np.array(view, dtype=np.float32))
 
+    def of_object(self, object_id: int) -> NDArray[np.float32]:
+        """Return the raw features, (k, m), of the views of an object; (0, 0) if it was never seen."""
+        rows = self._rows_of.get(object_id, [])
+        return np.array([self._views[row] for row in rows], dtype=np.float32).reshape(len(rows), -1 if rows else 0)
+
     def latest_rows(self, object_ids: Iterable[int]) -> NDArray[np.intp]:
         """Return the row of the latest view of each object.
 

@@ -18,7 +18,8 @@ class LabelledView:
     """One object that the teacher named: its features, its label, and the turn of the label (0: earlier).
 
     It was left out if it is an example of `NO_SYMBOL` only because it was not among the things that matter. What is
-    known from earlier episodes has a number there.
+    known from earlier episodes has a number there. A carried label was said of another view of the object, the source,
+    which is None for what is known from earlier episodes.
     """
 
     object_id: int
@@ -27,11 +28,21 @@ class LabelledView:
     turn: int
     was_left_out: bool = False
     number: int | None = None
+    is_carried: bool = False
+    source: LabelledView | None = None
+
+    @property
+    def is_inferred(self) -> bool:
+        """True if nobody gave this view its label: another statement can take it back."""
+        return self.was_left_out or self.is_carried
 
 
 @dataclass(frozen=True, eq=False)
 class WithdrawnView:
-    """One view that was left out and in a later turn was said to matter: its label no longer counts."""
+    """One view whose inferred label no longer counts, and the turn since when.
+
+    It was left out, and matters; or the label was carried to it, and something else was said of it or its object.
+    """
 
     view: LabelledView
     turn: int
@@ -68,7 +79,8 @@ class TaughtViews:
     Attributes:
         labelled: in the order of the labels; a view can have several.
         judged: with what was said last of each.
-        withdrawn: views that were left out and later mattered.
+        withdrawn: views whose labels no longer count.
+        learnt: all labels of this episode in the order in which they came, those that no longer count included.
     """
 
     def __init__(self, are_same: Compare) -> None:
@@ -76,11 +88,12 @@ class TaughtViews:
         self.labelled: list[LabelledView] = []
         self.judged: list[JudgedView] = []
         self.withdrawn: list[WithdrawnView] = []
+        self.learnt: list[LabelledView] = []
         self._unnameable: list[UnnameableView] = []
 
     def label(self, view: LabelledView) -> None:
         """Add a label; a view that is of no symbol does not matter, whatever was said before."""
-        self.labelled.append(view)
+        self._add([view])
         if view.label == NO_SYMBOL:
             _, taken_back = self._pairs(self.judged, (view.object_id,), view.features[None])
             self.judged = _without(self.judged, taken_back)
@@ -97,19 +110,27 @@ class TaughtViews:
         self._replace_judgements(scene.object_ids, scene.features, judged)
         rows, labels = self._pairs(self.labelled, scene.object_ids, scene.features)
         taken_back = [
-            label
+            self.labelled[label]
             for row, label in zip(rows, labels, strict=True)
             if judged[row].matters and self.labelled[label].was_left_out
         ]
-        self.withdrawn += [WithdrawnView(self.labelled[label], turn) for label in taken_back]
-        self.labelled = _without(self.labelled, taken_back)
+        self.withdraw(taken_back, turn)
         left_out = [
             LabelledView(view.object_id, view.features, NO_SYMBOL, turn, was_left_out=True)
             for view, times in zip(judged, self.times_labelled(scene), strict=True)
             if not (view.matters or times)
         ]
-        self.labelled += left_out
+        self._add(left_out)
         return bool(taken_back or left_out)
+
+    def carry(self, view: LabelledView) -> None:
+        """Add a label that was said of another view of the object."""
+        self._add([view])
+
+    def withdraw(self, views: Collection[LabelledView], turn: int) -> None:
+        """Let labels count no longer, from a turn on."""
+        self.withdrawn += [WithdrawnView(view, turn) for view in views]
+        self.labelled = [view for view in self.labelled if view not in views]
 
     def learn_again(
         self, judged: Sequence[JudgedView], labelled: Sequence[LabelledView], withdrawn: Collection[int]
@@ -118,11 +139,11 @@ class TaughtViews:
         if judged:
             features = np.array([view.features for view in judged])
             self._replace_judgements([view.object_id for view in judged], features, judged)
-        dropped = [i for i, view in enumerate(self.labelled) if view.was_left_out and view.number in withdrawn]
+        dropped = [i for i, view in enumerate(self.labelled) if view.is_inferred and view.number in withdrawn]
         self.labelled = _without(self.labelled, dropped)
         for view in labelled:
-            if view.was_left_out:
-                self.labelled.append(view)
+            if view.is_inferred:
+                self._add([view])
             else:
                 self.label(view)
 
@@ -142,6 +163,15 @@ class TaughtViews:
             found[row] = self.labelled[label].label
         return tuple(found)
 
+    def has_label(self, object_id: int, features: FloatArray) -> bool:
+        """Return whether a view of an object, (m,) raw features, has a label."""
+        return bool(self._pairs(self.labelled, (object_id,), features[None])[0].size)
+
+    def was_judged_to_matter(self, object_id: int, features: FloatArray) -> bool:
+        """Return whether a view of an object, (m,) raw features, was last said to matter."""
+        _, judged = self._pairs(self.judged, (object_id,), features[None])
+        return any(self.judged[place].matters for place in judged)
+
     def matters(self, scene: Scene) -> NDArray[np.bool_]:
         """Return (n,) booleans: whether this view of each object was last said to matter, and has no label so far."""
         found = np.zeros(len(scene), dtype=bool)
@@ -154,6 +184,10 @@ class TaughtViews:
         """Return (n,) booleans: whether a teacher was asked to name this view of each object and did not know."""
         rows, _ = self._pairs(self._unnameable, scene.object_ids, scene.features)
         return np.bincount(rows, minlength=len(scene)) > 0
+
+    def _add(self, views: Sequence[LabelledView]) -> None:
+        self.labelled += views
+        self.learnt += [view for view in views if view.number is None]
 
     def _replace_judgements(
         self, object_ids: Sequence[int], features: FloatArray, judged: Sequence[JudgedView]

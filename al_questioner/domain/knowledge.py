@@ -9,6 +9,7 @@ from __future__ import annotations
 from collections.abc import Collection, Mapping
 from dataclasses import dataclass, field
 from functools import cached_property
+from itertools import takewhile
 from typing import Any
 
 from al_questioner.domain.errors import InputError
@@ -37,12 +38,19 @@ class SeenView:
 class ViewLabel:
     """Label of a view, by the view's number: a symbol or `NO_SYMBOL`.
 
-    It was left out if it is of `NO_SYMBOL` only because it was not among the things that matter.
+    It was left out if it is of `NO_SYMBOL` only because it was not among the things that matter. It was carried from
+    another view of the same object if that one got the label, and this one only with it.
     """
 
     view: int
     label: str
     left_out: bool = False
+    carried_from: int | None = None
+
+    @property
+    def is_carried(self) -> bool:
+        """True if nobody said it of this view."""
+        return self.carried_from is not None
 
 
 @dataclass(frozen=True)
@@ -74,8 +82,10 @@ class Lesson:
         kind: of the question; None if none was answered.
         teacher: who answered; empty if nobody did, or it is not known who.
         judgements: of a relevance query, in the order of the scene.
-        labels: of the views that were named, here or by what was left out of a relevance query.
-        withdrawn: numbers of views that were left out before, and matter: their labels as left out no longer count.
+        labels: of the views that were named, here or by what was left out of a relevance query, or that had labels
+            carried to them: those at sight, then what was said, then those that were seen before.
+        withdrawn: numbers of views whose labels no longer count: they were left out before, and matter, or were
+            carried, and something else was said.
         groups: the feature groups that the teacher called relevant; none if that was not asked.
         unnameable: numbers of views that the teacher was asked to name and could not.
         hearsay: what others said about the same, and what was outvoted in a merge.
@@ -93,6 +103,16 @@ class Lesson:
     groups: tuple[str, ...] = ()
     unnameable: tuple[int, ...] = ()
     hearsay: tuple[Hearsay, ...] = ()
+
+    @property
+    def carried_at_sight(self) -> tuple[ViewLabel, ...]:
+        """Labels that were carried to views when these were seen, before anything was said."""
+        return tuple(takewhile(lambda label: label.is_carried, self.labels))
+
+    @property
+    def said(self) -> tuple[ViewLabel, ...]:
+        """Labels that were not carried."""
+        return tuple(label for label in self.labels if not label.is_carried)
 
     @property
     def is_empty(self) -> bool:
@@ -237,10 +257,11 @@ class Knowledge:
         """Index of the lesson, and place in it, of each label that counts; in the order of the lessons."""
         found: list[tuple[int, int]] = []
         for index, lesson in enumerate(self.lessons):
-            gone = set(lesson.withdrawn)
+            at_sight, gone = len(lesson.carried_at_sight), set(lesson.withdrawn)
+            found += [(index, place) for place in range(at_sight)]
             if gone:
-                found = [(at, place) for at, place in found if not self._is_left_out(at, place, gone)]
-            found += [(index, place) for place in range(len(lesson.labels))]
+                found = [(at, place) for at, place in found if not self._is_inferred(at, place, gone)]
+            found += [(index, place) for place in range(at_sight, len(lesson.labels))]
         return tuple(found)
 
     @property
@@ -249,9 +270,17 @@ class Knowledge:
         labels = [label.label for _, label in self.examples]
         return {name: labels.count(name) for name in (*self.symbols, NO_SYMBOL)}
 
-    def _is_left_out(self, index: int, place: int, views: Collection[int]) -> bool:
+    def teacher_of(self, lesson: Lesson, label: ViewLabel) -> str:
+        """Return who gave a label of a lesson, or the one that it was carried from; empty if that is not known."""
+        if not label.is_carried:
+            return lesson.teacher
+        source = (label.carried_from, label.label)
+        sources = [each for each in self.lessons if source in {(said.view, said.label) for said in each.said}]
+        return sources[-1].teacher if sources else ''
+
+    def _is_inferred(self, index: int, place: int, views: Collection[int]) -> bool:
         label = self.lessons[index].labels[place]
-        return label.left_out and label.view in views
+        return (label.left_out or label.is_carried) and label.view in views
 
     def _check_views(self) -> None:
         m, numbers = len(self.feature_names), [view.number for lesson in self.lessons for view in lesson.seen]
@@ -276,6 +305,7 @@ class Knowledge:
                 raise InputError(f'{where}: an object was seen twice')
             known.update(view.number for view in lesson.seen)
             named = [label.view for label in lesson.labels] + [each.view for each in lesson.judgements]
+            named += [label.carried_from for label in lesson.labels if label.carried_from is not None]
             for number in (*named, *(said.view for said in lesson.hearsay), *lesson.unnameable, *lesson.withdrawn):
                 if number not in known:
                     raise InputError(f'{where}: view {number} was not seen by then')

@@ -39,6 +39,9 @@ KERNEL_SHAPE = Setting(
 CLASS_BALANCE = Setting(
     'class_balance', 0.5, 'share of the effect of the counts of examples that is removed from the beliefs', '', 0, 1
 )
+CARRY_LABELS = Setting(
+    'carry_labels', False, 'a label counts for all views of an object: for perception that keeps ids as looks change'
+)
 COSTS: Mapping[str, Setting[float]] = {
     'label': Setting('cost_label', 1.0, 'cost of a label query', 'budget', lower=0),
     'demonstration': Setting('cost_demonstration', 2.0, 'cost of a demonstration query', 'budget', lower=0),
@@ -148,6 +151,7 @@ class EpisodeSettings:
         kernel_shape: how the kernel treats groups of features and large differences: `grouped` or `rbf`.
         class_balance: how much of the effect of the counts of examples is removed from the beliefs, 0 to 1.
         concepts: what is known before the first turn; None if nothing is. `symbols` may have more symbols.
+        carry_labels: whether a label counts for all views of an object, by its id.
 
     Raises:
         SettingsError: a value outside its range.
@@ -165,6 +169,7 @@ class EpisodeSettings:
     kernel_shape: str = KERNEL_SHAPE.default
     class_balance: float = CLASS_BALANCE.default
     concepts: Knowledge | None = None
+    carry_labels: bool = CARRY_LABELS.default
 
     def __post_init__(self) -> None:
         symbols = listed(self.symbols)

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import contextlib
 
-from al_questioner.domain import AUTO, Answer, Decision, InputError, Knowledge
+from al_questioner.domain import AUTO, CARRY_LABELS, Answer, Decision, InputError, Knowledge
 from al_questioner.event_log.encoding import Encoder, decoded
 from al_questioner.event_log.events import (
     ActionChosen,
@@ -204,7 +204,8 @@ def _same_episode(log: SessionLog, first: EpisodeEvent, wanted: EpisodeStarted) 
         # Defaults and weights were others, too; the episode keeps the classifiers that it began with.
         weights = {*first.settings.weights, *wanted.settings.weights}
         ignored |= NEW_DEFAULTS | {f'weights.{name}' for name in weights}
-    differing = differences(first.members(), wanted.members(), ignored)
+    theirs, ours = ({CARRY_LABELS.name: False, **each.members()} for each in (first, wanted))
+    differing = differences(theirs, ours, ignored)
     if differing:
         raise SessionLogError(f'{log.folder}: the session there has {"; ".join(differing)}')
     return first

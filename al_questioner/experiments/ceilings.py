@@ -62,7 +62,7 @@ def follow_all_labels(evaluation: Evaluation, task: Task, teacher: Teacher) -> E
     concepts = new_concept_learner(settings, None)
     for turn in range(1, settings.turns + 1):
         scene = world.scene(turn)
-        concepts.observe(scene)
+        concepts.observe(scene, turn)
         if task.relevant_groups and not concepts.subset_was_told:
             concepts.restrict_to_groups(task.relevant_groups)
         fresh = [scene.object_ids[row] for row in np.flatnonzero(~concepts.is_labelled(scene))]

@@ -12,7 +12,7 @@ from pathlib import Path
 from typing import Any
 
 from al_questioner.concepts import Selector, rank_p_values, select_features
-from al_questioner.domain import DEFAULT_CLASSIFIERS, Classifiers, SettingsError, price_of
+from al_questioner.domain import CARRY_LABELS, DEFAULT_CLASSIFIERS, Classifiers, SettingsError, price_of
 from al_questioner.experiments.ceilings import CEILINGS
 from al_questioner.questioning import (
     STRATEGIES,
@@ -79,6 +79,7 @@ class Variation:
         cost_relevance: cost of a relevance query, or `NEVER`; None for the task's.
         relevance_omission: chance that the teacher leaves out a thing that matters.
         relevance_false_alarm: chance that the teacher names a thing of no symbol among those that matter.
+        carry_labels: whether a label counts for all views of an object.
     """
 
     change_interval: int | None = None
@@ -93,6 +94,7 @@ class Variation:
     cost_relevance: float | str | None = None
     relevance_omission: float = RELEVANCE_OMISSION.default
     relevance_false_alarm: float = RELEVANCE_FALSE_ALARM.default
+    carry_labels: bool = CARRY_LABELS.default
 
     def strategy(self, name: str) -> Strategy | None:
         """Return the varied strategy of this name; None for one that follows its settings."""

@@ -90,10 +90,11 @@ def play_in(world_spec: WorldSpec, world: SeenWorld, cell: Cell, variation: Vari
         relevance_omission=variation.relevance_omission,
         relevance_false_alarm=variation.relevance_false_alarm,
     )
+    varied = {**variation.classifiers._asdict(), 'carry_labels': variation.carry_labels}
     if cell.strategy in CEILINGS:
-        settings = episode_settings(task, CEILING_SETTINGS, cell.budget, cell.turns, **variation.classifiers._asdict())
+        settings = episode_settings(task, CEILING_SETTINGS, cell.budget, cell.turns, **varied)
         return CEILINGS[cell.strategy](Evaluation(world_spec, settings, None, world), task, teacher)
-    settings = episode_settings(task, cell.strategy, cell.budget, cell.turns, **variation.classifiers._asdict())
+    settings = episode_settings(task, cell.strategy, cell.budget, cell.turns, **varied)
     if cell.strategy in variation.weights:
         settings = dataclasses.replace(settings, weights=variation.weights[cell.strategy])
     return run_episode(world_spec, settings, teacher, world=world, strategy=variation.strategy(cell.strategy))

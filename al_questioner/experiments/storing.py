@@ -16,7 +16,7 @@ import numpy as np
 import scipy
 
 from al_questioner import __version__
-from al_questioner.domain import InputError, SettingsError
+from al_questioner.domain import CARRY_LABELS, InputError, SettingsError
 from al_questioner.experiments.plan import Cell, Plan, task_label
 from al_questioner.experiments.playing import EPISODE_COLUMNS, TURN_COLUMNS, Played, Row
 from al_questioner.experiments.semantics import semantics_of
@@ -101,6 +101,8 @@ def _check_same(folder: Path, before: Mapping[str, Any], now: Mapping[str, Any])
         {
             'semantics': semantics_of(document),
             'dataset': document.get('dataset'),
+            # Experiments of earlier versions do not tell of it.
+            CARRY_LABELS.name: False,
             **document.get('variation', {}),
             **{name: document['worlds'][name] for name in sorted(tasks)},
         }

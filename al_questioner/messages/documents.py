@@ -35,6 +35,8 @@ Item = TypeVar('Item', Query, Answer, QueryRecord, Action)
 
 _SETTINGS = [name for name in SCHEMAS['episode']['properties'] if name in EpisodeSettings.__dataclass_fields__]
 """Members of an `episode` document that are attributes of `EpisodeSettings`, in the order of the document."""
+_IF_GIVEN = ('carry_labels', 'concepts')
+"""Those of them that are left out where they are not used."""
 
 _ENUMS = {'kind': QueryKind, 'outcome': Outcome}
 _READ: Mapping[str, Callable[[Any], Any]] = {**_ENUMS, 'cost': float, 'budget_left': float}
@@ -125,11 +127,13 @@ def settings_members(settings: EpisodeSettings) -> Document:
 
     What was known before comes last, as it is long, with its `fingerprint` before it; both only if there is any.
     """
-    members = {name: getattr(settings, name) for name in _SETTINGS if name != 'concepts'} | {
+    members = {name: getattr(settings, name) for name in _SETTINGS if name not in _IF_GIVEN} | {
         'symbols': list(settings.symbols),
         'costs': costs_members(settings.costs),
         'weights': dict(settings.weights),
     }
+    if settings.carry_labels:
+        members['carry_labels'] = True
     known = settings.concepts
     if known is not None:
         members |= {'concepts_sha256': fingerprint(known), 'concepts': knowledge_members(known)}

@@ -194,7 +194,8 @@ def _lesson_members(lesson: Lesson) -> Members:
 
 
 def _label_members(label: ViewLabel) -> Members:
-    return {'view': label.view, 'label': label.label, **({'left_out': True} if label.left_out else {})}
+    how = {'left_out': label.left_out or None, 'carried_from': label.carried_from}
+    return {'view': label.view, 'label': label.label, **{name: each for name, each in how.items() if each is not None}}
 
 
 def _lesson_of(members: Members) -> Lesson:
@@ -211,7 +212,7 @@ def _lesson_of(members: Members) -> Lesson:
         teacher=members.get('teacher', ''),
         judgements=tuple(ViewJudgement(each['view'], each['matters']) for each in members.get('judgements', ())),
         labels=tuple(
-            ViewLabel(label['view'], label['label'], label.get('left_out', False))
+            ViewLabel(label['view'], label['label'], label.get('left_out', False), label.get('carried_from'))
             for label in members.get('labels', ())
         ),
         withdrawn=tuple(members.get('withdrawn', ())),

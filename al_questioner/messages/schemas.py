@@ -7,6 +7,7 @@ from typing import Any
 
 from al_questioner.domain import (
     BUDGET,
+    CARRY_LABELS,
     CHANGE_INTERVAL,
     CLASS_BALANCE,
     COST_RELEVANCE,
@@ -52,6 +53,8 @@ def _member(setting: Setting[Any]) -> JsonSchema:
     """Return the schema of the member that holds a setting."""
     if setting.choices:
         return {'enum': list(setting.choices)}
+    if type(setting.default) is bool:
+        return {'type': 'boolean'}
     limits = {'minimum': setting.lower, 'maximum': setting.upper}
     number = {
         'type': 'integer' if type(setting.default) is int else 'number',
@@ -104,7 +107,7 @@ _LESSON = _record(
         'teacher': {'type': 'string'},
         'labels': {
             'type': 'array',
-            'items': _record({'view': _VIEW, 'label': _TEXT}, {'left_out': {'type': 'boolean'}}),
+            'items': _record({'view': _VIEW, 'label': _TEXT}, {'left_out': {'type': 'boolean'}, 'carried_from': _VIEW}),
         },
         'judgements': {'type': 'array', 'items': _record({'view': _VIEW, 'matters': {'type': 'boolean'}})},
         'withdrawn': {'type': 'array', 'items': _VIEW},
@@ -209,6 +212,8 @@ SCHEMAS: dict[str, JsonSchema] = {
             'class_balance': _member(CLASS_BALANCE),
             'length_scale': {'anyOf': [_POSITIVE, {'type': 'null'}]},
             'view_tolerance': _member(SAME_VIEW),
+            # Missing: off.
+            'carry_labels': _member(CARRY_LABELS),
             # What was known before the first turn: a whole document of this kind.
             'concepts': _CONCEPTS,
             'concepts_sha256': _TEXT,

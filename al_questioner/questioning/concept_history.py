@@ -60,7 +60,7 @@ class ConceptHistory:
             if self._views.corrections:
                 self.scenes = [corrected(past, self._views.corrections) for past in self.scenes]
                 self._learn_again()
-        self.concepts.observe(scene)
+        self.concepts.observe(scene, len(self.scenes) + 1)
         return scene
 
     def begin_turn(self, scene: Scene) -> None:
@@ -100,7 +100,7 @@ class ConceptHistory:
         concepts, records = self._at_the_beginning(), {record.turn: record for record in self._queries.records}
         self.beliefs = dict(self._beliefs_before)
         for turn, scene in enumerate(self.scenes, start=1):
-            concepts.observe(scene)
+            concepts.observe(scene, turn)
             if turn in records:
                 self._learn(concepts, records[turn])
             if turn in self.tuned_turns:

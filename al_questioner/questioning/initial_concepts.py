@@ -46,4 +46,7 @@ def taught_concept_learner(
 
         watch: LessonWatcher = note
         learn_again(concepts, knowledge, watch)
+    if settings.carry_labels:
+        # Only now: the lessons tell themselves what was carried, and ids meant other things then.
+        concepts.carry_labels()
     return concepts, beliefs

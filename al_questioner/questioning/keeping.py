@@ -89,16 +89,16 @@ class _Writing:
         views = {} if before is None else before.views
         self._next = max(views, default=0) + 1
         self._shown = {view.object_id: view for view in views.values()}
-        self._shown_in: dict[tuple[int, int], int] = {}
+        self._latest = {_key(view): view.number for view in views.values()}
+        self._numbers: dict[LabelledView, int] = {}
 
     def lessons(self, history: ConceptHistory, queries: QueryBook, answers: AnswerHistory) -> list[Lesson]:
         """Return the lessons of the turns so far."""
         records = {record.turn: record for record in queries.records}
         labels, withdrawn = defaultdict(list), defaultdict(list)
-        for labelled in history.concepts.labelled_views:
+        for labelled in history.concepts.learnt_labels:
             labels[labelled.turn].append(labelled)
         for gone in history.concepts.withdrawn_views:
-            labels[gone.view.turn].append(gone.view)
             withdrawn[gone.turn].append(gone.view)
         teachers = {queries.by_id[answer.query_id].turn: answer.teacher_id for answer in answers.standing()}
         late = defaultdict(list)
@@ -109,13 +109,9 @@ class _Writing:
         for turn, scene in enumerate(history.scenes, start=1):
             seen = () if scene is last else self._new_views(scene)
             last, record = scene, records.get(turn)
-            lesson = Lesson(self._origin.episode, turn, self._stamps.get(turn), seen)
+            named = tuple(self._view_label(each) for each in labels[turn])
+            lesson = Lesson(self._origin.episode, turn, self._stamps.get(turn), seen, labels=named)
             if record is not None and record.outcome is not Outcome.UNANSWERED:
-                self._shown_in |= {(turn, each): self._shown[each].number for each in scene.object_ids}
-                named = tuple(
-                    ViewLabel(self._shown[each.object_id].number, each.label, each.was_left_out)
-                    for each in sorted(labels[turn], key=lambda view: scene.index_of(view.object_id))
-                )
                 said = tuple(
                     Hearsay(self._shown[record.object_id].number, str(answer.content), answer.teacher_id)
                     for answer in late[turn]
@@ -141,9 +137,15 @@ class _Writing:
                 found.append(lesson)
         return found
 
+    def _view_label(self, view: LabelledView) -> ViewLabel:
+        source = None if view.source is None else self._number(view.source)
+        return ViewLabel(self._number(view), view.label, view.was_left_out, source)
+
     def _number(self, view: LabelledView) -> int:
-        """Return the number of a view that got its label in an earlier turn, of this episode or another."""
-        return self._shown_in[view.turn, view.object_id] if view.number is None else view.number
+        """Return the number of a view, the latest one when it got its label, in this turn or an earlier one."""
+        if view.number is not None:
+            return view.number
+        return self._numbers.setdefault(view, self._latest[view.object_id, view.features.tobytes()])
 
     def _new_views(self, scene: Scene) -> tuple[SeenView, ...]:
         """Return the views of a scene that its objects did not show when they were seen last."""
@@ -152,6 +154,7 @@ class _Writing:
             features, before = tuple(row.tolist()), self._shown.get(object_id)
             if before is None or not _are_same_bits(before.features, features):
                 self._shown[object_id] = SeenView(self._next, object_id, features)
+                self._latest[_key(self._shown[object_id])] = self._next
                 self._next += 1
                 found.append(self._shown[object_id])
         return tuple(found)
@@ -164,6 +167,11 @@ class _Writing:
     def _unnameable(self, record: QueryRecord) -> tuple[int, ...]:
         is_one = record.kind is QueryKind.LABEL and record.outcome is Outcome.UNKNOWN and record.object_id is not None
         return (self._shown[record.object_id].number,) if is_one and record.object_id is not None else ()
+
+
+def _key(view: SeenView) -> tuple[int, bytes]:
+    """Return the object of a view and the bits of its features."""
+    return view.object_id, np.array(view.features, dtype=np.float32).tobytes()
 
 
 def _are_same_bits(first: tuple[float, ...], second: tuple[float, ...]) -> bool:

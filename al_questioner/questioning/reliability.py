@@ -119,16 +119,16 @@ def statements_of(
 
 def view_in_question(lesson: Lesson) -> int | None:
     """Return the number of the view of which a lesson says what it is; None if it is about none, or about many."""
-    if lesson.kind not in (QueryKind.LABEL, QueryKind.DEMONSTRATION) or len(lesson.labels) != 1:
+    if lesson.kind not in (QueryKind.LABEL, QueryKind.DEMONSTRATION) or len(lesson.said) != 1:
         return None
-    return lesson.labels[0].view
+    return lesson.said[0].view
 
 
 def statements_in(knowledge: Knowledge, symbols: Sequence[str]) -> list[Statement]:
     """Return the labels that teachers gave in earlier episodes, hearsay included; items are `item_of` a lesson."""
     labels = (*symbols, NO_SYMBOL)
     about = [(item_of(index), lesson) for index, lesson in enumerate(knowledge.lessons) if view_in_question(lesson)]
-    taken = [(item, lesson.teacher, lesson.labels[0].label) for item, lesson in about]
+    taken = [(item, lesson.teacher, lesson.said[0].label) for item, lesson in about]
     heard = [
         (item, said.teacher, said.label)
         for item, lesson in about

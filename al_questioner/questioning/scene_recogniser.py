@@ -3,11 +3,10 @@
 from __future__ import annotations
 
 import re
-from functools import partial
 
 from al_questioner.concepts import ConceptLearner
 from al_questioner.concepts.lessons import check_fits
-from al_questioner.concepts.recognition import recognise
+from al_questioner.concepts.recognition import Recogniser
 from al_questioner.domain import (
     NO_SYMBOL,
     THRESHOLD,
@@ -47,14 +46,14 @@ class SceneRecogniser:
         self._threshold = threshold
         self._follower = KnowledgeFollower()
         self._knowledge: Knowledge | None = None
-        self._concepts: ConceptLearner | None = None
+        self._recogniser: Recogniser | None = None
         self._fault = ''
         self.recognition: Recognition | None = None
 
     @property
     def concepts(self) -> ConceptLearner | None:
         """Learner of what is known; None as long as there is no example."""
-        return self._concepts
+        return None if self._recogniser is None else self._recogniser.concepts
 
     @property
     def feature_names(self) -> tuple[str, ...]:
@@ -68,10 +67,11 @@ class SceneRecogniser:
             InputError: lessons that do not fit each other, after which nothing is known.
         """
         # Should a lesson fail, the learner is no longer what it was either.
-        self._concepts = self._knowledge = self.recognition = None
+        self._recogniser = self._knowledge = self.recognition = None
         self._fault = ''
         concepts = self._follower.follow(knowledge)
-        self._knowledge, self._concepts = knowledge, concepts if knowledge.examples else None
+        # One for all clouds: it keeps what it has measured of all that was seen.
+        self._knowledge, self._recogniser = knowledge, Recogniser(concepts) if knowledge.examples else None
 
     def look(self, scene: Scene) -> Recognition | None:
         """Return what the things of a scene are taken for; None as long as nothing has been taught.
@@ -80,18 +80,14 @@ class SceneRecogniser:
             InputError: the scene has other features than what is known.
         """
         self.recognition, self._fault = None, ''
-        if self._knowledge is None or self._concepts is None:
+        if self._knowledge is None or self._recogniser is None:
             return None
         try:
             check_fits(self._knowledge, scene.feature_names)
         except InputError as error:
             self._fault = str(error)
             raise
-        concepts = self._concepts
-        probabilities = recognise(concepts, scene.features).tolist()
-        things = map(partial(self._thing, concepts.symbols), scene.object_ids, scene.positions.tolist(), probabilities)
-        examples = len(concepts.labelled_views)
-        self.recognition = Recognition(concepts.symbols, examples, self._threshold, tuple(things))
+        self.recognition = recognise_scene(self._recogniser, scene, self._threshold)
         return self.recognition
 
     def find(self, text: str) -> Finding:
@@ -117,14 +113,21 @@ class SceneRecogniser:
             return Finding(text, symbol, None, first, reason)
         return Finding(text, symbol, first, others[0] if others else None)
 
-    def _thing(
-        self, symbols: tuple[str, ...], object_id: int, position: list[float], probabilities: list[float]
-    ) -> RecognisedThing:
+
+def recognise_scene(recogniser: Recogniser, scene: Scene, threshold: float = THRESHOLD.default) -> Recognition:
+    """Return what the things of a scene are taken for; those below the threshold with the question to ask."""
+    symbols = recogniser.concepts.symbols
+    names = (*symbols, NO_SYMBOL)
+    things = []
+    rows = zip(
+        scene.object_ids, scene.positions.tolist(), recogniser.probabilities(scene.features).tolist(), strict=True
+    )
+    for object_id, (x, y, z), probabilities in rows:
         highest = max(probabilities)
-        best = (*symbols, NO_SYMBOL)[probabilities.index(highest)]
-        question = question_text(Action(QueryKind.LABEL, object_id), symbols) if highest < self._threshold else ''
-        x, y, z = position
-        return RecognisedThing(object_id, (x, y, z), tuple(probabilities), best, question)
+        question = question_text(Action(QueryKind.LABEL, object_id), symbols) if highest < threshold else ''
+        best = names[probabilities.index(highest)]
+        things.append(RecognisedThing(object_id, (x, y, z), tuple(probabilities), best, question))
+    return Recognition(symbols, len(recogniser.concepts.labelled_views), threshold, tuple(things))
 
 
 def _symbol_meant(text: str, symbols: tuple[str, ...]) -> tuple[str | None, str]:

@@ -96,6 +96,7 @@ def settings_of(task: Task, given: Mapping[str, Any], known: Knowledge | None = 
         class_balance=given['class_balance'],
         length_scale=given['length_scale'] or None,
         concepts=known,
+        carry_labels=bool(given['carry_labels']),
     )
 
 

@@ -10,6 +10,7 @@ from al_questioner.bags.settings import STORAGE
 from al_questioner.domain import (
     AMPLITUDE,
     BUDGET,
+    CARRY_LABELS,
     CHANGE_INTERVAL,
     CLASS_BALANCE,
     COST_RELEVANCE,
@@ -78,6 +79,7 @@ LEARNER_SETTINGS: Settings = (
     # No parameter can be None.
     replace(LENGTH_SCALE, default=0.0, lower=0.0),
     SAME_VIEW,
+    CARRY_LABELS,
     TURN_PERIOD,
     Setting('episode_id', '', 'of the episode in all documents; empty: one that is not used again'),
     Setting('session', '', 'folder of the log that the episode is written to and goes on from; empty: none'),

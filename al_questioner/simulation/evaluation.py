@@ -156,7 +156,7 @@ class Evaluation:
 
     def _follow(self, record: QueryRecord | None) -> None:
         scene = self.world.scene(self.turn + 1)
-        self._concepts.observe(scene)
+        self._concepts.observe(scene, self.turn + 1)
         if record is not None:
             self._concepts.learn(record, scene)
         if self.turn + 1 in self._tuned_turns:

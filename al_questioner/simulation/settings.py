@@ -7,6 +7,7 @@ from pathlib import Path
 
 from al_questioner.domain import (
     AMPLITUDE,
+    CARRY_LABELS,
     CLASS_BALANCE,
     KERNEL_SHAPE,
     LENGTH_SCALE,
@@ -33,6 +34,7 @@ def episode_settings(
     kernel_shape: str = KERNEL_SHAPE.default,
     class_balance: float = CLASS_BALANCE.default,
     concepts: Knowledge | None = None,
+    carry_labels: bool = CARRY_LABELS.default,
 ) -> EpisodeSettings:
     """Settings of an episode; what is not given comes from the task, and the weights from `config/weights`.
 
@@ -72,4 +74,5 @@ def episode_settings(
         kernel_shape=kernel_shape,
         class_balance=class_balance,
         concepts=concepts,
+        carry_labels=carry_labels,
     )

@@ -163,3 +163,62 @@ def test_a_symbol_is_added():
     for name in ('snack', 'none', '7'):
         with pytest.raises(InputError):
             with_symbol(taught('a', [(1, 'snack')]), name)
+
+
+def followed(episode, label, teacher='anna', stamp=1, looks=(1, 2)):
+    """Return knowledge of a thing that was named by its first look; the label was carried to the second."""
+    first, second = ((SeenView(view, 7, (float(look),) * 2),) for view, look in enumerate(looks, start=1))
+    lessons = (
+        Lesson(episode, 1, stamp, first, QueryKind.LABEL, teacher, labels=(ViewLabel(1, label),)),
+        Lesson(episode, 2, stamp + 1, second, labels=(ViewLabel(2, label, carried_from=1),)),
+    )
+    return Knowledge(
+        SYMBOLS, ('colour_red', 'size_height'), Classifiers(), lessons=lessons,
+        origins=(Origin(episode, SYMBOLS, teachers={teacher: TeacherCounts(1)}),),
+    )  # fmt: skip
+
+
+def test_carried_labels_of_two_robots_are_put_together():
+    """A label would be carried from another thing's view in the file of both."""
+    found, contradictions = merged(followed('a', 'snack'), followed('b', 'fruit', looks=(3, 4)))
+    assert not contradictions
+    assert labels_of(found) == [(1.0, 'snack'), (2.0, 'snack'), (3.0, 'fruit'), (4.0, 'fruit')]
+    assert [label.carried_from for _, label in found.examples] == [None, 1, None, 3]
+    assert [found.teacher_of(*example) for example in found.examples] == ['anna'] * 4
+    assert labels_of(merged(followed('a', 'snack'), followed('b', 'snack'))[0]) == [(1.0, 'snack'), (2.0, 'snack')]
+
+
+def test_what_was_carried_goes_with_the_label_that_does_not_count():
+    """A label that was outvoted stays in all other looks of its thing."""
+    found, contradictions = merged(
+        followed('a', 'snack'), taught('b', [(1, 'fruit')], 'bob', stamp=2), settlement=NEWEST
+    )
+    assert [contradiction.kept for contradiction in contradictions] == ['fruit']
+    assert labels_of(found) == [(1.0, 'fruit')]
+
+
+@pytest.mark.parametrize('settlement', [NEWEST, RELIABLE])
+@pytest.mark.parametrize('is_first', [True, False])
+def test_what_was_said_counts_more_than_what_was_carried(settlement, is_first):
+    """Nobody said the carried label of this view."""
+    parts = [followed('a', 'snack', stamp=500), taught('b', [(2, 'fruit')], 'bob')]
+    found, _ = merged(
+        *(parts if is_first else parts[::-1]), settlement=settlement, reliabilities={'anna': 0.9, 'bob': 0.5}
+    )
+    assert sorted(labels_of(found)) == [(1.0, 'snack'), (2.0, 'fruit')]
+    assert not any(lesson.hearsay for lesson in found.lessons)
+
+
+def test_an_example_is_removed_with_what_was_carried_from_it():
+    """A wrong label that was removed stays in all other looks of the thing; a copy can go alone."""
+    assert labels_of(without_example(followed('a', 'snack'), 1)) == []
+    assert labels_of(without_example(followed('a', 'snack'), 2)) == [(1.0, 'snack')]
+    assert labels_of(with_symbol_renamed(followed('a', 'snack'), 'snack', 'nibble'))[1] == (2.0, 'nibble')
+
+
+def test_a_label_cannot_be_carried_from_a_view_that_nobody_saw():
+    """A damaged file ends in an error far from it."""
+    known = followed('a', 'snack')
+    wrong = replace(known.lessons[1], labels=(ViewLabel(2, 'snack', carried_from=9),))
+    with pytest.raises(InputError, match='view 9 was not seen by then'):
+        replace(known, lessons=(known.lessons[0], wrong))

@@ -208,6 +208,18 @@ def test_every_run_is_told(reference, tmp_path: Path) -> None:
     assert {'python', 'numpy', 'scipy', 'begun'} <= set(manifest['runs'][0])
 
 
+def test_an_experiment_from_before_labels_could_be_carried_goes_on(reference, tmp_path: Path) -> None:
+    """Hours of playing are lost because a manifest does not tell of an option that was not there."""
+    a_cell_is_finished(Store(tmp_path, PLAN))
+    manifest = json.loads((tmp_path / 'manifest.json').read_text())
+    del manifest['variation']['carry_labels']
+    (tmp_path / 'manifest.json').write_text(json.dumps(manifest))
+    assert Store(tmp_path, PLAN).finished() == 1
+    carrying = dataclasses.replace(PLAN, variation=Variation(carry_labels=True))
+    with pytest.raises(InputError, match='carry_labels False, not True'):
+        Store(tmp_path, carrying)
+
+
 def test_a_task_file_is_stored_inside_the_folder(tmp_path: Path) -> None:
     """Otherwise cells of a task of one's own would be written all over the disk."""
     mine, out = write_task(tmp_path, task_content('prepare_lunch')), tmp_path / 'out'
@@ -251,6 +263,9 @@ def test_variations_change_what_is_played(tmp_path: Path) -> None:
     demonstrations = Cell('prepare_lunch', 40, 20, 'rarest_demo', 0)
     shown = [play_episode(demonstrations, Variation(repeat_shown=repeats)).queries for repeats in (False, True)]
     assert shown[0] != shown[1]
+    named = Cell('prepare_lunch', 40, 22, 'random_fsq', 0)
+    asked = [play_episode(named, Variation(carry_labels=carries)).queries for carries in (False, True)]
+    assert len(asked[0]) > len(asked[1])
     env = Cell('prepare_lunch', 6, 12, 'dt_task_env', 0)
     silent = Variation(weights={'dt_task_env': {'budget_consumption': -1.0}})
     assert play_episode(env, silent).queries == ()

@@ -35,13 +35,13 @@ ANSWERS = [
 ]
 
 DIGESTS = {
-    'episode': '5c4d2f20360bfe62',
+    'episode': '5a32d5685205343c',
     'turn': '8eb0cae17fdfbbfa',
     'query': '80c276465c88668d',
     'answer': '319db1540a418d8f',
     'answer_ack': '227c4e7bc1f95c28',
     'learner_state': '5bbef5e72f40deb9',
-    'concepts': 'f6740f8d08628f01',
+    'concepts': 'eb9e6a6a0622860c',
     'recognition': '508d22ff45a23de0',
     'target_info': '9366f52b72050ff2',
 }

@@ -50,6 +50,19 @@ def test_the_teacher_shows_what_is_known_if_told_to(graph: Any) -> None:
     assert asked != offline_queries('rarest_demo', 40.0, 14)
 
 
+def test_labels_follow_things_if_told_to(graph: Any) -> None:
+    """The parameter does not reach the learner, or bags do not tell of it."""
+    states, episodes = graph.listen('learner_state'), graph.listen('episode')
+    wanted = {'strategy': 'farthest_fsq', 'budget': 30.0, 'turns': 14}
+    graph.start_robot(**wanted, carry_labels=True)
+    graph.start(TeacherNode, **graph.world)
+    asked = graph.wait_for_end(states)['queries']
+    assert asked == offline_queries(*wanted.values(), carry_labels=True)
+    assert asked != offline_queries(*wanted.values())
+    graph.wait_for(lambda: episodes, 'what the episode is about')
+    assert episodes[-1]['carry_labels'] is True
+
+
 def test_a_learner_with_another_kernel_asks_what_an_offline_run_asks_and_tells_it(graph: Any) -> None:
     """Otherwise the parameter would not reach the models, or nobody could see with which kernel it learns."""
     states, episodes = graph.listen('learner_state'), graph.listen('episode')

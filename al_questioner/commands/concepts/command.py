@@ -12,7 +12,7 @@ from rich.text import Text
 from al_questioner.commands.concepts.export import write_examples
 from al_questioner.concepts.editing import with_symbol, with_symbol_renamed, without_example, without_symbol
 from al_questioner.concepts.merging import REFUSE, joined_knowledge, settled
-from al_questioner.domain import NO_SYMBOL, InputError, Knowledge
+from al_questioner.domain import NO_SYMBOL, InputError, Knowledge, ViewLabel
 from al_questioner.messages.concepts_file import read_concepts, write_concepts
 from al_questioner.messages.knowledge_members import time_text
 from al_questioner.questioning.review import doubtful_labels, reviewed
@@ -118,8 +118,8 @@ def _show(console: Console, knowledge: Knowledge, with_examples: bool) -> None:
             [
                 (
                     str(doubt.label.view),
-                    doubt.label.label,
-                    doubt.lesson.teacher,
+                    _label(doubt.label),
+                    knowledge.teacher_of(doubt.lesson, doubt.label),
                     _time(doubt.lesson.stamp),
                     f'{doubt.belief:.2f}',
                     doubt.likely,
@@ -134,8 +134,8 @@ def _examples(knowledge: Knowledge) -> list[tuple[str, ...]]:
     return [
         (
             str(label.view),
-            label.label,
-            lesson.teacher,
+            _label(label),
+            knowledge.teacher_of(lesson, label),
             _time(lesson.stamp),
             lesson.episode,
             str(lesson.turn),
@@ -143,6 +143,10 @@ def _examples(knowledge: Knowledge) -> list[tuple[str, ...]]:
         )
         for lesson, label in knowledge.examples
     ]
+
+
+def _label(label: ViewLabel) -> str:
+    return label.label if label.carried_from is None else f'{label.label}, carried from {label.carried_from}'
 
 
 def _print(console: Console, columns: tuple[str, ...], rows: list[tuple[str, ...]]) -> None:

@@ -11,6 +11,8 @@ from al_questioner.messages.knowledge_members import readable, time_text
 from al_questioner.support.files import write_text
 
 COLUMNS = ('view', 'label', 'kind', 'teacher', 'time', 'episode', 'turn', 'object')
+CARRIED = 'carried'
+"""Word in the place of the kind of question for a label that was carried from another view."""
 
 
 def write_examples(path: Path, knowledge: Knowledge) -> None:
@@ -28,8 +30,8 @@ def write_examples(path: Path, knowledge: Knowledge) -> None:
             (
                 label.view,
                 label.label,
-                '' if lesson.kind is None else lesson.kind.value,
-                lesson.teacher,
+                CARRIED if label.is_carried else '' if lesson.kind is None else lesson.kind.value,
+                knowledge.teacher_of(lesson, label),
                 '' if lesson.stamp is None else time_text(lesson.stamp),
                 lesson.episode,
                 lesson.turn,

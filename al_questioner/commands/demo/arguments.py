@@ -6,7 +6,7 @@ import argparse
 from collections.abc import Sequence
 from pathlib import Path
 
-from al_questioner.domain import BUDGET, TURNS, InputError
+from al_questioner.domain import BUDGET, CARRY_LABELS, TURNS, InputError
 from al_questioner.questioning.strategies.names import STRATEGY
 from al_questioner.questioning.strategies.weights import WEIGHTS_FILE
 from al_questioner.ros.settings import TURN_PERIOD
@@ -35,6 +35,7 @@ def parser() -> Parser:
     add_option(result, SAMPLE, default=None, help=SAMPLE.description)
     for setting in (WRONG_RATE, UNKNOWN_RATE, RELEVANCE_OMISSION, RELEVANCE_FALSE_ALARM, REPEAT_SHOWN):
         add_option(result, setting)
+    add_option(result, CARRY_LABELS)
     add_option(result, TURN_PERIOD, f'{DEFAULT}, not offline')
     result.add_argument('--out', type=Path, default=Path('out/demo'), help='folder for the pictures (%(default)s)')
     result.add_argument('--json', type=Path, metavar='FILE', help='write the episode as JSON')

@@ -44,6 +44,7 @@ def main(given: argparse.Namespace) -> int:
         given.budget,
         given.turns,
         weights_file=given.weights_file,
+        carry_labels=given.carry_labels,
     )
     made_up = MadeUpWorld(world_spec.task, world_spec.seed, world_spec.sample) if given.dry_run else None
     views = 'images' if made_up is None else 'made-up views'
@@ -143,7 +144,7 @@ def _play_graph(given: argparse.Namespace, evaluation: Evaluation, watch: TurnWa
             },
             'learner': {
                 **world,
-                **{name: getattr(settings, name) for name in ('strategy', 'budget', 'turns')},
+                **{name: getattr(settings, name) for name in ('strategy', 'budget', 'turns', 'carry_labels')},
                 'weights_file': given.weights_file or '',
                 'turn_period': given.turn_period,
                 'episode_id': episode_id,

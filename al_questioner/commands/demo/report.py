@@ -41,6 +41,7 @@ def episode_document(result: EpisodeResult, teacher: ScriptedTeacher, world: Per
         'change_interval': settings.change_interval,
         **settings.classifiers._asdict(),
         'length_scale': settings.length_scale,
+        'carry_labels': settings.carry_labels,
         'kernel': asdict(result.kernel),
         'wrong_rate': teacher.wrong_rate,
         'unknown_rate': teacher.unknown_rate,

@@ -10,6 +10,7 @@ from typing import Any
 
 from al_questioner.domain import (
     BUDGET,
+    CARRY_LABELS,
     CLASSIFIERS,
     COST_RELEVANCE,
     TURNS,
@@ -112,7 +113,7 @@ def parser() -> Parser:
         RELEVANCE_FALSE_ALARM,
         REPEAT_SHOWN,
     )
-    for setting in (*teacher, *CLASSIFIERS.values()):
+    for setting in (*teacher, *CLASSIFIERS.values(), CARRY_LABELS):
         add_option(result, setting)
     add_option(result, DATASET, help=DATASET.description)
     add_option(result, JOBS, 'one for each processor')
@@ -165,6 +166,7 @@ def plan_of(given: argparse.Namespace, weights: Mapping[str, Mapping[str, float]
             cost_relevance=given.cost_relevance,
             relevance_omission=given.relevance_omission,
             relevance_false_alarm=given.relevance_false_alarm,
+            carry_labels=given.carry_labels,
         ),
         given.ceilings,
     )

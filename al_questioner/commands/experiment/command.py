@@ -140,6 +140,7 @@ def _varied(given: argparse.Namespace) -> str:
         'chance {} that a thing that matters is left out': given.relevance_omission or None,
         'chance {} that a thing of no symbol is named': given.relevance_false_alarm or None,
         'the teacher shows also what is known': given.repeat_shown or None,
+        'labels are carried to all views of a thing': given.carry_labels or None,
         **{
             f'{name.replace("_", " ")} {{}}': f'{value:g}' if isinstance(value, float) else value
             for name, setting in CLASSIFIERS.items()

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import csv
+import dataclasses
 import json
 from pathlib import Path
 from typing import Any
@@ -53,6 +54,28 @@ def test_it_shows_what_is_known(monday: Path, capsys: pytest.CaptureFixture[str]
     for word in ('snack', 'none of these', 'toy', 'monday', 'farthest_fsq', 'colour, size relevant'):
         assert word in shown
     assert shown.count('1970-01-01T00:00:0') >= len(known.examples)
+
+
+def test_it_tells_which_labels_were_carried(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    """A person looks for who said it of this view, and nobody did."""
+    path, table = tmp_path / 'c.json', tmp_path / 'c.csv'
+    episode = Episode(make_settings('u_sampling', 3.0, 3, carry_labels=True), random_stream(1, 'learner'), 1e-3)
+    world = ToyWorld(1)
+    first = world.scene(1)
+    looks = [dataclasses.replace(first, features=first.features * scale) for scale in (1, -2)]
+    for look in looks:
+        query = episode.ask(look).query
+        assert query is not None
+        episode.tell(world.answer(query))
+    write_concepts(path, episode.knowledge('monday'))
+    assert main(['concepts', str(path), '--examples', '--csv', str(table)]) == 0
+    shown, known = capsys.readouterr().out, read_concepts(path)
+    carried = [label.carried_from for _, label in known.examples if label.carried_from is not None]
+    assert carried
+    assert all(f'carried from {view}' in shown for view in carried)
+    rows = list(csv.DictReader(table.open()))
+    assert [row['kind'] for row in rows].count('carried') == len(carried)
+    assert {row['teacher'] for row in rows} == {'toy'}
 
 
 def test_two_days_are_merged(monday: Path, tuesday: Path, tmp_path: Path) -> None:

@@ -46,6 +46,18 @@ def test_the_teacher_is_told_of(tmp_path: Path) -> None:
     assert len(set(map(tuple, shown.values()))) == 2
 
 
+def test_labels_follow_things_if_told_to(tmp_path: Path) -> None:
+    """An option that does nothing, or that nobody can tell from the episode."""
+    spent, path = {}, tmp_path / 'episode.json'
+    for options in ((), ('--carry-labels',)):
+        arguments = ['--strategy', 'random_fsq', '--budget', '40', '--turns', '22', '--json', str(path), *options]
+        assert run(tmp_path, *arguments) == 0
+        episode = json.loads(path.read_text())
+        assert episode['carry_labels'] is bool(options)
+        spent[options] = episode['spent']
+    assert spent['--carry-labels',] < spent[()]
+
+
 @pytest.mark.parametrize(
     ('objects', 'told'),
     [((10, 3), 'Objects 3, 10.'), ((3,), 'Object 3.'), ((), 'Nothing here.'), (None, 'I do not know.')],

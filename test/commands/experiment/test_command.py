@@ -85,6 +85,7 @@ def test_without_a_wish_the_method_of_the_paper_is_tested_or_else_the_first() ->
             ['--kernel-shape', 'rbf', '--class-balance', '0', '--cost-relevance', 'never', '--repeat-shown'],
             'no relevance query, the teacher shows also what is known, kernel shape rbf, class balance 0',
         ),
+        (['--carry-labels'], 'labels are carried to all views of a thing'),
         (['--amplitude', '4', '--cost-relevance', '3'], 'cost 3.0 of a relevance query, amplitude 4'),
     ],
 )
