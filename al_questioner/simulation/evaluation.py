@@ -102,6 +102,11 @@ class Evaluation:
         self._measured_version = -1
 
     @property
+    def concepts(self) -> ConceptLearner:
+        """Concepts after the last turn: the learner's own, or those that this evaluation has learnt like it."""
+        return self._concepts
+
+    @property
     def turn(self) -> int:
         """Last turn that was followed."""
         return len(self._accuracy)

@@ -8,6 +8,7 @@ import os
 
 from rich.console import Console
 
+from al_questioner.commands.demo.new_table import recognise_new_table
 from al_questioner.commands.demo.progress import ProgressView
 from al_questioner.commands.demo.report import episode_document, summary
 from al_questioner.concepts import compile_models
@@ -75,17 +76,22 @@ def main(given: argparse.Namespace) -> int:
             play(evaluation, strategy, teacher, progress.after_turn)
         else:
             _play_graph(given, evaluation, progress.after_turn)
-    result = evaluation.result()
+    result, new_table = evaluation.result(), recognise_new_table(evaluation, world)
     # The numbers first: a disk may be full by now.
     console.print(summary(result, views))
+    console.print(str(new_table), highlight=False, soft_wrap=True)
     _tell(console, world.report())
     if given.json is not None:
-        document = {**episode_document(result, teacher, world), 'dry_run': given.dry_run}
+        document = {
+            **episode_document(result, teacher, world),
+            'dry_run': given.dry_run,
+            'new_table': new_table.members(),
+        }
         write_text(given.json, json.dumps(document, indent=1) + '\n')
     # Only now, as matplotlib takes long to import.
     from al_questioner.commands.demo.pictures import draw_pictures
 
-    pictures = draw_pictures(result, world, given.out, views)
+    pictures = draw_pictures(result, new_table, world, given.out, views)
     for path in (*pictures, *(path for path in (given.json, given.record) if path)):
         console.print(f'  {path}', highlight=False, soft_wrap=True)
     return 0

@@ -5,12 +5,15 @@ from __future__ import annotations
 from collections import Counter
 from pathlib import Path
 
+import numpy as np
 from matplotlib import rc_context
 from matplotlib.colors import to_rgb
 from matplotlib.figure import Figure
 from matplotlib.ticker import MaxNLocator
+from numpy.typing import NDArray
 
-from al_questioner.domain import Outcome, QueryRecord
+from al_questioner.commands.demo.new_table import NewTable
+from al_questioner.domain import NO_SYMBOL, Outcome, QueryRecord, RecognisedThing
 from al_questioner.simulation import EpisodeResult, PerceivedWorld
 from al_questioner.simulation.kitchen.table_image import Mark, draw_scene
 from al_questioner.support.plotting import (
@@ -26,9 +29,17 @@ from al_questioner.support.plotting import (
 )
 from al_questioner.support.text import number_of
 
+RIGHT, WRONG, NOT_KNOWN = (0, 130, 60), (205, 30, 40), (110, 110, 110)
+"""Colours of a mark: red, green, blue in 0..255."""
 
-def draw_pictures(result: EpisodeResult, world: PerceivedWorld, folder: Path, views: str = 'images') -> list[Path]:
-    """Write `learning_curve.png`, `timeline.png` and, if the views of the world's things are images, `scene.png`.
+
+def draw_pictures(
+    result: EpisodeResult, new_table: NewTable, world: PerceivedWorld, folder: Path, views: str = 'images'
+) -> list[Path]:
+    """Write the pictures of an episode.
+
+    They are `learning_curve.png`, `timeline.png` and, if the views of the world's things are images, `scene.png` and
+    `new_table.png`.
 
     Returns:
         Their paths.
@@ -40,6 +51,7 @@ def draw_pictures(result: EpisodeResult, world: PerceivedWorld, folder: Path, vi
         figures = {'learning_curve': _learning_curve(result, views), 'timeline': _timeline(result, world)}
         if views == 'images':
             figures['scene'] = _scene(result, world)
+            figures['new_table'] = _new_table(result, new_table)
         return [save(figure, folder / f'{name}.png') for name, figure in figures.items()]
 
 
@@ -102,11 +114,6 @@ def _scene(result: EpisodeResult, world: PerceivedWorld) -> Figure:
     best = max(range(len(starts)), key=lambda index: len(about[index]))
     marks = {object_id: _mark(record) for object_id, record in about[best].items()}
     picture = draw_scene(world.observations(starts[best]), marks).image
-    height, width, _ = picture.shape
-    figure = new_figure(9, 9 * height / width + 0.5)
-    axes = figure.subplots()
-    axes.imshow(picture)
-    axes.set_axis_off()
     count = Counter(record.kind for record in asked[best])
     told = (
         ', '.join(
@@ -117,7 +124,33 @@ def _scene(result: EpisodeResult, world: PerceivedWorld) -> Figure:
         or 'nothing was asked'
     )
     shown = f'turn {ends[best]}' if starts[best] == ends[best] else f'turns {starts[best]} to {ends[best]}'
-    axes.set_title(f'{_title(result)}\n{shown}: {told}', loc='left', fontsize=11)
+    return _framed(picture, f'{_title(result)}\n{shown}: {told}')
+
+
+def _new_table(result: EpisodeResult, new_table: NewTable) -> Figure:
+    """Draw a new table with what its things are taken for; what is rightly taken for none has no mark."""
+    marks = {thing.object_id: mark for thing in new_table.recognition.things if (mark := _told(new_table, thing))}
+    picture = draw_scene(new_table.table.observations, marks).image
+    about = f'{len(new_table.right)} of {len(new_table.recognition.things)} things on a new table are recognised'
+    legend = 'green: right, red: wrong, grey: not known, no ring: rightly none of these'
+    return _framed(picture, f'{_title(result)}\n{about} ({legend})')
+
+
+def _told(new_table: NewTable, thing: RecognisedThing) -> Mark | None:
+    if not thing.is_known:
+        return Mark(NOT_KNOWN, '?')
+    if new_table.is_right(thing):
+        return None if thing.best == NO_SYMBOL else Mark(RIGHT, thing.best)
+    return Mark(WRONG, thing.best)
+
+
+def _framed(picture: NDArray[np.uint8], title: str) -> Figure:
+    height, width, _ = picture.shape
+    figure = new_figure(9, 9 * height / width + 0.5)
+    axes = figure.subplots()
+    axes.imshow(picture)
+    axes.set_axis_off()
+    axes.set_title(title, loc='left', fontsize=11)
     return figure
 
 

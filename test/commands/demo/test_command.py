@@ -72,7 +72,7 @@ def test_what_matters_is_told_in_words(objects: tuple[int, ...] | None, told: st
 def test_pictures_are_drawn(tmp_path: Path, strategy: str) -> None:
     """Otherwise the demo would end with nothing to look at."""
     assert run(tmp_path, '--strategy', strategy) == 0
-    for name in ('learning_curve', 'timeline', 'scene'):
+    for name in ('learning_curve', 'timeline', 'scene', 'new_table'):
         picture = cv2.imread(str(tmp_path / 'out' / f'{name}.png'))
         assert picture.shape[1] >= 900
         assert picture.std() > 5
@@ -90,6 +90,7 @@ def test_progress_and_summary_are_printed(tmp_path: Path, capsys: pytest.Capture
     assert 'What is object' in printed
     assert 'accuracy on held-out images' in printed
     assert 'scene.png' in printed
+    assert 'things on a table it has not seen' in printed
 
 
 @pytest.mark.parametrize(
