@@ -14,7 +14,7 @@ from al_questioner.domain import NO_SYMBOL, FloatArray
 from al_questioner.support.arrays import Array
 
 LEAST_DISTANCE, LARGEST_DISTANCE = 0.05, 3.0
-"""Bounds of a distance: the one in spacings of the things seen, the other in standard deviations of a feature."""
+"""Bounds of a distance: the one in the unit of `Evidence`, the other in standard deviations of a feature."""
 LEAST_PROBABILITY = 1e-9
 """Smallest q_y that is told from 0, so that odds stay finite."""
 LEAST_SPACING = 1e-3
@@ -30,16 +30,15 @@ class Calibration(NamedTuple):
         sharpness: power to which the odds of q_y are taken; alone, they are too cautious.
         reach: how far a label tells what things are, in standard deviations of a feature, root mean square.
         doubt: votes, of which a label has one, for what no label tells.
-        none_weight: odds of none where a thing is as far from all that matters as the things seen are from each other,
-            and all that is of none is farther.
+        none_weight: odds of none at the distance 1 from all that matters, where all that is of none is far.
         steepness: power of the distances by which their nearness counts.
     """
 
     sharpness: float = 1.7
     reach: float = 0.25
     doubt: float = 0.03
-    none_weight: float = 0.009
-    steepness: float = 2.2
+    none_weight: float = 0.015
+    steepness: float = 2.55
 
 
 class Evidence(NamedTuple):
@@ -49,8 +48,9 @@ class Evidence(NamedTuple):
         log_odds: (k, |Y|) logarithms of q_y / (1 - q_y).
         examples: (k, |Y|) distances to the nearest example of each symbol, in standard deviations of a feature, root
             mean square; infinite without any.
-        mattering: (k,) distances to the nearest view that is of some symbol, in spacings of the things seen.
-        of_none: (k,) distances to the nearest view that is of none; infinite without any.
+        mattering: (k,) distances to the nearest view that is of some symbol. The unit is the geometric mean of a
+            standard deviation and the spacing of the things seen.
+        of_none: (k,) distances to the nearest view that is of none, likewise; infinite without any.
     """
 
     log_odds: Array
@@ -99,7 +99,7 @@ class Recogniser:
         """Return the evidence of what things with (k, m) raw features are."""
         concepts = self.concepts
         q = np.clip(concepts.predict_proba(features), LEAST_PROBABILITY, 1.0 - LEAST_PROBABILITY)
-        labelled, points, spacing = concepts.labelled_views, concepts.points_of(features), self._spacing()
+        labelled, points, unit = concepts.labelled_views, concepts.points_of(features), np.sqrt(self._spacing())
         by_label = {
             name: self._distances(points, [view.features for view in labelled if view.label == name])
             for name in (*concepts.symbols, NO_SYMBOL)
@@ -109,7 +109,7 @@ class Recogniser:
         examples = np.stack(list(by_label.values()), axis=1)
         mattering = np.minimum(examples.min(axis=1), judged)
         return Evidence(
-            np.log(q) - np.log1p(-q), examples, np.minimum(mattering, LARGEST_DISTANCE) / spacing, of_none / spacing
+            np.log(q) - np.log1p(-q), examples, np.minimum(mattering, LARGEST_DISTANCE) / unit, of_none / unit
         )
 
     def _distances(self, points: Array, views: list[FloatArray]) -> Array:
