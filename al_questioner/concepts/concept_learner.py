@@ -63,6 +63,7 @@ class ConceptLearner:
         self.seen = SeenViews()
         self._space = FeatureSpace(selector, view_tolerance)
         self._taught = TaughtViews(self._space.are_same)
+        self._listener: TaughtViews | LabelCarrier = self._taught
         self._carrier: LabelCarrier | None = None
         self._models = ConceptModels(self.symbols, amplitude, length_scale, shape=shape, class_balance=class_balance)
         self._configured = self._models.kernels
@@ -179,7 +180,7 @@ class ConceptLearner:
 
     def carry_labels(self) -> None:
         """Let what is said of an object from now on count for all views of it that are seen from now on."""
-        self._carrier = LabelCarrier(self._taught, self._space.are_same)
+        self._listener = self._carrier = LabelCarrier(self._taught, self._space.are_same)
 
     def observe(self, scene: Scene, turn: int = 0, carried: Sequence[LabelledView] = ()) -> None:
         """Update the features' statistics with a scene; a view that is already known is not counted again.
@@ -401,8 +402,3 @@ class ConceptLearner:
     def _show_same(self, before: Scene, after: Scene, object_ids: Sequence[int]) -> bool:
         then, now = (scene.features[[scene.index_of(each) for each in object_ids]] for scene in (before, after))
         return bool(self._space.are_same(then, now).all())
-
-    @property
-    def _listener(self) -> TaughtViews | LabelCarrier:
-        """What takes in what is said of views."""
-        return self._taught if self._carrier is None else self._carrier

@@ -12,8 +12,9 @@ from numpy.typing import ArrayLike, NDArray
 from al_questioner.concepts.class_balance import balance_degrees, largest_slope
 from al_questioner.concepts.kernel import RBF, KernelShape
 from al_questioner.concepts.kernel_family import KernelFamily
+from al_questioner.concepts.laplace.classifiers import BinaryClassifiers
 from al_questioner.concepts.laplace.gaussian_process import expected_logistic
-from al_questioner.concepts.laplace.posterior import Marginals, Posterior, find_common_modes, laplace_posterior
+from al_questioner.concepts.laplace.posterior import Marginals
 from al_questioner.domain import NO_SYMBOL, InputError
 from al_questioner.support.arrays import Array
 
@@ -25,9 +26,6 @@ PROBABILITY_TOLERANCE = 8e-7
 
 CHUNK_NUMBERS = 4_000_000
 """Largest array of a look-ahead beside its result, in numbers: about 200 MB."""
-
-WARM_FIT_TOLERANCE = 1e-9
-"""Distance from the mode, in posterior standard deviations, at which Newton's method takes over a warm fit."""
 
 _LOGGER = logging.getLogger(__name__)
 
@@ -68,11 +66,8 @@ class ConceptModels:
         if not 0 <= class_balance <= 1:
             raise InputError(f'class_balance must lie in [0, 1], not {class_balance}')
         self.class_balance = class_balance
-        self._groups: tuple[str, ...] | None = None
-        self._points: Array = np.empty((0, 0))
         self._labels: tuple[str, ...] = ()
-        nothing = np.empty((len(self.symbols), 0))
-        self._posterior: Posterior = laplace_posterior(np.empty((0, 0)), nothing, nothing)
+        self._classifiers = BinaryClassifiers(len(self.symbols), self.kernels)
         self._last_seen: tuple[Array, Marginals] | None = None
         self._last_table: tuple[bool, Array] | None = None
         self._warned = False
@@ -92,28 +87,10 @@ class ConceptModels:
         Raises:
             InputError: a shape that does not fit, a value that is not finite, or an unknown label.
         """
-        points = _matrix(features).copy()
         names = tuple(labels)
-        if groups is not None and len(points) and len(groups) != points.shape[1]:
-            raise InputError(f'{len(groups)} groups for {points.shape[1]} features')
-        if len(names) != len(points):
-            raise InputError(f'{len(names)} labels for {len(points)} feature vectors')
-        self.check_labels(names)
-        same_groups = (None if groups is None else tuple(groups)) == self._groups
-        self._groups = None if groups is None else tuple(groups)
-        targets = self.targets_of(names)
-        n_known = len(self._labels)
-        known_points = same_groups and np.array_equal(points[:-1], self._points)
-        if len(points) == n_known + 1 and names[:-1] == self._labels and known_points:
-            kernel, start = self._with_one_more(points[-1:], targets[:, -1:])
-        else:
-            kernel = self._covariance(points, points)
-            gradient = np.zeros_like(targets)
-            if names[:n_known] == self._labels:
-                gradient[:, :n_known] = self._posterior.gradient
-            start = find_common_modes(kernel, targets, gradient)
-        self._posterior = laplace_posterior(kernel, targets, start)
-        self._points, self._labels = points, names
+        points = self._checked(features, names, groups)
+        self._classifiers.fit(points, self.targets_of(names), groups)
+        self._labels = names
         self._last_seen = self._last_table = None
         return self
 
@@ -125,20 +102,22 @@ class ConceptModels:
         Raises:
             InputError: not n rows, or a value that is not finite.
         """
+        points = self._checked(features, self._labels, groups)
         models = self._without_examples(self.kernels)
-        models._labels, models._posterior = self._labels, self._posterior
-        return models.fit(features, self._labels, groups)
+        models._classifiers, models._labels = self._classifiers.refitted(points, groups), self._labels
+        return models
 
     def predict_each_from_others(self) -> Array:
         """Return the (n, |Y|) degrees of the n examples, each by models of the other examples only.
 
         Examples of the same features are left out together: they would vote for each other. Every example takes a fit.
         """
-        found = np.empty((len(self._labels), len(self.symbols)))
-        for row, point in enumerate(self._points):
-            others = (self._points != point).any(axis=1)
+        points, groups = self._classifiers.points, self._classifiers.groups
+        found = np.empty((len(points), len(self.symbols)))
+        for row, point in enumerate(points):
+            others = (points != point).any(axis=1)
             models = self._without_examples(self.kernels)
-            models.fit(self._points[others], list(itertools.compress(self._labels, others)), self._groups)
+            models.fit(points[others], list(itertools.compress(self._labels, others)), groups)
             found[row] = models.predict_proba(point[None])[0]
         return found
 
@@ -256,10 +235,10 @@ class ConceptModels:
         # The five terms of the expected logistic function and a part's copies for every label need memory, too.
         per_thing = 2 * n_symbols * n_things * max(n_symbols, 5, n if exact else 0)
         size = max(1, CHUNK_NUMBERS // max(1, per_thing))
-        own = np.arange(n_symbols)
+        own, tolerance = np.arange(n_symbols), self._tolerance() if exact else None
         for first in range(0, n_things, size):
             things = np.arange(first, min(first + size, n_things))
-            as_negative, as_positive = self._predict_each(scene, marginals, things, exact)
+            as_negative, as_positive = self._classifiers.predict_each(scene, marginals, things, tolerance)
             part = np.repeat(as_negative.transpose(1, 2, 0)[:, None], n_symbols, axis=1)
             part[:, own, :, own] = as_positive
             part = self._balanced(part, (self._counts() + np.eye(n_symbols))[:, None])
@@ -288,7 +267,7 @@ class ConceptModels:
             raise InputError(f'{len(labels)} labels for {len(new)} feature vectors')
         self.check_labels(labels)
         points = np.concatenate([new, things])
-        marginals = self._fresh_marginals(points)
+        marginals = self._classifiers.at(points)
         n_symbols, own = len(self.symbols), np.array([[label == symbol for symbol in self.symbols] for label in labels])
         found = np.empty((len(new), len(things), n_symbols))
         per_example = 2 * n_symbols * len(points) * max(5, len(self._labels))
@@ -296,7 +275,8 @@ class ConceptModels:
         for first in range(0, len(new), size):
             rows = np.arange(first, min(first + size, len(new)))
             as_negative, as_positive = (
-                table[:, :, len(new) :] for table in self._predict_each(points, marginals, rows, exact=True)
+                table[:, :, len(new) :]
+                for table in self._classifiers.predict_each(points, marginals, rows, self._tolerance())
             )
             found[rows] = np.where(own[rows].T[:, :, None], as_positive, as_negative).transpose(1, 2, 0)
         return self._balanced(found, (self._counts() + own)[:, None])
@@ -310,6 +290,16 @@ class ConceptModels:
             kernels.shape,
             self.class_balance,
         )
+
+    def _checked(self, features: ArrayLike, labels: Sequence[str], groups: Sequence[str] | None) -> Array:
+        """Return a copy of the features of examples, after a check that all fits together."""
+        points = _matrix(features).copy()
+        if groups is not None and len(points) and len(groups) != points.shape[1]:
+            raise InputError(f'{len(groups)} groups for {points.shape[1]} features')
+        if len(labels) != len(points):
+            raise InputError(f'{len(labels)} labels for {len(points)} feature vectors')
+        self.check_labels(labels)
+        return points
 
     def _counts(self) -> Array:
         """Return the (|Y|,) numbers of positive examples."""
@@ -332,66 +322,17 @@ class ConceptModels:
             _LOGGER.warning(text, n_things, len(self.symbols), len(self._labels), operations)
         return operations <= EXACT_OPERATIONS
 
-    def _with_one_more(self, point: Array, targets: Array) -> tuple[Array, Array]:
-        """Return kernel matrix and modes, (n + 1, n + 1) and (|Y|, n + 1), after one more example.
-
-        That has (1, m) features and (|Y|, 1) targets, 1 where it is positive and 0 where it is negative.
-        """
-        from al_questioner.concepts.laplace.mode_shift import find_shift
-
-        n = len(self._labels)
-        kernel = np.empty((n + 1, n + 1))
-        kernel[:n, :n] = self._posterior.kernel
-        kernel[n, :n] = kernel[:n, n] = self._covariance(point, self._points)[0] if n else 0.0
-        kernel[n, n] = self.kernels.amplitude
-        marginals = self._posterior.at(kernel[:n, n:])
-        shift = find_shift(
-            self._posterior,
-            marginals.solved.transpose(0, 2, 1),
-            self.kernels.amplitude - marginals.explained,
-            marginals.mean,
-            targets,
-            WARM_FIT_TOLERANCE,
-        )
-        modes = self._posterior.modes + shift.change[:, 0] / self._posterior.root
-        start = np.concatenate([modes, shift.latent], axis=1)
-        # If the search did not converge, start from 0.
-        start[~(shift.error[:, 0] < 1)] = 0.0
-        return kernel, start
-
-    def _predict_each(
-        self, points: Array, marginals: Marginals, rows: NDArray[np.intp], exact: bool
-    ) -> tuple[Array, Array]:
-        """Return the degrees at all of k points if one of e rows of them were an example, before they are balanced.
-
-        Two tables, (|Y|, e, k): if it were a negative one of each symbol, and if it were a positive one.
-        """
-        # Imported here because it loads numba, which takes as long as all other imports of a process.
-        from al_questioner.concepts.laplace.look_ahead import predict_each
-
-        tolerance = self._tolerance() if exact else None
-        prior = self._covariance(points[rows], points)
-        table = predict_each(self._posterior, marginals, rows, prior, self.kernels.amplitude, tolerance)
-        return table[:, : len(rows)], table[:, len(rows) :]
-
     def _marginals(self, points: Array) -> Marginals:
         """Return the beliefs at points; the last result is kept, because a turn asks about its scene repeatedly."""
         if self._last_seen is None or not np.array_equal(self._last_seen[0], points):
-            self._last_seen = points.copy(), self._fresh_marginals(points)
+            self._last_seen = points.copy(), self._classifiers.at(points)
             self._last_table = None
         return self._last_seen[1]
 
-    def _fresh_marginals(self, points: Array) -> Marginals:
-        known = self._points if self._labels else np.empty((0, points.shape[1]))
-        return self._posterior.at(self._covariance(known, points))
-
-    def _covariance(self, first: Array, second: Array) -> Array:
-        return self.kernels.covariance(first, second, self._groups)
-
     def _matching(self, features: ArrayLike) -> Array:
         points = _matrix(features)
-        if len(self._points) and points.shape[1] != self._points.shape[1]:
-            found, fitted = points.shape[1], self._points.shape[1]
+        found, fitted = points.shape[1], self._classifiers.points.shape[1]
+        if self._labels and found != fitted:
             raise InputError(f'features have {found} columns, the models were fitted on {fitted}')
         return points
 

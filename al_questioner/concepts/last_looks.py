@@ -1,4 +1,4 @@
-"""How each object looked last: a look that stays the same is one observation, however long it stays."""
+"""The last look of each object: a look that stays the same is one observation, however long it stays."""
 
 from __future__ import annotations
 

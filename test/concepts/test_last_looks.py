@@ -1,4 +1,4 @@
-"""What is a new look at an object, and what only stays."""
+"""New looks at an object, and those that only stay."""
 
 import numpy as np
 
