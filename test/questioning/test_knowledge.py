@@ -240,7 +240,7 @@ def test_late_answers_of_the_second_day_count_as_if_at_once():
 
 
 def test_teachers_without_a_label_that_counts_are_reviewed_too():
-    """Who only said that they did not know, or spoke too late, would lose the estimate when the file is looked at."""
+    """A teacher who only said that they did not know would lose the estimate when the file is looked at."""
     episode = begin(
         make_settings('random_fsq', turns=3), strategy=Asks(*(Action(QueryKind.LABEL, i) for i in range(3)))
     )
