@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import itertools
 from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
 
 import numpy as np
@@ -10,30 +9,22 @@ from numpy.typing import NDArray
 
 from al_questioner.concepts.concept_models import ConceptModels
 from al_questioner.concepts.feature_selection import Selector, select_features
+from al_questioner.concepts.feature_space import VIEW_TOLERANCE, FeatureSpace
 from al_questioner.concepts.kernel import RBF, Kernel, KernelShape
 from al_questioner.concepts.label_carrier import LabelCarrier
-from al_questioner.concepts.laplace.earlier_tuning import tuned_kernel
+from al_questioner.concepts.laplace.earlier_tuning import tuned_kernels
+from al_questioner.concepts.last_looks import LastLooks
 from al_questioner.concepts.seen_views import SeenViews
 from al_questioner.concepts.standardiser import Standardiser
 from al_questioner.concepts.taught_views import JudgedView, LabelledView, TaughtViews, WithdrawnView
 from al_questioner.domain import (
-    NO_SYMBOL,
     FloatArray,
-    InputError,
     Outcome,
     QueryKind,
     QueryRecord,
     Scene,
-    SceneError,
-    group_of,
 )
 from al_questioner.support.arrays import Array
-
-VIEW_TOLERANCE = 1e-3
-"""Largest root mean square change, in standard deviations, of a view that counts as the same: rounding only.
-
-Noise is removed earlier, by a `ViewMemory`.
-"""
 
 
 class ConceptLearner:
@@ -68,23 +59,26 @@ class ConceptLearner:
         shape: KernelShape = RBF,
         class_balance: float = 0.0,
     ) -> None:
-        if not (isinstance(view_tolerance, (int, float)) and np.isfinite(view_tolerance) and view_tolerance >= 0):
-            raise InputError(f"view_tolerance must be 'auto' or a number of 0 or more, not {view_tolerance!r}")
         self.symbols = tuple(symbols)
-        self.feature_names: tuple[str, ...] = ()
-        self.groups: tuple[str, ...] = ()
         self.seen = SeenViews()
-        self._taught = TaughtViews(self._same_views)
+        self._space = FeatureSpace(selector, view_tolerance)
+        self._taught = TaughtViews(self._space.are_same)
+        self._listener: TaughtViews | LabelCarrier = self._taught
         self._carrier: LabelCarrier | None = None
         self._models = ConceptModels(self.symbols, amplitude, length_scale, shape=shape, class_balance=class_balance)
-        self._configured = (amplitude, length_scale)
-        self._selector = selector
-        self._view_tolerance = view_tolerance
-        self._standardiser = Standardiser(0)
-        self._told_relevant: NDArray[np.bool_] | None = None
-        self._last_views: dict[int, bytes] = {}
+        self._configured = self._models.kernels
+        self._last_looks = LastLooks()
         self._version = 0
-        self._active: NDArray[np.bool_] = np.ones(0, dtype=bool)
+
+    @property
+    def feature_names(self) -> tuple[str, ...]:
+        """Names of all features; none before the first scene."""
+        return self._space.names
+
+    @property
+    def groups(self) -> tuple[str, ...]:
+        """Groups of all features, in the order in which they occur; none before the first scene."""
+        return self._space.groups
 
     @property
     def labelled_views(self) -> Sequence[LabelledView]:
@@ -109,7 +103,7 @@ class ConceptLearner:
     @property
     def positives(self) -> dict[str, int]:
         """Number of positive examples of each symbol, in the order of the symbols."""
-        labels = [view.label for view in self.labelled_views]
+        labels = self._taught.labels
         return {symbol: labels.count(symbol) for symbol in self.symbols}
 
     @property
@@ -123,51 +117,46 @@ class ConceptLearner:
     @property
     def subset_was_told(self) -> bool:
         """True if the teacher has said which features are relevant."""
-        return self._told_relevant is not None
+        return self._space.subset_was_told
 
     @property
     def standardiser(self) -> Standardiser:
         """Statistics of the observed views, to look at."""
-        return self._standardiser
+        return self._space.standardiser
 
     @property
     def features_in_use(self) -> tuple[str, ...]:
         """Names of the features that the models use."""
-        return tuple(itertools.compress(self.feature_names, self._active))
+        return self._space.names_in_use
 
     @property
     def kernel(self) -> Kernel:
         """Kernel of the models, for the features in use; its length scale is in standard deviations."""
-        return Kernel(self._models.amplitude, self._models.length_scale_of(int(self._active.sum())))
+        return self._models.kernels.kernel_of(len(self.features_in_use))
 
     def repeat_tuning(self) -> bool:
         """Replace the kernel by the one that a learner of an earlier version found; this is an event too.
 
-        It is the one that explains the labels so far best, see `tuned_kernel`. It depends on the labels, the features
-        in use and the configured kernel, not on earlier results. From then on its length scale is a multiple of the
-        root of the number of features in use, even if these change.
+        It is the one that explains the labels so far best, see `tuned_kernels`. It depends on the labels, the features
+        in use and the configured kernel, not on earlier results.
 
         Returns:
             Whether the kernel has changed. If it has not, nothing has changed, and the version is the same.
         """
         if not self.labelled_views:
             return False
-        points = self._standardiser.transform(self._labelled_features())[:, self._active]
-        targets = np.array([[float(label == symbol) for label in self._labels()] for symbol in self.symbols])
-        root = float(np.sqrt(points.shape[1]))
-        amplitude, length_scale = self._configured
-        found = tuned_kernel(points, targets, Kernel(amplitude, root if length_scale is None else length_scale))
-        relative, models = found.length_scale / root, self._models
-        if (found.amplitude, None, relative) == (models.amplitude, models.length_scale, models.relative_length_scale):
+        points = self.points_of(self._labelled_features())
+        found = tuned_kernels(points, self._models.targets_of(self._taught.labels), self._configured)
+        if found == self._models.kernels:
             return False
-        self._models = models.with_kernel(found.amplitude, relative)
+        self._models = self._models.with_kernel(found.amplitude, found.relative_length_scale)
         self._fit_models()
         return True
 
     @property
     def spread(self) -> Array:
         """Spread of each feature among the observed views, (m,) in its own unit; empty before the first scene."""
-        return self._standardiser.spread
+        return self._space.standardiser.spread
 
     def implausible_readings(self, scene: Scene) -> list[tuple[int, str, float]]:
         """Return object id, feature name and value of each implausible reading of a scene, see `PlausibleRange`.
@@ -175,15 +164,11 @@ class ConceptLearner:
         For an object that was seen before, such a reading is ignored. For a new object, it counts as the end of the
         range.
         """
-        ids, names = scene.object_ids, scene.feature_names
-        found = np.argwhere(self.are_implausible(scene))
-        return [(ids[row], names[column], float(scene.features[row, column])) for row, column in found]
+        return self._space.implausible_readings(scene)
 
     def are_implausible(self, scene: Scene) -> NDArray[np.bool_]:
         """Return (n, m) booleans: the implausible readings of a scene, judged by the earlier views."""
-        if not self.feature_names:
-            return np.zeros(scene.features.shape, dtype=bool)
-        return self._standardiser.plausible_range.are_implausible(scene.features)
+        return self._space.are_implausible(scene)
 
     def check_features(self, scene: Scene) -> None:
         """Make sure that a scene has the features of the earlier scenes.
@@ -191,12 +176,11 @@ class ConceptLearner:
         Raises:
             SceneError: it has others.
         """
-        if self.feature_names and scene.feature_names != self.feature_names:
-            raise SceneError(_layout_difference(self.feature_names, scene.feature_names))
+        self._space.check(scene)
 
     def carry_labels(self) -> None:
         """Let what is said of an object from now on count for all views of it that are seen from now on."""
-        self._carrier = LabelCarrier(self._taught, self._same_views)
+        self._listener = self._carrier = LabelCarrier(self._taught, self._space.are_same)
 
     def observe(self, scene: Scene, turn: int = 0, carried: Sequence[LabelledView] = ()) -> None:
         """Update the features' statistics with a scene; a view that is already known is not counted again.
@@ -210,25 +194,18 @@ class ConceptLearner:
             SceneError: the features are not those of the earlier scenes.
             InputError: a label that cannot be learnt.
         """
-        self.check_features(scene)
-        if not self.feature_names:
-            self.feature_names = scene.feature_names
-            self.groups = tuple(dict.fromkeys(group_of(name) for name in scene.feature_names))
-            self._standardiser = Standardiser(len(scene.feature_names))
-            self._active = np.ones(len(scene.feature_names), dtype=bool)
-        views = [row.tobytes() for row in scene.features.astype(np.float32)]
-        new = [self._last_views.get(i) != view for i, view in zip(scene.object_ids, views, strict=True)]
-        if any(new):
-            self._standardiser.update(scene.features[new])
-            self._last_views.update(zip(scene.object_ids, views, strict=True))
-            for row in np.flatnonzero(new):
-                self.seen.add(scene.object_ids[row], scene.features[row], self._same_views)
-                if self._carrier is not None:
-                    self._carrier.see(scene.object_ids[row], scene.features[row], turn)
+        self._space.admit(scene)
+        new = self._last_looks.take(scene.object_ids, scene.features)
+        if new:
+            self._space.standardiser.update(scene.features[new])
+        for row in new:
+            self.seen.add(scene.object_ids[row], scene.features[row], self._space.are_same)
+            if self._carrier is not None:
+                self._carrier.see(scene.object_ids[row], scene.features[row], turn)
         for view in carried:
-            self._check_label(view.object_id, view.features, view.label)
+            self._check(view)
             self._taught.carry(view)
-        if any(new) or carried:
+        if new or carried:
             self._fit_models()
 
     def label(self, object_id: int, features: FloatArray, symbol: str, turn: int) -> None:
@@ -245,7 +222,7 @@ class ConceptLearner:
         Raises:
             InputError: an object is not in the scene, a symbol is unknown, or features do not fit those observed.
         """
-        rows = {object_id: _row(scene, object_id) for object_id in symbols}
+        rows = {object_id: scene.features_of(object_id) for object_id in symbols}
         self._label([self._labelled_view(each, row, symbols[each], turn) for each, row in rows.items()])
 
     def learn(self, record: QueryRecord, scene: Scene) -> None:
@@ -259,9 +236,9 @@ class ConceptLearner:
         elif record.objects is not None:
             self.judge_scene(scene, record.objects, record.turn)
         elif record.kind is QueryKind.LABEL and record.outcome is Outcome.UNKNOWN and record.object_id is not None:
-            self.note_unnameable(record.object_id, _row(scene, record.object_id))
+            self.note_unnameable(record.object_id, scene.features_of(record.object_id))
         elif record.object_id is not None and record.symbol is not None:
-            self.label(record.object_id, _row(scene, record.object_id), record.symbol, record.turn)
+            self.label(record.object_id, scene.features_of(record.object_id), record.symbol, record.turn)
 
     def judge_scene(self, scene: Scene, mattering: Collection[int], turn: int) -> None:
         """Learn which objects of a scene matter, by their ids: these are of some symbol, all others of none.
@@ -273,9 +250,8 @@ class ConceptLearner:
             InputError: an object is not in the scene.
         """
         for object_id in mattering:
-            _row(scene, object_id)
-        by = self._taught if self._carrier is None else self._carrier
-        if by.judge(scene, mattering, turn):
+            scene.features_of(object_id)
+        if self._listener.judge(scene, mattering, turn):
             self._fit_models()
 
     def learn_views(
@@ -292,7 +268,7 @@ class ConceptLearner:
             InputError: an unknown symbol, or features that do not fit those observed.
         """
         for view in labelled:
-            self._check_label(view.object_id, view.features, view.label)
+            self._check(view)
         self._taught.learn_again(judged, labelled, withdrawn)
         if labelled or withdrawn:
             self._fit_models()
@@ -307,31 +283,24 @@ class ConceptLearner:
         Raises:
             InputError: no group, or an unknown one.
         """
-        chosen = tuple(groups)
-        if not chosen:
-            raise InputError('no feature group was named')
-        for group in chosen:
-            if group not in self.groups:
-                raise InputError(f'unknown feature group {group!r}; known: {", ".join(self.groups)}')
-        self._told_relevant = np.array([group_of(name) in chosen for name in self.feature_names])
+        self._space.restrict_to_groups(groups)
         self._fit_models()
 
     def predict_proba(self, features: FloatArray) -> Array:
         """Return (k, |Y|) q_y(x) of (k, m) raw features."""
-        return self._models.predict_proba(self._standardiser.transform(features)[:, self._active])
+        return self._models.predict_proba(self.points_of(features))
 
     def look_ahead(self, scene: Scene) -> Array:
         """Return (|X|, |Y|, |X|, |Y|): [i, j] is the prediction for the scene if object i were labelled symbol j."""
-        return self._models.look_ahead(self._standardiser.transform(scene.features)[:, self._active])
+        return self._models.look_ahead(self.points_of(scene.features))
 
     def look_ahead_chunks(self, scene: Scene) -> Iterator[tuple[slice, Array]]:
         """Yield `look_ahead` in parts: consecutive rows of the table, as a slice, and their part of it."""
-        return self._models.look_ahead_chunks(self._standardiser.transform(scene.features)[:, self._active])
+        return self._models.look_ahead_chunks(self.points_of(scene.features))
 
     def predict_after_each(self, views: FloatArray, symbols: Sequence[str], features: FloatArray) -> Array:
         """Return (e, k, |Y|) q_y(x) of (k, m) raw features if each of (e, m) views, alone, had this label."""
-        named, asked = (self._standardiser.transform(table)[:, self._active] for table in (views, features))
-        return self._models.predict_after_each(named, symbols, asked)
+        return self._models.predict_after_each(self.points_of(views), symbols, self.points_of(features))
 
     def predict_after_selection(self, scene: Scene) -> Array:
         """Return (|X|, |Y|) prediction for the scene if the teacher named the features that a selector selects.
@@ -339,10 +308,10 @@ class ConceptLearner:
         It stands in for the answer to a feature subset query, which the learner cannot know
         (docs/explanation/method.md).
         """
-        table = self._standardiser.transform(self._labelled_features())
-        chosen = select_features(table, self._labels())
-        models = self._models.refitted(table[:, chosen], self._groups_of(chosen))
-        return models.predict_proba(self._standardiser.transform(scene.features)[:, chosen])
+        views = self._labelled_features()
+        space = self._space.selected_by(select_features, views, self._taught.labels)
+        models = self._models.refitted(space.points_of(views), space.groups_in_use)
+        return models.predict_proba(space.points_of(scene.features))
 
     def predict_each_from_others(self) -> Array:
         """Return the (n, |Y|) q_y(x) of the n labelled views, each as if it had not been labelled."""
@@ -350,7 +319,7 @@ class ConceptLearner:
 
     def points_of(self, features: FloatArray) -> Array:
         """Return (k, number in use) features in use, in standard deviations, of (k, m) raw features."""
-        return self._standardiser.transform(features)[:, self._active]
+        return self._space.points_of(features)
 
     def is_labelled(self, scene: Scene | SeenViews) -> NDArray[np.bool_]:
         """Return (n,) booleans: whether this view of each object has been labelled already, as a symbol or as none."""
@@ -378,17 +347,11 @@ class ConceptLearner:
 
     def is_unchanged(self, before: Scene, after: Scene) -> bool:
         """Return whether two scenes show the same views of the same objects."""
-        if set(before.object_ids) != set(after.object_ids):
-            return False
-        rows = [before.index_of(object_id) for object_id in after.object_ids]
-        return bool(self._same_views(before.features[rows], after.features).all())
+        return set(before.object_ids) == set(after.object_ids) and self._show_same(before, after, after.object_ids)
 
     def still_shows(self, object_id: int, before: Scene, after: Scene) -> bool:
         """Return whether an object is seen in both scenes as the same view."""
-        if object_id not in after.object_ids:
-            return False
-        then, now = (scene.features[[scene.index_of(object_id)]] for scene in (before, after))
-        return bool(self._same_views(then, now).all())
+        return object_id in after.object_ids and self._show_same(before, after, (object_id,))
 
     def distance_to_labelled(self, scene: Scene) -> Array:
         """Return (n,) distances to the nearest labelled view; 0 without labels. See `distances_to_labelled`."""
@@ -401,37 +364,26 @@ class ConceptLearner:
 
         In standard deviations, as root mean square over the features.
         """
-        return self._distances(scene, self._labelled_features())
+        return self._space.distances(scene.features, self._labelled_features())
 
     def distances_to_mattering(self, scene: Scene) -> Array:
         """Return (n, k) distances of each object to each of the k views that were said to matter, likewise."""
-        return self._distances(scene, self._table([view.features for view in self.judged_views if view.matters]))
-
-    def _distances(self, scene: Scene, views: Array) -> Array:
-        """Return (n, k) distances of each object to each of (k, m) raw features, in the features in use."""
-        points, others = (self._standardiser.transform(table)[:, self._active] for table in (scene.features, views))
-        squared: Array = np.mean((points[:, None] - others[None]) ** 2, axis=2)
-        return np.sqrt(squared)
+        mattering = [view.features for view in self.judged_views if view.matters]
+        return self._space.distances(scene.features, self._space.table_of(mattering))
 
     def _label(self, views: Iterable[LabelledView]) -> None:
         for view in views:
-            self._taught.label(view)
-            if self._carrier is not None:
-                self._carrier.hear(view)
+            self._listener.label(view)
         self._fit_models()
 
     def _labelled_view(self, object_id: int, features: FloatArray, symbol: str, turn: int) -> LabelledView:
-        vector = np.array(features, dtype=np.float32)
-        self._check_label(object_id, vector, symbol)
-        return LabelledView(object_id, vector, symbol, turn)
+        view = LabelledView(object_id, np.array(features, dtype=np.float32), symbol, turn)
+        self._check(view)
+        return view
 
-    def _check_label(self, object_id: int, vector: NDArray[np.float32], symbol: str) -> None:
-        if symbol not in self.symbols and symbol != NO_SYMBOL:
-            raise InputError(f'unknown label {symbol!r}; known: {", ".join((*self.symbols, NO_SYMBOL))}')
-        if vector.shape != (len(self.feature_names),):
-            raise InputError(f'features have shape {vector.shape}, expected {(len(self.feature_names),)}')
-        if not np.isfinite(vector).all():
-            raise InputError(f'the features of object {object_id} are not all finite')
+    def _check(self, view: LabelledView) -> None:
+        self._models.check_labels((view.label,))
+        self._space.check_view(view.object_id, view.features)
 
     def _fit_models(self) -> None:
         """Fit the models to all that is known now.
@@ -440,42 +392,13 @@ class ConceptLearner:
         would differ in the last digits, and ties could be broken in another way.
         """
         self._version += 1
-        table, labels = self._standardiser.transform(self._labelled_features()), self._labels()
-        told = self._told_relevant
-        self._active = np.ones(len(self.feature_names), dtype=bool) if told is None else told.copy()
-        if self._selector is not None:
-            self._active[self._active] = self._selector(table[:, self._active], labels)
-        self._models.fit(table[:, self._active], labels, self._groups_of(self._active))
-
-    def _groups_of(self, chosen: NDArray[np.bool_]) -> list[str]:
-        """Return the groups of the chosen ones of all features."""
-        return [group_of(name) for name in itertools.compress(self.feature_names, chosen)]
-
-    def _labels(self) -> list[str]:
-        return [view.label for view in self.labelled_views]
+        views, labels = self._labelled_features(), self._taught.labels
+        self._space.select(views, labels)
+        self._models.fit(self.points_of(views), labels, self._space.groups_in_use)
 
     def _labelled_features(self) -> Array:
-        return self._table([view.features for view in self.labelled_views])
+        return self._space.table_of([view.features for view in self.labelled_views])
 
-    def _table(self, rows: Sequence[NDArray[np.float32]]) -> Array:
-        return np.array(rows, dtype=np.float64).reshape(len(rows), len(self.feature_names))
-
-    def _same_views(self, first: FloatArray, second: FloatArray) -> NDArray[np.bool_]:
-        """Return (k,) booleans: whether each of (k, m) raw features shows the same view as its counterpart."""
-        difference = (first.astype(np.float64) - second) / self._standardiser.scale
-        same: NDArray[np.bool_] = np.sqrt(np.mean(difference**2, axis=1)) <= self._view_tolerance
-        return same
-
-
-def _row(scene: Scene, object_id: int) -> NDArray[np.float32]:
-    if object_id not in scene.object_ids:
-        raise InputError(f'object {object_id} is not in the scene')
-    row: NDArray[np.float32] = scene.features[scene.index_of(object_id)]
-    return row
-
-
-def _layout_difference(expected: tuple[str, ...], actual: tuple[str, ...]) -> str:
-    if len(expected) != len(actual):
-        return f'the scene has {len(actual)} features, those before had {len(expected)}'
-    position = next(i for i, (e, a) in enumerate(zip(expected, actual, strict=True)) if e != a)
-    return f'feature {position} of the scene is {actual[position]!r}, it was {expected[position]!r} before'
+    def _show_same(self, before: Scene, after: Scene, object_ids: Sequence[int]) -> bool:
+        then, now = (scene.features[[scene.index_of(each) for each in object_ids]] for scene in (before, after))
+        return bool(self._space.are_same(then, now).all())

@@ -10,9 +10,11 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from al_questioner.concepts.class_balance import balance_degrees, largest_slope
-from al_questioner.concepts.kernel import RBF, KernelShape, rbf_kernel, saturating_kernel
+from al_questioner.concepts.kernel import RBF, KernelShape
+from al_questioner.concepts.kernel_family import KernelFamily
+from al_questioner.concepts.laplace.classifiers import BinaryClassifiers
 from al_questioner.concepts.laplace.gaussian_process import expected_logistic
-from al_questioner.concepts.laplace.posterior import Marginals, Posterior, find_common_modes, laplace_posterior
+from al_questioner.concepts.laplace.posterior import Marginals
 from al_questioner.domain import NO_SYMBOL, InputError
 from al_questioner.support.arrays import Array
 
@@ -24,9 +26,6 @@ PROBABILITY_TOLERANCE = 8e-7
 
 CHUNK_NUMBERS = 4_000_000
 """Largest array of a look-ahead beside its result, in numbers: about 200 MB."""
-
-WARM_FIT_TOLERANCE = 1e-9
-"""Distance from the mode, in posterior standard deviations, at which Newton's method takes over a warm fit."""
 
 _LOGGER = logging.getLogger(__name__)
 
@@ -63,19 +62,12 @@ class ConceptModels:
         self.symbols = tuple(symbols)
         if not self.symbols or len(set(self.symbols)) < len(self.symbols) or NO_SYMBOL in self.symbols:
             raise InputError(f'symbols must be distinct names other than {NO_SYMBOL!r}, not {list(symbols)}')
-        self.amplitude, self.length_scale, self.relative_length_scale = amplitude, length_scale, relative_length_scale
-        for name in ('amplitude', 'length_scale', 'relative_length_scale'):
-            value = getattr(self, name)
-            if value is not None and not (np.isfinite(value) and value > 0):
-                raise InputError(f'{name} must be a number above 0, not {value}')
+        self.kernels = KernelFamily(amplitude, length_scale, relative_length_scale, shape)
         if not 0 <= class_balance <= 1:
             raise InputError(f'class_balance must lie in [0, 1], not {class_balance}')
-        self.shape, self.class_balance = shape, class_balance
-        self._groups: tuple[str, ...] | None = None
-        self._points: Array = np.empty((0, 0))
+        self.class_balance = class_balance
         self._labels: tuple[str, ...] = ()
-        nothing = np.empty((len(self.symbols), 0))
-        self._posterior: Posterior = laplace_posterior(np.empty((0, 0)), nothing, nothing)
+        self._classifiers = BinaryClassifiers(len(self.symbols), self.kernels)
         self._last_seen: tuple[Array, Marginals] | None = None
         self._last_table: tuple[bool, Array] | None = None
         self._warned = False
@@ -95,28 +87,10 @@ class ConceptModels:
         Raises:
             InputError: a shape that does not fit, a value that is not finite, or an unknown label.
         """
-        points = _matrix(features).copy()
         names = tuple(labels)
-        if groups is not None and len(points) and len(groups) != points.shape[1]:
-            raise InputError(f'{len(groups)} groups for {points.shape[1]} features')
-        if len(names) != len(points):
-            raise InputError(f'{len(names)} labels for {len(points)} feature vectors')
-        self._check_labels(names)
-        same_groups = (None if groups is None else tuple(groups)) == self._groups
-        self._groups = None if groups is None else tuple(groups)
-        targets = np.array([[float(label == symbol) for label in names] for symbol in self.symbols])
-        n_known = len(self._labels)
-        known_points = same_groups and np.array_equal(points[:-1], self._points)
-        if len(points) == n_known + 1 and names[:-1] == self._labels and known_points:
-            kernel, start = self._with_one_more(points[-1:], targets[:, -1:])
-        else:
-            kernel = self._covariance(points, points)
-            gradient = np.zeros_like(targets)
-            if names[:n_known] == self._labels:
-                gradient[:, :n_known] = self._posterior.gradient
-            start = find_common_modes(kernel, targets, gradient)
-        self._posterior = laplace_posterior(kernel, targets, start)
-        self._points, self._labels = points, names
+        points = self._checked(features, names, groups)
+        self._classifiers.fit(points, self.targets_of(names), groups)
+        self._labels = names
         self._last_seen = self._last_table = None
         return self
 
@@ -128,28 +102,42 @@ class ConceptModels:
         Raises:
             InputError: not n rows, or a value that is not finite.
         """
-        models = self._without_examples(self.amplitude, self.length_scale, self.relative_length_scale)
-        models._labels, models._posterior = self._labels, self._posterior
-        return models.fit(features, self._labels, groups)
+        points = self._checked(features, self._labels, groups)
+        models = self._without_examples(self.kernels)
+        models._classifiers, models._labels = self._classifiers.refitted(points, groups), self._labels
+        return models
 
     def predict_each_from_others(self) -> Array:
         """Return the (n, |Y|) degrees of the n examples, each by models of the other examples only.
 
         Examples of the same features are left out together: they would vote for each other. Every example takes a fit.
         """
-        found = np.empty((len(self._labels), len(self.symbols)))
-        for row, point in enumerate(self._points):
-            others = (self._points != point).any(axis=1)
-            models = self._without_examples(self.amplitude, self.length_scale, self.relative_length_scale)
-            models.fit(self._points[others], list(itertools.compress(self._labels, others)), self._groups)
+        points, groups = self._classifiers.points, self._classifiers.groups
+        found = np.empty((len(points), len(self.symbols)))
+        for row, point in enumerate(points):
+            others = (points != point).any(axis=1)
+            models = self._without_examples(self.kernels)
+            models.fit(points[others], list(itertools.compress(self._labels, others)), groups)
             found[row] = models.predict_proba(point[None])[0]
         return found
 
+    def targets_of(self, labels: Sequence[str]) -> Array:
+        """Return (|Y|, n) targets of n labels: 1 where the label is positive for the symbol, 0 where it is negative."""
+        return np.array([[float(label == symbol) for label in labels] for symbol in self.symbols])
+
+    def check_labels(self, labels: Sequence[str]) -> None:
+        """Make sure that labels are symbols or `NO_SYMBOL`.
+
+        Raises:
+            InputError: one is not.
+        """
+        for label in labels:
+            if label not in self.symbols and label != NO_SYMBOL:
+                raise InputError(f'unknown label {label!r}; known: {", ".join((*self.symbols, NO_SYMBOL))}')
+
     def length_scale_of(self, n_features: int) -> float:
         """Return the kernel's length scale for this number of features, in their unit."""
-        if self.length_scale is not None:
-            return self.length_scale
-        return self.relative_length_scale * float(np.sqrt(max(n_features, 1)))
+        return self.kernels.kernel_of(n_features).length_scale
 
     def with_kernel(self, amplitude: float, relative_length_scale: float) -> ConceptModels:
         """Return models without examples and with another kernel; its length scale is a multiple of the root of m.
@@ -157,7 +145,7 @@ class ConceptModels:
         Raises:
             InputError: a number that is not above 0.
         """
-        models = self._without_examples(amplitude, None, relative_length_scale)
+        models = self._without_examples(KernelFamily(amplitude, None, relative_length_scale, self.kernels.shape))
         models._warned = self._warned
         return models
 
@@ -171,7 +159,7 @@ class ConceptModels:
         if not self._labels:
             # Exactly 1/2; the approximation of the logistic function has an error at 0.
             return np.full((len(marginals.mean[0]), len(self.symbols)), 0.5)
-        degrees = expected_logistic(marginals.mean, self.amplitude - marginals.explained).T
+        degrees = expected_logistic(marginals.mean, self.kernels.amplitude - marginals.explained).T
         return self._balanced(degrees, self._counts())
 
     @property
@@ -244,18 +232,13 @@ class ConceptModels:
             # A turn without a query changes neither the models nor the scene.
             yield slice(0, n_things), self._last_table[1].copy()
             return
-        # Imported here because it loads numba, which takes as long as all other imports of a process.
-        from al_questioner.concepts.laplace.look_ahead import predict_each
-
         # The five terms of the expected logistic function and a part's copies for every label need memory, too.
         per_thing = 2 * n_symbols * n_things * max(n_symbols, 5, n if exact else 0)
         size = max(1, CHUNK_NUMBERS // max(1, per_thing))
         own, tolerance = np.arange(n_symbols), self._tolerance() if exact else None
         for first in range(0, n_things, size):
             things = np.arange(first, min(first + size, n_things))
-            prior = self._covariance(scene[things], scene)
-            table = predict_each(self._posterior, marginals, things, prior, self.amplitude, tolerance)
-            as_negative, as_positive = table[:, : len(things)], table[:, len(things) :]
+            as_negative, as_positive = self._classifiers.predict_each(scene, marginals, things, tolerance)
             part = np.repeat(as_negative.transpose(1, 2, 0)[:, None], n_symbols, axis=1)
             part[:, own, :, own] = as_positive
             part = self._balanced(part, (self._counts() + np.eye(n_symbols))[:, None])
@@ -282,31 +265,41 @@ class ConceptModels:
         new, things = self._matching(examples), self._matching(features)
         if len(labels) != len(new):
             raise InputError(f'{len(labels)} labels for {len(new)} feature vectors')
-        self._check_labels(labels)
+        self.check_labels(labels)
         points = np.concatenate([new, things])
-        known = self._points if self._labels else np.empty((0, points.shape[1]))
-        marginals = self._posterior.at(self._covariance(known, points))
-        from al_questioner.concepts.laplace.look_ahead import predict_each
-
+        marginals = self._classifiers.at(points)
         n_symbols, own = len(self.symbols), np.array([[label == symbol for symbol in self.symbols] for label in labels])
         found = np.empty((len(new), len(things), n_symbols))
         per_example = 2 * n_symbols * len(points) * max(5, len(self._labels))
         size = max(1, CHUNK_NUMBERS // per_example)
         for first in range(0, len(new), size):
             rows = np.arange(first, min(first + size, len(new)))
-            prior = self._covariance(new[rows], points)
-            table = predict_each(self._posterior, marginals, rows, prior, self.amplitude, self._tolerance())
-            table = table[:, :, len(new) :]
-            as_negative, as_positive = table[:, : len(rows)], table[:, len(rows) :]
+            as_negative, as_positive = (
+                table[:, :, len(new) :]
+                for table in self._classifiers.predict_each(points, marginals, rows, self._tolerance())
+            )
             found[rows] = np.where(own[rows].T[:, :, None], as_positive, as_negative).transpose(1, 2, 0)
         return self._balanced(found, (self._counts() + own)[:, None])
 
-    def _without_examples(
-        self, amplitude: float, length_scale: float | None, relative_length_scale: float
-    ) -> ConceptModels:
+    def _without_examples(self, kernels: KernelFamily) -> ConceptModels:
         return ConceptModels(
-            self.symbols, amplitude, length_scale, relative_length_scale, self.shape, self.class_balance
+            self.symbols,
+            kernels.amplitude,
+            kernels.length_scale,
+            kernels.relative_length_scale,
+            kernels.shape,
+            self.class_balance,
         )
+
+    def _checked(self, features: ArrayLike, labels: Sequence[str], groups: Sequence[str] | None) -> Array:
+        """Return a copy of the features of examples, after a check that all fits together."""
+        points = _matrix(features).copy()
+        if groups is not None and len(points) and len(groups) != points.shape[1]:
+            raise InputError(f'{len(groups)} groups for {points.shape[1]} features')
+        if len(labels) != len(points):
+            raise InputError(f'{len(labels)} labels for {len(points)} feature vectors')
+        self.check_labels(labels)
+        return points
 
     def _counts(self) -> Array:
         """Return the (|Y|,) numbers of positive examples."""
@@ -320,11 +313,6 @@ class ConceptModels:
         after = self._counts() + np.eye(len(self.symbols))
         return PROBABILITY_TOLERANCE / largest_slope(after, self.class_balance)
 
-    def _check_labels(self, labels: Sequence[str]) -> None:
-        for label in labels:
-            if label not in self.symbols and label != NO_SYMBOL:
-                raise InputError(f'unknown label {label!r}; known: {", ".join((*self.symbols, NO_SYMBOL))}')
-
     def _is_affordable(self, n_things: int) -> bool:
         """Return whether an exact look-ahead takes no more than some seconds; if not, log a warning once."""
         operations = exact_operations(n_things, len(self.symbols), len(self._labels))
@@ -334,53 +322,17 @@ class ConceptModels:
             _LOGGER.warning(text, n_things, len(self.symbols), len(self._labels), operations)
         return operations <= EXACT_OPERATIONS
 
-    def _with_one_more(self, point: Array, targets: Array) -> tuple[Array, Array]:
-        """Return kernel matrix and modes, (n + 1, n + 1) and (|Y|, n + 1), after one more example.
-
-        That has (1, m) features and (|Y|, 1) targets, 1 where it is positive and 0 where it is negative.
-        """
-        from al_questioner.concepts.laplace.mode_shift import find_shift
-
-        n = len(self._labels)
-        kernel = np.empty((n + 1, n + 1))
-        kernel[:n, :n] = self._posterior.kernel
-        kernel[n, :n] = kernel[:n, n] = self._covariance(point, self._points)[0] if n else 0.0
-        kernel[n, n] = self.amplitude
-        marginals = self._posterior.at(kernel[:n, n:])
-        shift = find_shift(
-            self._posterior,
-            marginals.solved.transpose(0, 2, 1),
-            self.amplitude - marginals.explained,
-            marginals.mean,
-            targets,
-            WARM_FIT_TOLERANCE,
-        )
-        modes = self._posterior.modes + shift.change[:, 0] / self._posterior.root
-        start = np.concatenate([modes, shift.latent], axis=1)
-        # If the search did not converge, start from 0.
-        start[~(shift.error[:, 0] < 1)] = 0.0
-        return kernel, start
-
     def _marginals(self, points: Array) -> Marginals:
         """Return the beliefs at points; the last result is kept, because a turn asks about its scene repeatedly."""
         if self._last_seen is None or not np.array_equal(self._last_seen[0], points):
-            known = self._points if self._labels else np.empty((0, points.shape[1]))
-            self._last_seen = points.copy(), self._posterior.at(self._covariance(known, points))
+            self._last_seen = points.copy(), self._classifiers.at(points)
             self._last_table = None
         return self._last_seen[1]
 
-    def _covariance(self, first: Array, second: Array) -> Array:
-        n_features = second.shape[1]
-        if self.shape == RBF:
-            return rbf_kernel(first, second, self.amplitude, self.length_scale_of(n_features))
-        relative = self.length_scale_of(n_features) / np.sqrt(max(n_features, 1))
-        shares = self.shape.shares(self._groups or ('',) * n_features)
-        return saturating_kernel(first, second, self.amplitude, relative, shares, self.shape.saturation)
-
     def _matching(self, features: ArrayLike) -> Array:
         points = _matrix(features)
-        if len(self._points) and points.shape[1] != self._points.shape[1]:
-            found, fitted = points.shape[1], self._points.shape[1]
+        found, fitted = points.shape[1], self._classifiers.points.shape[1]
+        if self._labels and found != fitted:
             raise InputError(f'features have {found} columns, the models were fitted on {fitted}')
         return points
 

@@ -44,22 +44,10 @@ class LabelCarrier:
         if object_id in self._said:
             self._carry(self._said[object_id], features, turn)
 
-    def hear(self, view: LabelledView) -> None:
-        """Take note of a label that was given to a view, and that is learnt already."""
-        before = self._said.get(view.object_id)
-        if before is not None and before.label != view.label:
-            self._contradicted.add(view.object_id)
-        copies = self._copies(view.object_id)
-        outdated = [
-            copy
-            for copy in copies
-            if copy.label != view.label or bool(self._are_same(copy.features[None], view.features)[0])
-        ]
-        self._taught.withdraw(outdated, view.turn)
-        self._said[view.object_id] = view
-        if view.object_id not in self._contradicted:
-            for features in self._seen.of_object(view.object_id):
-                self._carry(view, features, view.turn)
+    def label(self, view: LabelledView) -> None:
+        """Add a label, see `TaughtViews.label`, and carry it to the other views of the object."""
+        self._taught.label(view)
+        self._hear(view)
 
     def judge(self, scene: Scene, mattering: Collection[int], turn: int) -> bool:
         """Add a judgement, see `TaughtViews.judge`; return whether any label has changed."""
@@ -76,8 +64,25 @@ class LabelCarrier:
         for view in [each for each in self._taught.labelled if each not in before]:
             said = self._said.get(view.object_id)
             if said is None or said.was_left_out:
-                self.hear(view)
+                self._hear(view)
         return changed
+
+    def _hear(self, view: LabelledView) -> None:
+        """Take note of a label that was given to a view, and that is learnt already."""
+        before = self._said.get(view.object_id)
+        if before is not None and before.label != view.label:
+            self._contradicted.add(view.object_id)
+        copies = self._copies(view.object_id)
+        outdated = [
+            copy
+            for copy in copies
+            if copy.label != view.label or bool(self._are_same(copy.features[None], view.features)[0])
+        ]
+        self._taught.withdraw(outdated, view.turn)
+        self._said[view.object_id] = view
+        if view.object_id not in self._contradicted:
+            for features in self._seen.of_object(view.object_id):
+                self._carry(view, features, view.turn)
 
     def _copies(self, object_id: int) -> list[LabelledView]:
         """Return the labels that were carried to views of an object, and count."""

@@ -91,6 +91,11 @@ class TaughtViews:
         self.learnt: list[LabelledView] = []
         self._unnameable: list[UnnameableView] = []
 
+    @property
+    def labels(self) -> list[str]:
+        """Label of each labelled view."""
+        return [view.label for view in self.labelled]
+
     def label(self, view: LabelledView) -> None:
         """Add a label; a view that is of no symbol does not matter, whatever was said before."""
         self._add([view])

@@ -32,7 +32,7 @@ from al_questioner.domain.query import (
 )
 from al_questioner.domain.random_streams import random_stream
 from al_questioner.domain.recognition import THRESHOLD, Candidate, Finding, RecognisedThing, Recognition
-from al_questioner.domain.scene import Camera, FloatArray, Observation, Scene, View, group_of
+from al_questioner.domain.scene import Camera, FloatArray, Observation, Scene, View, group_of, groups_of
 from al_questioner.domain.setting import Setting
 from al_questioner.domain.settings import (
     AMPLITUDE,
@@ -116,6 +116,7 @@ __all__ = [
     'ViewLabel',
     'ViewTolerance',
     'group_of',
+    'groups_of',
     'price_of',
     'random_stream',
 ]

@@ -15,7 +15,7 @@ from typing import Any
 from al_questioner.domain.errors import InputError
 from al_questioner.domain.names import quoted
 from al_questioner.domain.query import NO_SYMBOL, QueryKind
-from al_questioner.domain.scene import group_of
+from al_questioner.domain.scene import groups_of
 from al_questioner.domain.settings import Classifiers
 
 
@@ -224,7 +224,7 @@ class Knowledge:
     @property
     def groups(self) -> tuple[str, ...]:
         """Groups of the features, in the order in which they occur."""
-        return tuple(dict.fromkeys(group_of(name) for name in self.feature_names))
+        return groups_of(self.feature_names)
 
     @property
     def relevant_groups(self) -> tuple[str, ...]:

@@ -10,7 +10,7 @@ from typing import SupportsIndex
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from al_questioner.domain.errors import SceneError
+from al_questioner.domain.errors import InputError, SceneError
 from al_questioner.domain.names import listed
 
 FloatArray = NDArray[np.floating]
@@ -63,6 +63,11 @@ class Observation:
 def group_of(feature_name: str) -> str:
     """Return the group of a feature, as a person would name it: the part of its name before the first underscore."""
     return feature_name.split('_', 1)[0]
+
+
+def groups_of(feature_names: Iterable[str]) -> tuple[str, ...]:
+    """Return the distinct groups of features, in the order in which they occur."""
+    return tuple(dict.fromkeys(map(group_of, feature_names)))
 
 
 @dataclass(frozen=True, eq=False)
@@ -140,6 +145,17 @@ class Scene:
             return self.object_ids.index(object_id)
         except ValueError:
             raise KeyError(object_id) from None
+
+    def features_of(self, object_id: int) -> FloatArray:
+        """Return the (m,) features of an object.
+
+        Raises:
+            InputError: the object is not in the scene.
+        """
+        if object_id not in self.object_ids:
+            raise InputError(f'object {object_id} is not in the scene')
+        row: FloatArray = self.features[self.index_of(object_id)]
+        return row
 
 
 def _ids(values: Iterable[SupportsIndex], what: str) -> tuple[int, ...]:

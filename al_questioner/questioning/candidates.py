@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
-from al_questioner.domain import Action, Costs, QueryKind, Scene, group_of
+from al_questioner.domain import Action, Costs, QueryKind, Scene, groups_of
 
 BUDGET_ROUNDING = 1e-9
 """Largest amount by which rounding may exceed the budget: three times 0.1 is affordable with 0.3."""
@@ -35,7 +35,7 @@ def is_open(kind: QueryKind, scene: Scene) -> bool:
     if kind in (QueryKind.DEMONSTRATION, QueryKind.RELEVANCE):
         return len(scene) > 0
     if kind is QueryKind.FEATURE_SUBSET:
-        return len({group_of(name) for name in scene.feature_names}) > 1
+        return len(groups_of(scene.feature_names)) > 1
     return True
 
 

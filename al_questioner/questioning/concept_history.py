@@ -12,7 +12,7 @@ from al_questioner.concepts.view_memory import corrected
 from al_questioner.domain import AUTO, EpisodeSettings, Outcome, QueryRecord, Scene, ViewTolerance
 from al_questioner.questioning.initial_concepts import taught_concept_learner
 from al_questioner.questioning.query_status import QueryBook
-from al_questioner.questioning.reliability import item_of, label_beliefs
+from al_questioner.questioning.reliability import label_beliefs
 
 
 class ConceptHistory:
@@ -32,8 +32,7 @@ class ConceptHistory:
     ) -> None:
         tolerance = VIEW_TOLERANCE if view_tolerance == AUTO else view_tolerance
         self.selector = selector
-        self._beginning, before = taught_concept_learner(settings, selector, tolerance)
-        self._beliefs_before = {item_of(lesson): beliefs for lesson, beliefs in before.items()}
+        self._beginning, self._beliefs_before = taught_concept_learner(settings, selector, tolerance)
         self._views = ViewMemory() if view_tolerance == AUTO else None
         self._queries = queries
         self.concepts = self._at_the_beginning()

@@ -6,7 +6,7 @@ from al_questioner.concepts import VIEW_TOLERANCE, ConceptLearner, Selector
 from al_questioner.concepts.kernel import KERNEL_SHAPES
 from al_questioner.concepts.lessons import LessonWatcher, features_of, learn_again
 from al_questioner.domain import EpisodeSettings, Lesson
-from al_questioner.questioning.reliability import label_beliefs, view_in_question
+from al_questioner.questioning.reliability import item_of, label_beliefs, view_in_question
 from al_questioner.support.arrays import Array
 
 
@@ -23,7 +23,7 @@ def taught_concept_learner(
     """Make that learner, and tell what it believed of what it knows already before it was named.
 
     Returns:
-        The learner, and by the index of each lesson in which one view was named, (L,) the belief in each label.
+        The learner, and by `item_of` each lesson in which one view was named, (L,) the belief in each label.
     """
     concepts = ConceptLearner(
         settings.symbols,
@@ -42,7 +42,7 @@ def taught_concept_learner(
         def note(index: int, lesson: Lesson) -> None:
             view = view_in_question(lesson)
             if view is not None:
-                beliefs[index] = label_beliefs(concepts.predict_proba(features_of(views[view])[None])[0])
+                beliefs[item_of(index)] = label_beliefs(concepts.predict_proba(features_of(views[view])[None])[0])
 
         watch: LessonWatcher = note
         learn_again(concepts, knowledge, watch)

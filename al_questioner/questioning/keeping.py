@@ -9,7 +9,8 @@ from collections.abc import Mapping
 import numpy as np
 
 from al_questioner.concepts.feature_selection import name_of_selector
-from al_questioner.concepts.lessons import statistics_of
+from al_questioner.concepts.last_looks import LastLooks
+from al_questioner.concepts.lessons import features_of, statistics_of
 from al_questioner.concepts.taught_views import LabelledView
 from al_questioner.domain import (
     Classifiers,
@@ -89,6 +90,9 @@ class _Writing:
         views = {} if before is None else before.views
         self._next = max(views, default=0) + 1
         self._shown = {view.object_id: view for view in views.values()}
+        self._looks = LastLooks()
+        for view in self._shown.values():
+            self._looks.take((view.object_id,), features_of(view)[None])
         self._latest = {_key(view): view.number for view in views.values()}
         self._numbers: dict[LabelledView, int] = {}
 
@@ -119,19 +123,15 @@ class _Writing:
                     and record.object_id is not None
                     and answer.outcome is Outcome.ANSWERED
                 )
-                lesson = Lesson(
-                    self._origin.episode,
-                    turn,
-                    self._stamps.get(turn),
-                    seen,
-                    record.kind,
-                    teachers.get(turn, ''),
-                    self._judgements(record, scene),
-                    named,
-                    tuple(self._number(each) for each in withdrawn[turn]),
-                    record.groups,
-                    self._unnameable(record),
-                    said,
+                lesson = dataclasses.replace(
+                    lesson,
+                    kind=record.kind,
+                    teacher=teachers.get(turn, ''),
+                    judgements=self._judgements(record, scene),
+                    withdrawn=tuple(self._number(each) for each in withdrawn[turn]),
+                    groups=record.groups,
+                    unnameable=self._unnameable(record),
+                    hearsay=said,
                 )
             if not lesson.is_empty:
                 found.append(lesson)
@@ -150,13 +150,13 @@ class _Writing:
     def _new_views(self, scene: Scene) -> tuple[SeenView, ...]:
         """Return the views of a scene that its objects did not show when they were seen last."""
         found: list[SeenView] = []
-        for object_id, row in zip(scene.object_ids, scene.features.astype(np.float32), strict=True):
-            features, before = tuple(row.tolist()), self._shown.get(object_id)
-            if before is None or not _are_same_bits(before.features, features):
-                self._shown[object_id] = SeenView(self._next, object_id, features)
-                self._latest[_key(self._shown[object_id])] = self._next
-                self._next += 1
-                found.append(self._shown[object_id])
+        for row in self._looks.take(scene.object_ids, scene.features):
+            features = scene.features[row].astype(np.float32)
+            view = SeenView(self._next, scene.object_ids[row], tuple(features.tolist()))
+            self._shown[view.object_id] = view
+            self._latest[_key(view)] = self._next
+            self._next += 1
+            found.append(view)
         return tuple(found)
 
     def _judgements(self, record: QueryRecord, scene: Scene) -> tuple[ViewJudgement, ...]:
@@ -171,9 +171,4 @@ class _Writing:
 
 def _key(view: SeenView) -> tuple[int, bytes]:
     """Return the object of a view and the bits of its features."""
-    return view.object_id, np.array(view.features, dtype=np.float32).tobytes()
-
-
-def _are_same_bits(first: tuple[float, ...], second: tuple[float, ...]) -> bool:
-    """Return whether numbers are the same to the last bit, as a learner compares views: 0 is not -0."""
-    return first == second and np.array(first).tobytes() == np.array(second).tobytes()
+    return view.object_id, features_of(view).tobytes()

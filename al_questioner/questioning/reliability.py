@@ -13,7 +13,7 @@ nothing, b is uniform, and nothing is learnt of a teacher whose objects no other
 
 from __future__ import annotations
 
-from collections.abc import Collection, Mapping, Sequence
+from collections.abc import Collection, Iterable, Mapping, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -70,12 +70,18 @@ def label_beliefs(probabilities: Array) -> Array:
     return np.asarray(odds / odds.sum())
 
 
-def reliabilities(statements: Sequence[Statement], beliefs: Mapping[int, Array]) -> dict[str, float]:
-    """Return the estimated r_t of every teacher, see the formulas above, given (L,) b_i of every item."""
+def reliabilities(
+    statements: Sequence[Statement], beliefs: Mapping[int, Array], others: Iterable[str] = ()
+) -> dict[str, float]:
+    """Return the estimated r_t of every teacher, see the formulas above, given (L,) b_i of every item.
+
+    Other teachers made no statement: of them only what every teacher is credited with is known.
+    """
+    credited = dict.fromkeys(others, CREDIT_RIGHT / (CREDIT_RIGHT + CREDIT_WRONG))
+    if not statements:
+        return credited
     teachers = list(dict.fromkeys(statement.teacher_id for statement in statements))
     items = list(dict.fromkeys(statement.item for statement in statements))
-    if not statements:
-        return {}
     who = np.array([teachers.index(statement.teacher_id) for statement in statements])
     which = np.array([items.index(statement.item) for statement in statements])
     said = np.array([statement.label for statement in statements])
@@ -94,7 +100,7 @@ def reliabilities(statements: Sequence[Statement], beliefs: Mapping[int, Array])
         before, reliability = reliability, (CREDIT_RIGHT + right) / (CREDIT_RIGHT + CREDIT_WRONG + spoken)
         if np.abs(reliability - before).max() < CONVERGED:
             break
-    return dict(zip(teachers, reliability.tolist(), strict=True))
+    return credited | dict(zip(teachers, reliability.tolist(), strict=True))
 
 
 def statements_of(
@@ -162,14 +168,15 @@ def teacher_records(
     statements = statements_of(book, queries, symbols, beliefs)
     if known is not None:
         statements = [*statements_in(known, symbols), *statements]
-    estimated = reliabilities(statements, beliefs)
     counts, earlier = answer_counts(book), {} if known is None else known.teachers
+    names = sorted({*counts, *earlier})
+    estimated = reliabilities(statements, beliefs, names)
     return {
         name: TeacherRecord(
             **vars(counts.get(name, TeacherCounts()).plus(earlier.get(name, TeacherCounts()))),
-            reliability=estimated.get(name, CREDIT_RIGHT / (CREDIT_RIGHT + CREDIT_WRONG)),
+            reliability=estimated[name],
         )
-        for name in sorted({*counts, *earlier})
+        for name in names
     }
 
 

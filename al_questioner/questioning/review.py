@@ -9,7 +9,7 @@ from al_questioner.concepts.feature_selection import selector_named
 from al_questioner.concepts.lessons import learn_again, statistics_of
 from al_questioner.domain import NO_SYMBOL, EpisodeSettings, Knowledge, Lesson, ViewLabel
 from al_questioner.questioning.initial_concepts import taught_concept_learner
-from al_questioner.questioning.reliability import item_of, label_beliefs, reliabilities, statements_in
+from al_questioner.questioning.reliability import label_beliefs, reliabilities, statements_in
 from al_questioner.support.arrays import Array
 
 DOUBT = 0.1
@@ -88,8 +88,7 @@ class KnowledgeFollower:
 def reviewed(knowledge: Knowledge) -> Knowledge:
     """Return the knowledge with the statistics and the reliabilities that follow from it."""
     concepts, beliefs = _taught(knowledge)
-    by_item: dict[int, Array] = {item_of(lesson): each for lesson, each in beliefs.items()}
-    estimated = reliabilities(statements_in(knowledge, knowledge.symbols), by_item)
+    estimated = reliabilities(statements_in(knowledge, knowledge.symbols), beliefs, knowledge.teachers)
     return replace(
         knowledge,
         statistics=statistics_of(concepts) if knowledge.views else None,

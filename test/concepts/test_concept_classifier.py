@@ -52,7 +52,7 @@ def test_it_takes_the_settings_that_ship() -> None:
     assert {name: parameters[name] for name in DEFAULT_CLASSIFIERS._fields} == DEFAULT_CLASSIFIERS._asdict()
     models = ConceptClassifier().fit(FEATURES[FEW], TARGETS[FEW]).models_
     assert isinstance(models, ConceptModels)
-    assert models.shape == KERNEL_SHAPES[DEFAULT_CLASSIFIERS.kernel_shape]
+    assert models.kernels.shape == KERNEL_SHAPES[DEFAULT_CLASSIFIERS.kernel_shape]
 
 
 def test_none_is_a_class_like_any_other() -> None:

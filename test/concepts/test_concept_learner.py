@@ -148,8 +148,6 @@ def test_another_feature_layout_is_refused_and_changes_nothing(taught, scene):
     before, version = taught.predict_proba(scene.features), taught.model_version
     with pytest.raises(SceneError, match="feature 1 of the scene is 'colour_blue', it was 'colour_green'"):
         taught.observe(scene_of(scene.features, names=('colour_red', 'colour_blue', 'size_height', 'noise_max')))
-    with pytest.raises(SceneError, match='has 1 features, those before had 4'):
-        taught.observe(scene_of([[1.0]], names=('size_height',)))
     assert taught.model_version == version
     np.testing.assert_array_equal(taught.predict_proba(scene.features), before)
 
@@ -162,12 +160,8 @@ def test_what_cannot_be_told(taught, scene):
     ):
         with pytest.raises(InputError, match=reason):
             taught.label(0, features, label, 1)
-    for groups, reason in (
-        (('size', 'taste'), "unknown feature group 'taste'; known: colour, size, noise"),
-        ((), 'no feature group'),
-    ):
-        with pytest.raises(InputError, match=reason):
-            taught.restrict_to_groups(groups)
+    with pytest.raises(InputError, match="unknown feature group 'taste'"):
+        taught.restrict_to_groups(('size', 'taste'))
     gone = QueryRecord(1, QueryKind.LABEL, 99, 'snack', 1.0, Outcome.ANSWERED)
     with pytest.raises(InputError, match='object 99 is not in the scene'):
         taught.learn(gone, scene)

@@ -64,7 +64,7 @@ def test_one_example_by_hand():
     """One positive example: the mode solves f = amplitude (1 - logistic(f)), checked by substituting it back."""
     amplitude = 4.0
     classifier = ConceptModels(['a', 'b'], amplitude, 1.0).fit([[0.0]], ['a'])
-    positive, negative = classifier._posterior.modes[:, 0]
+    positive, negative = classifier._classifiers.posterior.modes[:, 0]
     assert positive == pytest.approx(amplitude * (1 - expit(positive)), abs=1e-10)
     assert negative == pytest.approx(-positive, abs=1e-10)
     q = classifier.predict_proba([[0.0], [100.0]])
@@ -138,7 +138,7 @@ def test_one_label_more_is_learnt_as_from_nothing(learning_state, amplitude, dup
         for thing, symbol in ((0, state.symbols[0]), (len(state.scene) - 1, NO_SYMBOL)):
             more = state.had_been_labelled(thing, symbol)
             warm, fresh = state.fitted().fit(*more), state.models().fit(*more)
-            assert_close(warm._posterior.modes, fresh._posterior.modes)
+            assert_close(warm._classifiers.posterior.modes, fresh._classifiers.posterior.modes)
             assert_close(warm.predict_proba(state.scene), fresh.predict_proba(state.scene))
             assert_close(warm.look_ahead(state.scene), fresh.look_ahead(state.scene), atol=1e-6)
 
@@ -152,7 +152,7 @@ def test_sixty_labels_one_by_one_do_not_drift(learning_state, amplitude):
         growing.fit(state.features[:n], state.labels[:n])
         if n % 15 == 0:
             fresh = state.models().fit(state.features[:n], state.labels[:n])
-            assert_close(growing._posterior.modes, fresh._posterior.modes)
+            assert_close(growing._classifiers.posterior.modes, fresh._classifiers.posterior.modes)
             assert_close(growing.predict_proba(state.scene), fresh.predict_proba(state.scene))
 
 

@@ -38,7 +38,7 @@ def test_beliefs_before_any_label_are_the_shares(toy):
 def test_beliefs_are_the_formula_written_out(toy):
     labels = ['snack', NO_SYMBOL, 'fruit', 'snack']
     context = context_of(toy, labels, history=[named(label) for label in labels])
-    points = context.concepts._standardiser.transform(context.scene.features)
+    points = context.concepts.standardiser.transform(context.scene.features)
     none = class_shares(context)[-1]
     found = class_beliefs(context, REACH, DOUBT)
     for row in range(6):

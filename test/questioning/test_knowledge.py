@@ -239,6 +239,25 @@ def test_late_answers_of_the_second_day_count_as_if_at_once():
     )
 
 
+def test_teachers_without_a_label_that_counts_are_reviewed_too():
+    """A teacher who only said that they did not know would lose the estimate when the file is looked at."""
+    episode = begin(
+        make_settings('random_fsq', turns=3), strategy=Asks(*(Action(QueryKind.LABEL, i) for i in range(3)))
+    )
+    for outcome, content, teacher in (
+        (Outcome.ANSWERED, SYMBOLS[0], 'anna'),
+        (Outcome.UNKNOWN, None, 'bob'),
+        (Outcome.SKIP, None, 'carl'),
+    ):
+        query = episode.ask(make_scene(np.arange(15.0).reshape(3, 5))).query
+        episode.tell(Answer(query.query_id, f'a{query.turn}', teacher, outcome, content))
+    knowledge = episode.knowledge('day 1')
+    assert sorted(knowledge.reliabilities) == ['anna', 'bob', 'carl']
+    assert reviewed(knowledge) == knowledge
+    bare = dataclasses.replace(knowledge, reliabilities={}, statistics=None)
+    assert reviewed(bare) == knowledge
+
+
 def test_an_episode_is_kept_once():
     """Two episodes of one id cannot be told apart in what is kept."""
     first = begin(make_settings('farthest_fsq'))

@@ -198,7 +198,7 @@ def test_shares_count_each_thing_once(toy):
 def test_beliefs_are_the_formula_written_out(toy):
     labels = ['snack', NO_SYMBOL]
     context = context_of(toy, (3, 4), labels)
-    points = context.concepts._standardiser.transform(context.scene.features)
+    points = context.concepts.standardiser.transform(context.scene.features)
     prior = [dict(zip((*toy.symbols, NO_SYMBOL), each, strict=True)) for each in prior_beliefs(context)]
     of = {'snack': [0], NO_SYMBOL: [1, 2, 5]}
 

@@ -35,6 +35,15 @@ def test_two_certain_contradictions_by_hand():
     assert found['anna'] == pytest.approx(11 / 14, abs=1e-6)
 
 
+def test_who_said_nothing_of_a_thing_is_credited_as_everybody():
+    """A teacher who only said that they did not know would be without an estimate, or change those of others."""
+    assert reliabilities([], {}, ['carl']) == {'carl': 0.9}
+    statements = [Statement(1, 'anna', 0), Statement(1, 'bob', 1)]
+    beliefs = {1: np.array([0.8, 0.1, 0.1])}
+    alone = reliabilities(statements, beliefs)
+    assert reliabilities(statements, beliefs, ['bob', 'carl']) == alone | {'carl': 0.9}
+
+
 def test_it_is_the_fixed_point_of_the_formulas():
     """Otherwise the estimate would be another one than the documentation states: recomputed in loops."""
     rng = random_stream(5, 'reliability')

@@ -7,9 +7,12 @@ Rasmussen and Williams, Gaussian Processes for Machine Learning (2006) (below: R
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 
 from al_questioner.concepts.kernel import Kernel
+from al_questioner.concepts.kernel_family import KernelFamily
 from al_questioner.concepts.laplace.gaussian_process import expit, find_modes, well_conditioned
 from al_questioner.support.arrays import Array
 from al_questioner.support.late_imports import late
@@ -89,6 +92,17 @@ def tuned_kernel(points: Array, targets: Array, configured: Kernel) -> Kernel:
 
     found = minimize(loss, np.zeros(2), jac=True, method='L-BFGS-B', bounds=np.column_stack([-reach, reach]))
     return _kernel(centre + found.x)
+
+
+def tuned_kernels(points: Array, targets: Array, configured: KernelFamily) -> KernelFamily:
+    """Return the kernels of which that for (n, m) points is the `tuned_kernel`.
+
+    Their length scale is a multiple of the root of the number of features, even if the configured one is not.
+    """
+    n_features = points.shape[1]
+    found = tuned_kernel(points, targets, configured.kernel_of(n_features))
+    relative = found.length_scale / float(np.sqrt(n_features))
+    return replace(configured, amplitude=found.amplitude, length_scale=None, relative_length_scale=relative)
 
 
 def _kernel(logarithms: Array) -> Kernel:
