@@ -6,7 +6,6 @@ Type what you want (`snack`): it is said on `want`, and what comes back on `targ
 """
 
 import argparse
-import contextlib
 import json
 import sys
 import threading
@@ -80,13 +79,16 @@ def main() -> None:
     parser.add_argument('--number', type=int, default=0, help='of the table (%(default)s)')
     given = parser.parse_args(remove_ros_args(sys.argv)[1:])
     rclpy.init()
-    with contextlib.suppress(EOFError, KeyboardInterrupt):
-        node = NewTable(given)
-        threading.Thread(target=spin, args=(node,), daemon=True).start()
+    node = NewTable(given)
+    thread = threading.Thread(target=spin, args=(node,), daemon=True)
+    thread.start()
+    try:
         while True:
             if word := input().strip():
                 node.wish.publish(String(data=word))
-    rclpy.try_shutdown()
+    except (EOFError, KeyboardInterrupt):
+        rclpy.try_shutdown()
+        thread.join()
 
 
 if __name__ == '__main__':
