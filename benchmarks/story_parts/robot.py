@@ -121,8 +121,7 @@ class Robot:
 
     def _start(self, name: str, command: list[str], ros: list[str]) -> None:
         options = ['--ros-args', *ros] if ros else []
-        typed = shlex.join([*command[1:], *options]).replace(f'{self._folder}/', '')
-        self._show(f'python {typed} &')
+        self._show(f'python {shlex.join([*command[1:], *options])} &')
         everything = [*command, '--ros-args', '-r', f'__ns:=/{self._namespace}', *ros]
         with self._log(name).open('ab') as log:
             # A pipe that nobody writes to: a script that reads its input would end at the end of it.

@@ -41,7 +41,7 @@ class NewTable(Node):
         self.seen_at = self.get_clock().now().to_msg()
         cloud = cloud_of_scene(scene, Header(stamp=self.seen_at, frame_id='table'), CLOUD_TYPES)
         self.objects.publish(cloud)
-        print(f'{len(scene)} things are on the table', flush=True)
+        print(f'{len(scene)} things are on the table.', flush=True)
 
     def compare(self, message: String) -> None:
         """Print how many things are taken for what they are."""
@@ -50,13 +50,11 @@ class NewTable(Node):
             # It is of another table, which was there before.
             return
         called = {each['object_id']: each['best'] for each in document['things'] if each['known']}
-        right = [i for i, name in called.items() if name == self.truth[i]]
-        of_symbol = [i for i, name in self.truth.items() if name != NONE]
-        print(
-            f'it says of {len(called)} things what they are, of {len(right)} rightly; {len(of_symbol)} are of some'
-            f' symbol, of which it names {sum(i in right for i in of_symbol)} rightly',
-            flush=True,
-        )
+        right = {thing for thing, name in called.items() if name == self.truth[thing]}
+        of_symbol = [thing for thing, name in self.truth.items() if name != NONE]
+        rightly = sum(thing in right for thing in of_symbol)
+        print(f'It says what {len(called)} things are, and is right about {len(right)};', end=' ')
+        print(f'of the {len(of_symbol)} things of some symbol it names {rightly} rightly.', flush=True)
 
     def show_target(self, message: String) -> None:
         """Print the answer to a wish."""

@@ -27,7 +27,7 @@ TASK = load_task('kitchen_table')
 
 
 def check_that_nothing_was_lost(folder: Path) -> None:
-    """All answers that were acknowledged before the kill are in the log, and in both files."""
+    """Check that all answers that were acknowledged before the kill are in the log, and in both files."""
     contents = read_log(folder / 'monday')
     assert contents.damage is None
     session = summarise_session(folder / 'monday', contents)
@@ -40,7 +40,7 @@ def check_that_nothing_was_lost(folder: Path) -> None:
 
 
 def check_beliefs(told: dict[str, Any], folder: Path) -> None:
-    """What was published follows from the files, to the last bit."""
+    """Check that what was published follows from the files, to the last bit."""
     worlds = {sample: PerceivedWorld(WorldSpec(TASK, sample, sample).open()) for sample in (0, 1)}
     learners = {
         name: taught_learner(read_concepts(folder / name)) for name in told['examples'] if name != 'robot_2.json'
@@ -54,7 +54,7 @@ def check_beliefs(told: dict[str, Any], folder: Path) -> None:
 
 
 def check_wishes(told: dict[str, Any]) -> None:
-    """What is asked for is the most probable thing in view, and the new symbol can be asked for once it was taught."""
+    """Check that the most probable thing is told, and that the new symbol can be asked for once it was taught."""
     (_, snack), (_, unknown), (_, taught) = told['wishes']
     assert unknown['reason'] == "'main_dish' is nothing that was taught; known: snack, fruit, beverage"
     in_view = {name: document for name, _, number, document in told['documents'][:2] if number == 0}
@@ -66,7 +66,7 @@ def check_wishes(told: dict[str, Any]) -> None:
 
 
 def check_merging(told: dict[str, Any], folder: Path) -> None:
-    """What both files hold of Monday counts once; to merge the same again changes nothing."""
+    """Check that what both files hold of Monday counts once, and that to merge the same again changes nothing."""
     counts = told['examples']
     assert counts['corrected.json'] == counts['monday.json'] - len(told['removed']) < counts['monday.json']
     assert counts['both.json'] == counts['tuesday.json'] + counts['robot_2.json'] - counts['corrected.json']

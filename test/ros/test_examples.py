@@ -89,12 +89,12 @@ def test_a_new_table_is_shown_and_asked_for(graph: Any, processes: Any, tmp_path
     processes.namespace = graph.namespace
     script = [sys.executable, '-u', str(EXAMPLES / 'new_table.py'), '--task', 'prepare_lunch', '--sample', '4']
     process = processes.node('new_table', typed, script)
-    processes.wait_for_log('new_table', 'of some symbol, of which it names')
+    processes.wait_for_log('new_table', ' rightly.')
     truth = world.open().new_table(0).symbols
     things = recognitions[-1]['things']
     right = [each for each in things if each['known'] and each['best'] == truth[each['object_id']]]
     assert f'{len(truth)} things are on the table' in processes.log('new_table')
-    assert f'of {len(right)} rightly' in processes.log('new_table')
+    assert f'is right about {len(right)};' in processes.log('new_table')
     os.write(keyboard, b'pliers\n\n')
     processes.wait_for_log('new_table', "'pliers' is nothing that was taught")
     os.close(keyboard)
