@@ -47,7 +47,8 @@ QUESTIONS, MORE_QUESTIONS = 20, 8
 BUDGET = 30.0
 """Enough for all of them; the default would end the first day before."""
 TEACHER = 'anna'
-NEW_TABLE = Path(__file__).resolve().parent.parent / 'docs' / 'examples' / 'new_table.py'
+ROOT = Path(__file__).resolve().parent.parent
+NEW_TABLE = ROOT / 'docs' / 'examples' / 'new_table.py'
 FIRST_DAY_TASK = f"""\
 # As the task kitchen_table, but nobody speaks of {NEW_SYMBOL} yet. Of the same name, as perception compares it.
 symbols: [snack, fruit, beverage]
@@ -289,6 +290,8 @@ def main() -> int:
     parser.add_argument('--tables', type=tables, default=3, help='new tables of each kitchen (%(default)s)')
     parser.add_argument('--json', type=Path, metavar='FILE', help='write what was told, and what was recognised')
     given = parser.parse_args()
+    # The processes run elsewhere, and are to be of this checkout.
+    os.environ['PYTHONPATH'] = os.pathsep.join(filter(None, (str(ROOT), os.environ.get('PYTHONPATH'))))
     # Away from other graphs; before anything of ROS is initialised.
     os.environ['ROS_DOMAIN_ID'] = str(1 + os.getpid() % 100)
     os.environ.setdefault('ROS_AUTOMATIC_DISCOVERY_RANGE', 'LOCALHOST')

@@ -43,6 +43,7 @@ class Robot:
         self._processes: dict[str, subprocess.Popen[bytes]] = {}
         self._node = rclpy.create_node('listener', namespace=self._namespace)
         self._heard: dict[str, list[Any]] = {}
+        self._recognised_at: list[Mapping[str, int]] = []
         self._mouths = {name: self._node.create_publisher(String, name, qos.EVENTS) for name in ('answer', 'want')}
         for name in ('query', 'learner_state', 'recognition'):
             self._listen(name, qos.LATCHED)
@@ -108,9 +109,11 @@ class Robot:
         return self._wait_for(lambda: states and states[-1]['done'] and states[-1], 'the end of the episode')
 
     def recognition(self) -> Mapping[str, Any]:
-        """Wait until something is recognised, and return that; each is returned once."""
-        found = self._wait_for(lambda: self._heard['recognition'] and self._heard['recognition'][-1], 'a recognition')
-        self._heard['recognition'].clear()
+        """Wait until a cloud that was not there before is recognised, and return that."""
+        heard, before = self._heard['recognition'], self._recognised_at
+        found = self._wait_for(lambda: heard and heard[-1]['stamp'] not in before and heard[-1], 'a recognition')
+        # A cloud can be heard, and told of, more than once.
+        before.append(found['stamp'])
         return found
 
     def want(self, text: str) -> Mapping[str, Any]:

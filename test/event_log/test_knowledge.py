@@ -106,13 +106,13 @@ class Elsewhere:
 
 
 def kept(folder: Path) -> Knowledge:
-    """What the command writes of a session."""
+    """Read what the command writes of a session."""
     assert main(['session', str(folder), '--concepts', str(folder / 'kept.json')]) == 0
     return read_concepts(folder / 'kept.json')
 
 
 def test_two_session_logs_are_as_one(tmp_path: Path, world: PerceivedWorld, other_world: PerceivedWorld) -> None:
-    """What is kept of two days differs in its last digits from what one log of both holds."""
+    """A robot that is switched off overnight believes other last digits than one that is not."""
     human = {'settings': dataclasses.replace(WITH_RELEVANCE, budget=40.0)}
     with contextlib.closing(start_durable(tmp_path / '1', ask_what_matters, **human)) as first:
         play_turns(first, world, 6)
