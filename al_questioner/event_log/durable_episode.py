@@ -207,7 +207,8 @@ def _same_episode(log: SessionLog, first: EpisodeEvent, wanted: EpisodeStarted) 
     theirs, ours = ({CARRY_LABELS.name: False, **each.members()} for each in (first, wanted))
     differing = differences(theirs, ours, ignored)
     if differing:
-        raise SessionLogError(f'{log.folder}: the session there has {"; ".join(differing)}')
+        has = '; '.join(differing)
+        raise SessionLogError(f'{log.folder}: the session there has {has}; a new episode needs a folder of its own')
     return first
 
 

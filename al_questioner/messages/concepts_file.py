@@ -39,6 +39,8 @@ def read_concepts(path: Path) -> Knowledge:
     """
     try:
         return concepts_of_text(path.read_text(encoding='utf-8'))
+    except IsADirectoryError:
+        raise InputError(f'{path} is a folder; if it is that of a session, take concepts.json in it') from None
     except OSError as error:
         raise InputError(f'{path} cannot be read ({error.strerror or error})') from error
     except UnicodeDecodeError:

@@ -64,7 +64,8 @@ def notes_on_known(settings: EpisodeSettings) -> tuple[str, str]:
     new, of_none = [symbol for symbol in settings.symbols if symbol not in known.symbols], known.counts[NO_SYMBOL]
     doubtful = (
         f'{", ".join(new)}: new, while {number_of(of_none, "thing")} of {NO_SYMBOL} are known from before; if one is'
-        ' of that symbol, remove its example from the concepts file'
+        ' of that symbol, have its example removed from the concepts file: `concepts FILE --examples` shows them,'
+        ' `concepts FILE --remove VIEW --out FILE` removes one'
     )
     return f'{number_of(len(known.examples), "example")} are known', doubtful if new and of_none else ''
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import contextlib
 import dataclasses
 import json
 from pathlib import Path
@@ -11,7 +12,7 @@ import pytest
 
 from al_questioner.bags import read_episodes
 from al_questioner.cli import main
-from al_questioner.domain import InputError
+from al_questioner.domain import Action, InputError, Knowledge, QueryKind, Scene
 from al_questioner.event_log.encoding import decoded
 from al_questioner.event_log.events import EpisodeStarted
 from al_questioner.event_log.log import SessionLogError, read_log
@@ -21,9 +22,19 @@ from al_questioner.imitation.bags import decisions_anew, read_demonstrations
 from al_questioner.messages.concepts_file import read_concepts
 from al_questioner.messages.concepts_text import concepts_text, fingerprint
 from al_questioner.messages.knowledge_members import knowledge_members
-from al_questioner.questioning import FEATURE_SETS
+from al_questioner.questioning import FEATURE_SETS, TurnContext
+from al_questioner.questioning.review import taught_learner
 from al_questioner.simulation import PerceivedWorld, WorldSpec, episode_settings
-from shared.durable_sessions import TASK, WORLD, durable_of, episode_started, play_turns, start_durable
+from shared.durable_sessions import (
+    TASK,
+    WITH_RELEVANCE,
+    WORLD,
+    ask_what_matters,
+    durable_of,
+    episode_started,
+    play_turns,
+    start_durable,
+)
 
 
 @pytest.fixture(scope='module')
@@ -78,6 +89,61 @@ def test_a_session_goes_on_tomorrow_and_is_resumed(
     summary = summarise_session(tmp_path / 's', read_log(tmp_path / 's'))
     assert summary.knowledge == resumed.knowledge()
     assert summary.knowledge.lessons[: len(known.lessons)] == known.lessons
+
+
+class Elsewhere:
+    """A world whose things have ids that those of another one have not."""
+
+    def __init__(self, world: PerceivedWorld, later_by: int) -> None:
+        self.world, self.later_by = world, later_by
+
+    def scene(self, turn: int) -> Scene:
+        scene = self.world.scene(turn - self.later_by)
+        return dataclasses.replace(scene, object_ids=tuple(1000 + each for each in scene.object_ids))
+
+    def truth(self, turn: int) -> dict[int, str]:
+        return {1000 + each: symbol for each, symbol in self.world.truth(turn - self.later_by).items()}
+
+
+def kept(folder: Path) -> Knowledge:
+    """Read what the command writes of a session."""
+    assert main(['session', str(folder), '--concepts', str(folder / 'kept.json')]) == 0
+    return read_concepts(folder / 'kept.json')
+
+
+def test_two_session_logs_are_as_one(tmp_path: Path, world: PerceivedWorld, other_world: PerceivedWorld) -> None:
+    """A robot that is switched off overnight believes other last digits than one that is not."""
+    human = {'settings': dataclasses.replace(WITH_RELEVANCE, budget=40.0)}
+    with contextlib.closing(start_durable(tmp_path / '1', ask_what_matters, **human)) as first:
+        play_turns(first, world, 6)
+    monday = kept(tmp_path / '1')
+    later = {'settings': dataclasses.replace(human['settings'], concepts=monday), 'episode_id': 'e2'}
+    with contextlib.closing(start_durable(tmp_path / '2', ask_what_matters, **later)) as second:
+        play_turns(second, Elsewhere(other_world, 0), 6)
+    tuesday = kept(tmp_path / '2')
+
+    records = [record for each in (first, second) for record in each.episode.records]
+    actions = [Action(record.kind, record.object_id) for record in records]
+    assert {action.kind for action in actions} == {QueryKind.RELEVANCE, QueryKind.LABEL}
+
+    def ask_as_before(context: TurnContext) -> int:
+        return context.candidates.index(actions[context.turn - 1])
+
+    both = {'settings': dataclasses.replace(human['settings'], budget=80.0, turns=12)}
+    # Between the days the learner ends, and goes on with its log.
+    for world_of_day in (world, Elsewhere(other_world, 6)):
+        with contextlib.closing(start_durable(tmp_path / '3', ask_as_before, **both)) as whole:
+            play_turns(whole, world_of_day, 6)
+    as_one = kept(tmp_path / '3')
+
+    assert [lesson.seen for lesson in tuesday.lessons] == [lesson.seen for lesson in as_one.lessons]
+    assert [label for _, label in tuesday.examples] == [label for _, label in as_one.examples]
+    assert tuesday.statistics == as_one.statistics
+    assert tuesday.reliabilities == as_one.reliabilities
+    looks = np.array([view.features for view in as_one.views.values()], dtype=np.float32)
+    expected = whole.episode.concepts.predict_proba(looks)
+    for learner in (second.episode.concepts, taught_learner(tuesday), taught_learner(as_one)):
+        assert np.array_equal(learner.predict_proba(looks), expected)
 
 
 def test_another_file_is_not_taken_for_the_one_that_was_known(

@@ -146,8 +146,8 @@ def test_what_cannot_be_used_is_refused_in_one_line(tmp_path, text, said):
 
 def test_no_file_and_no_text_are_refused(tmp_path):
     """A wrong path ends in a traceback."""
-    for path in (tmp_path / 'missing', tmp_path):
-        with pytest.raises(InputError, match='cannot be read'):
+    for path, said in ((tmp_path / 'missing', 'cannot be read'), (tmp_path, 'is a folder; if it is that of a session')):
+        with pytest.raises(InputError, match=said):
             read_concepts(path)
     (tmp_path / 'bytes').write_bytes(b'\xff\xfe\x00')
     with pytest.raises(InputError, match='not a text file'):

@@ -4,14 +4,20 @@ from __future__ import annotations
 
 import os
 import sys
+from collections import deque
 from pathlib import Path
 from typing import Any
 
 from std_msgs.msg import String
 
+from al_questioner.domain import random_stream
 from al_questioner.messages import documents
+from al_questioner.messages.concepts_file import write_concepts
+from al_questioner.questioning import Episode
 from al_questioner.ros import qos
 from al_questioner.ros.nodes.learner import LearnerNode
+from al_questioner.ros.nodes.recogniser import RecogniserNode
+from al_questioner.simulation import PerceivedWorld, ScriptedTeacher, WorldSpec, episode_settings, load_task, turns
 from shared.checkout import ROOT
 
 EXAMPLES = ROOT / 'docs' / 'examples'
@@ -66,3 +72,30 @@ def test_who_answers_by_hand_is_told_everything_once(graph: Any, processes: Any,
     assert {answer.data for answer in answers} == {'snack', 'fruit'}
     shown = processes.log('by_hand')
     assert [shown.count(text) for text in ('What is object 1?', 'What is object 2?', 'is over')] == [1, 1, 1]
+
+
+def test_a_new_table_is_shown_and_asked_for(graph: Any, processes: Any, tmp_path: Path) -> None:
+    """Nobody without a robot could see what a concepts file is good for."""
+    world = WorldSpec(load_task('prepare_lunch'), 4, 4)
+    teacher = ScriptedTeacher(world.task.symbols, world.task.relevant_groups, 4)
+    episode = Episode(episode_settings(world.task, 'farthest_fsq', 12.0, 12), random_stream(4, 'learner'))
+    deque(turns(episode, PerceivedWorld(world.open()), teacher), maxlen=0)
+    write_concepts(tmp_path / 'known.json', episode.knowledge('monday'))
+    graph.start(RecogniserNode, concepts=str(tmp_path / 'known.json'))
+    recognitions = graph.listen('recognition')
+    typed = tmp_path / 'typed'
+    os.mkfifo(typed)
+    keyboard = os.open(typed, os.O_RDWR)
+    processes.namespace = graph.namespace
+    script = [sys.executable, '-u', str(EXAMPLES / 'new_table.py'), '--task', 'prepare_lunch', '--sample', '4']
+    process = processes.node('new_table', typed, script)
+    processes.wait_for_log('new_table', ' rightly.')
+    truth = world.open().new_table(0).symbols
+    things = recognitions[-1]['things']
+    right = [each for each in things if each['known'] and each['best'] == truth[each['object_id']]]
+    assert f'{len(truth)} things are on the table' in processes.log('new_table')
+    assert f'is right about {len(right)};' in processes.log('new_table')
+    os.write(keyboard, b'pliers\n\n')
+    processes.wait_for_log('new_table', "'pliers' is nothing that was taught")
+    os.close(keyboard)
+    assert process.wait(DEADLINE) == 0, processes.log('new_table')

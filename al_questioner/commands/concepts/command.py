@@ -44,6 +44,9 @@ def main(given: argparse.Namespace) -> int:
     if knowledge.statistics is None:
         knowledge = reviewed(knowledge)
     _show(console, knowledge, given.examples)
+    is_another = len(parts) > 1 or given.remove or given.rename or given.drop or given.add
+    if is_another and given.out is None and given.csv is None:
+        _say(console, 'nothing is written: --out FILE keeps this')
     if given.out is not None:
         write_concepts(given.out, knowledge)
         _say(console, f'  {given.out}')

@@ -67,10 +67,11 @@ def measured_accuracy(summary: SessionSummary) -> tuple[list[float], str | None]
     try:
         dataset = None if world['dataset'] is None else Path(world['dataset'])
         world_spec = WorldSpec(load_task(world['task']), world['seed'], world['sample'], dataset)
-        episode = summary.episode
-        evaluation = Evaluation(
-            world_spec, summary.started.settings, episode.strategy.selector, tuned_turns=episode.tuned_turns
-        )
+        episode, settings = summary.episode, summary.started.settings
+        beyond = [symbol for symbol in world_spec.task.symbols if symbol not in settings.symbols]
+        if beyond:
+            return [], f'the world has things of {", ".join(beyond)}, which nobody could say'
+        evaluation = Evaluation(world_spec, settings, episode.strategy.selector, tuned_turns=episode.tuned_turns)
         by_turn = {record.turn: record for record in episode.records}
         for observed in summary.observed[: summary.turns_over]:
             if not evaluation.world.scene(observed.turn).equals(observed.scene):

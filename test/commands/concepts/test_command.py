@@ -56,6 +56,17 @@ def test_it_shows_what_is_known(monday: Path, capsys: pytest.CaptureFixture[str]
     assert shown.count('1970-01-01T00:00:0') >= len(known.examples)
 
 
+def test_it_tells_that_a_change_is_not_kept(monday: Path, tuesday: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    """A person takes what is shown for what is in the file."""
+    nothing, before = 'nothing is written: --out FILE keeps this', monday.read_bytes()
+    for arguments, is_told in (([], False), (['--add', 'tool'], True), ([str(tuesday)], True)):
+        assert main(['concepts', str(monday), *arguments]) == 0
+        assert (nothing in capsys.readouterr().out) is is_told
+    assert main(['concepts', str(monday), '--add', 'tool', '--out', str(tuesday)]) == 0
+    assert nothing not in capsys.readouterr().out
+    assert monday.read_bytes() == before
+
+
 def test_it_tells_which_labels_were_carried(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     """A person looks for who said it of this view, and nobody did."""
     path, table = tmp_path / 'c.json', tmp_path / 'c.csv'

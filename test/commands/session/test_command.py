@@ -344,6 +344,20 @@ def test_accuracy_is_not_made_up(tmp_path: Path, world: PerceivedWorld) -> None:
         assert reason in document['no_accuracy_because']
 
 
+def test_a_word_that_nobody_could_say_is_no_crash(tmp_path: Path, world: PerceivedWorld) -> None:
+    """A task that lacks a symbol of the simulated table would end the export in a traceback."""
+    durable = durable_of(
+        dataclasses.replace(BEGUN, settings=dataclasses.replace(BEGUN.settings, symbols=TASK.symbols[1:])),
+        SessionLog(tmp_path / 's'),
+    )
+    durable.start()
+    ask(durable, world)
+    durable.close()
+    assert main(['session', str(tmp_path / 's'), '--json', str(tmp_path / 'x.json')]) == 0
+    reason = json.loads((tmp_path / 'x.json').read_text())['no_accuracy_because']
+    assert reason == f'the world has things of {TASK.symbols[0]}, which nobody could say'
+
+
 @pytest.mark.parametrize('options', [[], ['--repair']])
 def test_nothing_usable_ends_with_status_2_and_one_line(
     tmp_path: Path, options: list[str], refusal: Callable[..., str]
