@@ -84,6 +84,32 @@ def test_a_later_version_of_an_episode_counts():
         assert (labels_of(found), contradictions) == ([(1.0, 'fruit')], [])
 
 
+def test_what_was_taken_back_stays_so():
+    """A label that a correction took back would count again: the later version need not tell of its turn at all."""
+    first = taught('a', [(1, 'snack'), (2, 'snack')])
+    again = Lesson('a', 3, 303, kind=QueryKind.LABEL, teacher='anna', labels=(ViewLabel(2, 'fruit'),))
+    first = replace(first, lessons=(*first.lessons, again))
+    corrected = replace(
+        first,
+        lessons=first.lessons[:2],
+        origins=(replace(first.origins[0], teachers={'anna': TeacherCounts(3, 0, 1, 1)}),),
+    )
+    for parts in ((first, corrected), (corrected, first)):
+        found, contradictions = merged(*parts)
+        assert not contradictions
+        assert found.lessons == corrected.lessons
+
+
+def test_what_was_seen_is_kept_with_a_later_version():
+    """Otherwise nobody could tell what another episode says of the view."""
+    first, other = taught('a', [(1, 'snack'), (2, 'fruit')]), taught('a', [(1, 'snack')])
+    later = replace(other, origins=(replace(other.origins[0], teachers={'anna': TeacherCounts(3)}),))
+    for parts in ((first, later), (later, first)):
+        found, _ = merged(*parts)
+        assert [view.features[0] for view in found.views.values()] == [1, 2]
+        assert labels_of(found) == [(1, 'snack')]
+
+
 def test_the_same_example_of_two_episodes_counts_once():
     """The same picture, shown to two robots, weighs double."""
     found, contradictions = merged(taught('a', [(1, 'snack')]), taught('b', [(1, 'snack')], 'bob'))

@@ -69,6 +69,12 @@ def test_all_comes_back(tmp_path):
     assert json.loads(path.read_text())['schema'] == 'al_questioner/concepts/1'
 
 
+def test_the_groups_that_matter_are_those_that_were_named_last():
+    """People who read the file would take what was said on the first day for what holds."""
+    found = knowledge(lessons=(*knowledge().lessons, Lesson('day 1', 5, groups=('size',))))
+    assert json.loads(concepts_text(found))['relevant_groups'] == ['size']
+
+
 def test_the_fingerprint_is_that_of_the_file(tmp_path):
     """Nobody can find the file that a log speaks of."""
     import hashlib

@@ -220,6 +220,8 @@ def test_corrections_reach_what_is_kept():
     assert (lesson.teacher, lesson.stamp, [label.label for label in lesson.labels]) == ('bob', 7, ['fruit'])
     assert [(said.teacher, said.label) for said in lesson.hearsay] == [('eve', 'snack')]
     assert (knowledge.teachers['toy'].corrected, knowledge.teachers['eve'].late) == (1, 1)
+    assert reviewed(knowledge).reliabilities == knowledge.reliabilities
+    assert knowledge.reliabilities['eve'] < 0.9, 'what she said late tells of her'
 
 
 def test_late_answers_of_the_second_day_count_as_if_at_once():

@@ -2,10 +2,12 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
-from al_questioner.concepts.recognition import recognise
+from al_questioner.concepts.recognition import Recogniser, recognise
 from al_questioner.domain import (
     DEFAULT_CLASSIFIERS,
     NO_SYMBOL,
@@ -21,6 +23,7 @@ from al_questioner.domain import (
 )
 from al_questioner.questioning import SceneRecogniser
 from al_questioner.questioning.review import taught_learner
+from al_questioner.questioning.scene_recogniser import recognise_scene
 
 NAMES = ('colour_red', 'size_height')
 SYMBOLS = ('main_dish', 'snack')
@@ -84,6 +87,15 @@ def test_the_threshold_decides_between_a_name_and_the_question_to_ask(threshold:
     for each in looked(taught(threshold), scene(*LOOKS, (5, 5), (40, -40))).things:
         assert each.is_known is (each.probability >= threshold)
         assert each.question == ('' if each.is_known else f'What is object {each.object_id}?')
+
+
+def test_nothing_is_known_before_anything_was_taught() -> None:
+    """All things look unlike what was taught then, and would be named `none` with great certainty."""
+    seen = knowledge()
+    untaught = taught_learner(replace(seen, lessons=tuple(replace(each, labels=()) for each in seen.lessons)))
+    found = recognise_scene(Recogniser(untaught), scene(*LOOKS))
+    assert found.examples == 0
+    assert not any(each.is_known for each in found.things)
 
 
 def test_more_lessons_are_followed_one_by_one() -> None:
