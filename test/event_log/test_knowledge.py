@@ -104,7 +104,7 @@ def test_another_file_is_not_taken_for_the_one_that_was_known(
 
 
 def test_the_selection_of_features_is_kept(world: PerceivedWorld) -> None:
-    """Who learns from the file would believe by features that the learner had ruled out."""
+    """The beliefs of one who learns from the file would follow from features that the learner had ruled out."""
     durable = start_durable(None, **going_on(None, strategy='u_sampling'))
     play_turns(durable, world, 6)
     concepts, again = durable.episode.concepts, taught_learner(concepts_of_text(concepts_text(durable.knowledge())))

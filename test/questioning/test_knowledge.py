@@ -93,6 +93,8 @@ def test_two_days_are_as_one(strategy, view_tolerance):
 
     looks = np.concatenate([scene.features for scene in (*scenes, *later_scenes)])
     assert np.array_equal(second.concepts.predict_proba(looks), whole.concepts.predict_proba(looks))
+    for scene in scenes:
+        assert np.array_equal(second.concepts.is_unnameable(scene), whole.concepts.is_unnameable(scene))
     last = later_scenes[-1]
     assert np.array_equal(second.concepts.look_ahead(last), whole.concepts.look_ahead(last))
     assert second.concepts.model_version == whole.concepts.model_version

@@ -1,4 +1,4 @@
-"""What a learner knows is told whenever it has changed, and once."""
+"""Knowledge is told whenever it has changed, and once."""
 
 from __future__ import annotations
 
