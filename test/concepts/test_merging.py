@@ -20,6 +20,7 @@ from al_questioner.domain import (
     Origin,
     QueryKind,
     SeenView,
+    Statistics,
     TeacherCounts,
     ViewJudgement,
     ViewLabel,
@@ -155,6 +156,34 @@ def test_an_example_is_removed():
     assert len(found.views) == 2
     with pytest.raises(InputError, match='view 1 is no example'):
         without_example(found, 1)
+
+
+def test_what_followed_from_it_goes_with_a_change():
+    """A file would show a teacher's reliability that does not follow from what it holds."""
+    before = replace(taught('a', [(1, 'snack'), (2, 'fruit')], symbols=(*SYMBOLS, 'tool')), reliabilities={'anna': 0.3})
+    before = replace(before, statistics=Statistics(2, (1.5, 1.5), (1.0, 1.0), before.feature_names))
+    changed = (
+        without_example(before, 1),
+        without_symbol(before, 'tool'),
+        with_symbol(before, 'cup'),
+        with_symbol_renamed(before, 'tool', 'cup'),
+    )
+    assert all((each.statistics, each.reliabilities) == (None, {}) for each in changed)
+
+
+def test_an_answer_that_was_given_twice_in_an_episode_counts_twice():
+    """The learner of the merged file would believe less than that of the episode did."""
+    whole = taught('a', [(1, 'snack'), (1, 'snack')])
+    assert labels_of(merged(whole, taught('b', [(3, 'fruit')]))[0]) == [(1, 'snack'), (1, 'snack'), (3, 'fruit')]
+
+
+def test_a_carried_label_is_of_who_said_it_last():
+    """The teacher who was only the first to say it would answer for it."""
+    lessons = (*taught('a', [(1, 'snack')]).lessons, Lesson('a', 2, 202, (), QueryKind.LABEL, 'bob'))
+    again = replace(lessons[1], labels=(ViewLabel(1, 'snack'),))
+    carried = Lesson('a', 3, 303, (SeenView(2, 1, (5.0, 5.0)),), labels=(ViewLabel(2, 'snack', carried_from=1),))
+    found = replace(taught('a', [(1, 'snack')]), lessons=(lessons[0], again, carried))
+    assert found.teacher_of(carried, carried.labels[0]) == 'bob'
 
 
 def test_a_symbol_is_renamed_wherever_it_is_said():
