@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections import defaultdict
-from collections.abc import Mapping, Sequence
+from collections.abc import Collection, Mapping, Sequence
 from dataclasses import dataclass, replace
 from typing import NamedTuple, TypeVar
 
@@ -71,7 +71,7 @@ def joined_knowledge(parts: Sequence[tuple[str, Knowledge]]) -> Knowledge:
     return replace(
         first,
         symbols=tuple(symbols),
-        lessons=tuple(joining.lessons.values()),
+        lessons=tuple(lesson for lesson in joining.lessons.values() if not lesson.is_empty),
         origins=tuple(joining.origins.values()),
         statistics=None,
         reliabilities={},
@@ -94,6 +94,7 @@ class _Joining:
             later[origin.episode] = _answers(origin) - _answers(known)
             if later[origin.episode] > 0:
                 self.origins[origin.episode] = origin
+        self._forget_what_was_said(part, {episode for episode, more in later.items() if more > 0})
         renumbered: dict[int, int] = {}
         for lesson in part.lessons:
             where, is_later = (lesson.episode, lesson.turn), later[lesson.episode]
@@ -103,7 +104,19 @@ class _Joining:
             if before is not None:
                 seen = {each.object_id: self._numbers[(*where, each.object_id)] for each in before.seen} | seen
                 other = other if is_later > 0 else before if is_later < 0 else _united(name, before, other)
+            elif is_later < 0:
+                other = _without_words(other)
             self.lessons[where] = replace(other, seen=tuple(seen.values()))
+
+    def _forget_what_was_said(self, part: Knowledge, episodes: Collection[str]) -> None:
+        """Forget what was said in turns of these episodes of which the part, a later version, tells nothing.
+
+        It was taken back since, as by a correction that says nothing.
+        """
+        told = {(lesson.episode, lesson.turn) for lesson in part.lessons}
+        for where, lesson in self.lessons.items():
+            if lesson.episode in episodes and where not in told:
+                self.lessons[where] = _without_words(lesson)
 
     def _renumber(
         self, name: str, where: tuple[str, int], view: SeenView, renumbered: dict[int, int], is_later: int
@@ -223,6 +236,11 @@ def _renumbered(lesson: Lesson, numbers: Mapping[int, int]) -> Lesson:
         withdrawn=tuple(numbers[number] for number in lesson.withdrawn),
         unnameable=tuple(numbers[number] for number in lesson.unnameable),
     )
+
+
+def _without_words(lesson: Lesson) -> Lesson:
+    """Return a lesson of what was seen only."""
+    return Lesson(lesson.episode, lesson.turn, lesson.stamp, lesson.seen)
 
 
 def _united(name: str, known: Lesson, other: Lesson) -> Lesson:

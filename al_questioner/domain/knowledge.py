@@ -296,10 +296,14 @@ class Knowledge:
         if len(origins) < len(self.origins):
             raise InputError('an episode occurs twice among the origins')
         known: set[int] = set()
+        turns: set[tuple[str, int]] = set()
         for lesson in self.lessons:
             where = f'turn {lesson.turn} of episode {lesson.episode}'
             if lesson.episode not in origins:
                 raise InputError(f'{where}: the episode is not among the origins')
+            if (lesson.episode, lesson.turn) in turns:
+                raise InputError(f'{where} occurs twice')
+            turns.add((lesson.episode, lesson.turn))
             ids = [view.object_id for view in lesson.seen]
             if len(set(ids)) < len(ids):
                 raise InputError(f'{where}: an object was seen twice')

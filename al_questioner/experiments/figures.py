@@ -172,7 +172,7 @@ def _behaviour(results: Results, task: str, change_interval: int, path: Path) ->
             _draw_queries(panel, results, cell, -row)
         mark_changes(panel, list(range(1 + change_interval, condition.turns + 1, change_interval)))
         panel.set_yticks([-row for row in range(len(strategies))], strategies, fontsize=9)
-        panel.set(xlim=(0, condition.turns + 1), ylim=(0.6 - len(strategies), 0.6), xlabel='turn')
+        panel.set(xlim=(0, condition.turns + 1), ylim=(0.6 - max(len(strategies), 1), 0.6), xlabel='turn')
         panel.xaxis.set_major_locator(MaxNLocator(integer=True))
         panel.set_title(results.name_of(condition), loc='left', fontsize=10)
     figure.suptitle(f'{task}, sample {results.samples[0]}', x=0.01, ha='left', fontsize=11)

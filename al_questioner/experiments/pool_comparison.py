@@ -18,6 +18,7 @@ from al_questioner.domain import BUDGET, TURNS, Costs, SettingsError
 from al_questioner.domain.names import listed
 from al_questioner.experiments.ceilings import CEILINGS
 from al_questioner.experiments.figures import draw_figures, learning_curves
+from al_questioner.experiments.findings import others_than
 from al_questioner.experiments.plan import Cell, Condition, Plan, Variation
 from al_questioner.experiments.playing import Played, play_in, rows_of
 from al_questioner.experiments.processes import do_in_processes
@@ -36,7 +37,7 @@ class PoolComparison:
 
     Attributes:
         results: every episode and turn; a sample is the number of a split.
-        strategies: names in the order in which they were given; the first is tested against the others.
+        strategies: names in the order in which they were given.
         change_interval: turns between scene changes.
     """
 
@@ -48,6 +49,11 @@ class PoolComparison:
     def name(self) -> str:
         """Name of the pool."""
         return self.results.tasks[0]
+
+    @property
+    def compared(self) -> str | None:
+        """Name of the strategy that is tested against the others: the first; None where only ceilings were played."""
+        return next((name for name in self.strategies if name not in CEILINGS), None)
 
     @property
     def conditions(self) -> tuple[Condition, ...]:
@@ -67,9 +73,11 @@ class PoolComparison:
         """Return the tests whether a strategy, the first if none is named, is more accurate than each other one.
 
         Raises:
-            InputError: a strategy or a budget that was not played, or no budget where several were.
+            InputError: a strategy or a budget that was not played, or no budget where several were, or a ceiling.
         """
-        name = self.strategies[0] if strategy is None else strategy
+        name = self.compared if strategy is None else strategy
+        if name is None or name in CEILINGS:
+            raise SettingsError(f'{name or "what was played"} knows the truth, and is not tested against strategies')
         accuracies = self.accuracies(budget)
         if name not in accuracies:
             raise SettingsError(f'strategy {name!r} was not played; played were: {", ".join(self.strategies)}')
@@ -78,7 +86,7 @@ class PoolComparison:
 
     def figure(self) -> Figure:
         """Return the learning curves, a panel for each budget."""
-        return learning_curves(self.results, self.name, self.strategies[0])
+        return learning_curves(self.results, self.name, self.compared)
 
     def draw(self, folder: Path | str) -> list[Path]:
         """Write the figures of an experiment into a folder, and return their paths.
@@ -86,13 +94,13 @@ class PoolComparison:
         Raises:
             InputError: a picture cannot be written.
         """
-        return draw_figures(self.results, {self.name: self.change_interval}, Path(folder), self.strategies[0])
+        return draw_figures(self.results, {self.name: self.change_interval}, Path(folder), self.compared)
 
     def __str__(self) -> str:
         accuracies = accuracy_table(self.results, self.name)
         texts = [f'{ABOUT_ACCURACIES}\n', *_aligned(accuracies)]
-        if len(self.strategies) > 1:
-            first = self.strategies[0]
+        first = self.compared
+        if first is not None and others_than(first, self.results):
             about = (
                 f'Is {first} more accurate? One-tailed tests: Mann-Whitney U, and, as all share the splits, Wilcoxon:'
             )
@@ -141,7 +149,8 @@ def compare(
     things that are held out. The scripted teacher answers from the labels of the pool. See `PoolWorld` for the table.
 
     Args:
-        strategies: names; the first one is tested against the others. `all_labels` is a ceiling: it is told all.
+        strategies: names; the first one is tested against the others. `all_labels` is a ceiling: it is told all, and
+            not tested.
         pool: the things.
         budgets: query budget, or several.
         costs: of each kind of query; those of the paper if not given.

@@ -158,7 +158,8 @@ def _number(value: float, what: str) -> float:
 def time_text(stamp: int) -> str:
     """Return a time in nanoseconds since the epoch as ISO 8601 in UTC, with all its digits."""
     seconds, rest = divmod(stamp, SECOND)
-    return f'{datetime.fromtimestamp(seconds, timezone.utc):%Y-%m-%dT%H:%M:%S}.{rest:09d}Z'
+    whole = datetime.fromtimestamp(seconds, timezone.utc).replace(tzinfo=None)
+    return f'{whole.isoformat(timespec="seconds")}.{rest:09d}Z'
 
 
 def time_of(text: str) -> int:

@@ -115,8 +115,12 @@ class SceneRecogniser:
 
 
 def recognise_scene(recogniser: Recogniser, scene: Scene, threshold: float = THRESHOLD.default) -> Recognition:
-    """Return what the things of a scene are taken for; those below the threshold with the question to ask."""
-    symbols = recogniser.concepts.symbols
+    """Return what the things of a scene are taken for; those that are not known with the question to ask.
+
+    Not known are those below the threshold, and all of them where nothing has been taught: that none of the symbols
+    stands out is then no knowledge.
+    """
+    symbols, examples = recogniser.concepts.symbols, len(recogniser.concepts.labelled_views)
     names = (*symbols, NO_SYMBOL)
     things = []
     rows = zip(
@@ -124,10 +128,11 @@ def recognise_scene(recogniser: Recogniser, scene: Scene, threshold: float = THR
     )
     for object_id, (x, y, z), probabilities in rows:
         highest = max(probabilities)
-        question = question_text(Action(QueryKind.LABEL, object_id), symbols) if highest < threshold else ''
+        is_known = examples > 0 and highest >= threshold
+        question = '' if is_known else question_text(Action(QueryKind.LABEL, object_id), symbols)
         best = names[probabilities.index(highest)]
         things.append(RecognisedThing(object_id, (x, y, z), tuple(probabilities), best, question))
-    return Recognition(symbols, len(recogniser.concepts.labelled_views), threshold, tuple(things))
+    return Recognition(symbols, examples, threshold, tuple(things))
 
 
 def _symbol_meant(text: str, symbols: tuple[str, ...]) -> tuple[str | None, str]:

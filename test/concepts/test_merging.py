@@ -20,6 +20,7 @@ from al_questioner.domain import (
     Origin,
     QueryKind,
     SeenView,
+    Statistics,
     TeacherCounts,
     ViewJudgement,
     ViewLabel,
@@ -84,6 +85,32 @@ def test_a_later_version_of_an_episode_counts():
         assert (labels_of(found), contradictions) == ([(1.0, 'fruit')], [])
 
 
+def test_what_was_taken_back_stays_so():
+    """A label that a correction took back would count again: the later version need not tell of its turn at all."""
+    first = taught('a', [(1, 'snack'), (2, 'snack')])
+    again = Lesson('a', 3, 303, kind=QueryKind.LABEL, teacher='anna', labels=(ViewLabel(2, 'fruit'),))
+    first = replace(first, lessons=(*first.lessons, again))
+    corrected = replace(
+        first,
+        lessons=first.lessons[:2],
+        origins=(replace(first.origins[0], teachers={'anna': TeacherCounts(3, 0, 1, 1)}),),
+    )
+    for parts in ((first, corrected), (corrected, first)):
+        found, contradictions = merged(*parts)
+        assert not contradictions
+        assert found.lessons == corrected.lessons
+
+
+def test_what_was_seen_is_kept_with_a_later_version():
+    """Otherwise nobody could tell what another episode says of the view."""
+    first, other = taught('a', [(1, 'snack'), (2, 'fruit')]), taught('a', [(1, 'snack')])
+    later = replace(other, origins=(replace(other.origins[0], teachers={'anna': TeacherCounts(3)}),))
+    for parts in ((first, later), (later, first)):
+        found, _ = merged(*parts)
+        assert [view.features[0] for view in found.views.values()] == [1, 2]
+        assert labels_of(found) == [(1, 'snack')]
+
+
 def test_the_same_example_of_two_episodes_counts_once():
     """The same picture, shown to two robots, weighs double."""
     found, contradictions = merged(taught('a', [(1, 'snack')]), taught('b', [(1, 'snack')], 'bob'))
@@ -129,6 +156,34 @@ def test_an_example_is_removed():
     assert len(found.views) == 2
     with pytest.raises(InputError, match='view 1 is no example'):
         without_example(found, 1)
+
+
+def test_what_followed_from_it_goes_with_a_change():
+    """A file would show a teacher's reliability that does not follow from what it holds."""
+    before = replace(taught('a', [(1, 'snack'), (2, 'fruit')], symbols=(*SYMBOLS, 'tool')), reliabilities={'anna': 0.3})
+    before = replace(before, statistics=Statistics(2, (1.5, 1.5), (1.0, 1.0), before.feature_names))
+    changed = (
+        without_example(before, 1),
+        without_symbol(before, 'tool'),
+        with_symbol(before, 'cup'),
+        with_symbol_renamed(before, 'tool', 'cup'),
+    )
+    assert all((each.statistics, each.reliabilities) == (None, {}) for each in changed)
+
+
+def test_an_answer_that_was_given_twice_in_an_episode_counts_twice():
+    """The learner of the merged file would believe less than that of the episode did."""
+    whole = taught('a', [(1, 'snack'), (1, 'snack')])
+    assert labels_of(merged(whole, taught('b', [(3, 'fruit')]))[0]) == [(1, 'snack'), (1, 'snack'), (3, 'fruit')]
+
+
+def test_a_carried_label_is_of_who_said_it_last():
+    """The teacher who was only the first to say it would answer for it."""
+    lessons = (*taught('a', [(1, 'snack')]).lessons, Lesson('a', 2, 202, (), QueryKind.LABEL, 'bob'))
+    again = replace(lessons[1], labels=(ViewLabel(1, 'snack'),))
+    carried = Lesson('a', 3, 303, (SeenView(2, 1, (5.0, 5.0)),), labels=(ViewLabel(2, 'snack', carried_from=1),))
+    found = replace(taught('a', [(1, 'snack')]), lessons=(lessons[0], again, carried))
+    assert found.teacher_of(carried, carried.labels[0]) == 'bob'
 
 
 def test_a_symbol_is_renamed_wherever_it_is_said():

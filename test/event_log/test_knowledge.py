@@ -12,14 +12,14 @@ import pytest
 
 from al_questioner.bags import read_episodes
 from al_questioner.cli import main
-from al_questioner.domain import Action, InputError, Knowledge, QueryKind, Scene
+from al_questioner.domain import NO_SYMBOL, Action, InputError, Knowledge, QueryKind, Scene
 from al_questioner.event_log.encoding import decoded
 from al_questioner.event_log.events import EpisodeStarted
 from al_questioner.event_log.log import SessionLogError, read_log
 from al_questioner.event_log.replay import first_divergence
 from al_questioner.event_log.summary import summarise_session
 from al_questioner.imitation.bags import decisions_anew, read_demonstrations
-from al_questioner.messages.concepts_file import read_concepts
+from al_questioner.messages.concepts_file import concepts_of_text, read_concepts
 from al_questioner.messages.concepts_text import concepts_text, fingerprint
 from al_questioner.messages.knowledge_members import knowledge_members
 from al_questioner.questioning import FEATURE_SETS, TurnContext
@@ -158,8 +158,25 @@ def test_another_file_is_not_taken_for_the_one_that_was_known(
     second.close()
     grown = second.knowledge()
     start_durable(tmp_path / 's', **going_on(grown)).close()
-    with pytest.raises(SessionLogError, match='concepts_sha256'):
-        start_durable(tmp_path / 's', **going_on(other.knowledge()))
+    named_otherwise = tuple(
+        dataclasses.replace(lesson, labels=tuple(dataclasses.replace(each, label=NO_SYMBOL) for each in lesson.labels))
+        for lesson in grown.lessons
+    )
+    changed = dataclasses.replace(grown, lessons=named_otherwise)
+    for file in (other.knowledge(), changed):
+        with pytest.raises(SessionLogError, match='concepts_sha256'):
+            start_durable(tmp_path / 's', **going_on(file))
+
+
+def test_the_selection_of_features_is_kept(world: PerceivedWorld) -> None:
+    """The beliefs of one who learns from the file would follow from features that the learner had ruled out."""
+    durable = start_durable(None, **going_on(None, strategy='u_sampling'))
+    play_turns(durable, world, 6)
+    concepts, again = durable.episode.concepts, taught_learner(concepts_of_text(concepts_text(durable.knowledge())))
+    assert len(concepts.features_in_use) < len(concepts.feature_names)
+    assert again.features_in_use == concepts.features_in_use
+    looks = world.scene(1).features
+    assert np.array_equal(again.predict_proba(looks), concepts.predict_proba(looks))
 
 
 def test_old_logs_have_no_concepts(tmp_path: Path, world: PerceivedWorld) -> None:

@@ -70,6 +70,22 @@ def test_the_tests_are_those_of_an_experiment(found: PoolComparison) -> None:
     assert [each.other for each in found.against('farthest_fsq', 4)] == ['random_fsq']
 
 
+def test_a_ceiling_is_not_tested(tmp_path: Path) -> None:
+    """The one that knows the truth is more accurate than all who ask, which says nothing of them."""
+    found = compare(['all_labels', 'random_fsq', 'farthest_fsq'], POOL, 4, **SMALL)
+    assert found.compared == 'random_fsq'
+    assert [each.other for each in found.against()] == ['farthest_fsq']
+    assert 'Is random_fsq more accurate?' in str(found)
+    with pytest.raises(InputError, match='all_labels knows the truth'):
+        found.against('all_labels')
+    alone = compare(['all_labels'], POOL, 4, **SMALL)
+    assert alone.compared is None
+    assert 'more accurate?' not in str(alone)
+    assert alone.draw(tmp_path)
+    with pytest.raises(InputError, match='knows the truth'):
+        alone.against()
+
+
 def test_it_is_read_in_a_terminal_and_in_a_notebook(found: PoolComparison) -> None:
     """The object itself is what people print."""
     text = str(found)

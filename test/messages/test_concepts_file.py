@@ -69,6 +69,12 @@ def test_all_comes_back(tmp_path):
     assert json.loads(path.read_text())['schema'] == 'al_questioner/concepts/1'
 
 
+def test_the_groups_that_matter_are_those_that_were_named_last():
+    """People who read the file would take what was said on the first day for what holds."""
+    found = knowledge(lessons=(*knowledge().lessons, Lesson('day 1', 5, groups=('size',))))
+    assert json.loads(concepts_text(found))['relevant_groups'] == ['size']
+
+
 def test_the_fingerprint_is_that_of_the_file(tmp_path):
     """Nobody can find the file that a log speaks of."""
     import hashlib
@@ -92,7 +98,7 @@ def test_readable_numbers_keep_every_bit():
 
 def test_times_keep_their_nanoseconds():
     """Two answers within a microsecond change places."""
-    for stamp in (0, 1, 1_764_347_912_123_456_789):
+    for stamp in (0, 1, 1_764_347_912_123_456_789, time_of('0001-01-01T00:00:00Z')):
         assert time_of(time_text(stamp)) == stamp
     assert time_of('2025-11-28T16:38:32.5Z') == 1_764_347_912_500_000_000
 
@@ -124,6 +130,7 @@ def lesson(**changes):
         (lesson(groups=['smell']), "unknown feature group 'smell'"),
         (lesson(time='yesterday'), 'is not a time'),
         (lesson(turn=0), 'turn'),
+        (changed(lessons=[{'episode': 'day 1', 'turn': 7, 'groups': ['size']}] * 2), 'turn 7 .*occurs twice'),
         (lesson(seen=[{'view': 1, 'object': 1, 'features': [1, 2]}]), 'has 2 features, expected 3'),
         (lesson(seen=[{'view': 1, 'object': 1, 'features': [1, 2, 'x']}]), 'not numbers'),
         (lesson(seen=[{'view': 1, 'object': 1, 'features': [1, 2, None]}]), 'not numbers'),

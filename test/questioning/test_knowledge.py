@@ -93,6 +93,8 @@ def test_two_days_are_as_one(strategy, view_tolerance):
 
     looks = np.concatenate([scene.features for scene in (*scenes, *later_scenes)])
     assert np.array_equal(second.concepts.predict_proba(looks), whole.concepts.predict_proba(looks))
+    for scene in scenes:
+        assert np.array_equal(second.concepts.is_unnameable(scene), whole.concepts.is_unnameable(scene))
     last = later_scenes[-1]
     assert np.array_equal(second.concepts.look_ahead(last), whole.concepts.look_ahead(last))
     assert second.concepts.model_version == whole.concepts.model_version
@@ -220,6 +222,8 @@ def test_corrections_reach_what_is_kept():
     assert (lesson.teacher, lesson.stamp, [label.label for label in lesson.labels]) == ('bob', 7, ['fruit'])
     assert [(said.teacher, said.label) for said in lesson.hearsay] == [('eve', 'snack')]
     assert (knowledge.teachers['toy'].corrected, knowledge.teachers['eve'].late) == (1, 1)
+    assert reviewed(knowledge).reliabilities == knowledge.reliabilities
+    assert knowledge.reliabilities['eve'] < 0.9, 'what she said late tells of her'
 
 
 def test_late_answers_of_the_second_day_count_as_if_at_once():

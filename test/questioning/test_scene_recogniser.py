@@ -2,13 +2,17 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+from typing import Any
+
 import numpy as np
 import pytest
 
-from al_questioner.concepts.recognition import recognise
+from al_questioner.concepts.recognition import Recogniser, recognise
 from al_questioner.domain import (
     DEFAULT_CLASSIFIERS,
     NO_SYMBOL,
+    Classifiers,
     InputError,
     Knowledge,
     Lesson,
@@ -21,6 +25,7 @@ from al_questioner.domain import (
 )
 from al_questioner.questioning import SceneRecogniser
 from al_questioner.questioning.review import taught_learner
+from al_questioner.questioning.scene_recogniser import recognise_scene
 
 NAMES = ('colour_red', 'size_height')
 SYMBOLS = ('main_dish', 'snack')
@@ -84,6 +89,45 @@ def test_the_threshold_decides_between_a_name_and_the_question_to_ask(threshold:
     for each in looked(taught(threshold), scene(*LOOKS, (5, 5), (40, -40))).things:
         assert each.is_known is (each.probability >= threshold)
         assert each.question == ('' if each.is_known else f'What is object {each.object_id}?')
+
+
+def test_the_threshold_itself_is_enough() -> None:
+    """A thing would be named that is not fetched, or the other way round."""
+    first = looked(taught(), scene((10, 0))).things[0]
+    recogniser = taught(first.probability)
+    assert looked(recogniser, scene((10, 0))).things[0].is_known
+    target = recogniser.find('snack').target
+    assert target is not None
+    assert target.probability == first.probability
+
+
+@pytest.mark.parametrize('changes', [{'classifiers': Classifiers(9.0, 'rbf', 0.0)}, {'length_scale': 0.5}])
+def test_other_classifiers_are_followed_from_the_beginning(changes: dict[str, Any]) -> None:
+    """Another episode may have another kernel; what was learnt with the old one would stay as it was."""
+    recogniser, other = taught(), replace(knowledge(), **changes)
+    recogniser.follow(other)
+    seen = scene(*LOOKS)
+    found = looked(recogniser, seen)
+    expected = recognise(taught_learner(other), seen.features).tolist()
+    assert [list(each.probabilities) for each in found.things] == expected
+
+
+def test_a_symbol_that_is_new_is_followed() -> None:
+    """A person would be told of a robot that was just taught what a tool is that it knows of none."""
+    recogniser = taught()
+    recogniser.follow(replace(knowledge(), symbols=(*SYMBOLS, 'tool')))
+    found = looked(recogniser, scene(*LOOKS))
+    assert found.symbols == (*SYMBOLS, 'tool')
+    assert len(found.things[0].probabilities) == 4
+
+
+def test_nothing_is_known_before_anything_was_taught() -> None:
+    """All things look unlike what was taught then, and would be named `none` with great certainty."""
+    seen = knowledge()
+    untaught = taught_learner(replace(seen, lessons=tuple(replace(each, labels=()) for each in seen.lessons)))
+    found = recognise_scene(Recogniser(untaught), scene(*LOOKS))
+    assert found.examples == 0
+    assert not any(each.is_known for each in found.things)
 
 
 def test_more_lessons_are_followed_one_by_one() -> None:

@@ -11,7 +11,7 @@ import numpy as np
 import pytest
 
 from al_questioner.cli import main
-from al_questioner.domain import InputError, random_stream
+from al_questioner.domain import Classifiers, InputError, Knowledge, random_stream
 from al_questioner.event_log.log import read_log
 from al_questioner.event_log.summary import summarise_session
 from al_questioner.messages import documents
@@ -20,6 +20,7 @@ from al_questioner.messages.documents import record_members
 from al_questioner.questioning import Episode
 from al_questioner.questioning.review import taught_learner
 from al_questioner.ros.nodes.learner import LearnerNode
+from al_questioner.ros.settings import learner_settings
 from al_questioner.simulation import PerceivedWorld, ScriptedTeacher, WorldSpec, episode_settings, load_task, turns
 
 
@@ -79,3 +80,11 @@ def test_a_file_that_cannot_be_used_is_refused_at_once(graph: Any, tmp_path: Pat
     ):
         with pytest.raises(InputError, match=said):
             graph.start(LearnerNode, **{**graph.episode, **parameters})
+
+
+def test_what_is_known_decides_how_the_learner_learns() -> None:
+    """A learner would otherwise believe otherwise than the one that was taught, unless told to."""
+    known = Knowledge(('snack', 'fruit'), ('colour_red',), Classifiers(2.5, 'rbf', 0.25), length_scale=3.0)
+    defaults = {each.name: each.default for each in learner_settings(load_task('prepare_lunch'), known)}
+    assert [defaults[name] for name in ('amplitude', 'kernel_shape', 'class_balance')] == [2.5, 'rbf', 0.25]
+    assert defaults['length_scale'] == 3.0

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
+from dataclasses import replace
 from functools import partial
 from pathlib import Path
 from typing import Any, NamedTuple
@@ -108,11 +109,15 @@ class RecogniserNode(QuestionerNode):
     def _learn(self, knowledge: Knowledge) -> None:
         """Learn what is known, and see the last things with other eyes."""
         self.episode_id = knowledge.origins[-1].episode if knowledge.origins else NO_EPISODE
+        before = self.recogniser.recognition
         try:
             self.recogniser.follow(knowledge)
         finally:
             if self.recogniser.concepts is None:
                 self.set_status('nothing has been taught yet')
+                if before is not None and self._seen is not None:
+                    # Another learner has begun: what is latched are names that nobody knows any more.
+                    self._publish(replace(before, examples=0, things=()), self._seen.header)
         if self.recogniser.concepts is None:
             return
         if self._seen is None:
@@ -129,19 +134,22 @@ class RecogniserNode(QuestionerNode):
         self._recognise(self._seen)
 
     def _recognise(self, seen: Seen) -> None:
-        """Publish what the things in view are taken for, in each of its forms."""
+        """Recognise the things in view, and publish what they are taken for."""
         recognition = self.recogniser.look(seen.scene)
         if recognition is None:
             return
-        head = seen.header
+        self._publish(recognition, seen.header)
+        self._clouds += 1
+        self.set_status('recognising')
+
+    def _publish(self, recognition: Recognition, head: Header) -> None:
+        """Publish what things are taken for, in each of its forms."""
         # The forms for programs first: markers take longest to write.
         self._cloud.publish(cloud_of_recognition(recognition, head, CLOUD_TYPES))
         self._tell(recognition_members(recognition, nanoseconds(head.stamp), head.frame_id))
         if self._detect is not None:
             self._detect(recognition, head)
         self._markers.publish(recognised_markers(recognition, head, MARKER_TYPES))
-        self._clouds += 1
-        self.set_status('recognising')
 
     def _find(self, message: String) -> None:
         """Publish where the most probable thing is of what is wanted, or why there is none."""

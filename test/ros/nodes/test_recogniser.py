@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+from dataclasses import replace
 from pathlib import Path
 from types import SimpleNamespace
 from typing import Any
@@ -231,6 +232,24 @@ def test_unusable_concepts_are_refused_and_the_next_ones_are_taken(
     diagnostics.wait_for('of another version (al_questioner/concepts/7)', DiagnosticStatus.WARN)
     robot.shows(lunch.scene, 12)
     assert probabilities(robot.recognised(12)) == probabilities(document)
+
+
+def test_the_names_go_with_the_learner_that_knew_them(graph: Any, robot: Robot, lunch: SimpleNamespace) -> None:
+    """A learner that begins with nothing would stand beside things that are named, for all who come later."""
+    graph.start(RecogniserNode)
+    mouth = graph.ears.create_publisher(String, 'concepts', qos.LATCHED)
+    robot.shows(lunch.scene, 11)
+    mouth.publish(String(data=concepts_text(lunch.knowledge)))
+    assert robot.recognised(11)['things']
+    first = lunch.knowledge.lessons[0]
+    nothing = replace(lunch.knowledge, lessons=(replace(first, labels=(), groups=()),))
+    mouth.publish(String(data=concepts_text(nothing)))
+    graph.wait_for(lambda: not robot.documents[-1]['things'], 'nothing in place of the names')
+    graph.wait_for(lambda: not robot.clouds[-1].width, 'an empty cloud')
+    assert robot.documents[-1]['examples'] == 0
+    assert robot.wants('snack')['reason'] == 'nothing has been taught yet'
+    mouth.publish(String(data=concepts_text(lunch.knowledge)))
+    graph.wait_for(lambda: robot.documents[-1]['things'], 'the names again')
 
 
 def test_concepts_of_other_features_than_the_things_are_told(
