@@ -23,10 +23,10 @@ from al_questioner.questioning import Episode, PreparedAnswer, Receipt, Strategy
 from al_questioner.support.differences import differences
 from al_questioner.support.rate_limiter import RateLimiter
 
-NOT_SETTINGS = frozenset({'version', 'semantics', 'concepts'})
+NOT_SETTINGS = frozenset({'version', 'semantics', 'concepts', 'concepts_sha256'})
 """Members of an episode's first event that a learner that goes on with it need not share.
 
-That what was known before is the same is told by its fingerprint.
+Whether what was known before is the same is looked at apart.
 """
 NEW_DEFAULTS = frozenset({'kernel_shape', 'class_balance', 'costs.relevance'})
 """Members whose defaults are not those of the earlier version of the method, in which they could not be set."""
@@ -198,8 +198,10 @@ def _same_episode(log: SessionLog, first: EpisodeEvent, wanted: EpisodeStarted) 
     if wanted.view_tolerance == AUTO:
         # Older logs have the number that was the default then, and keep it.
         ignored |= {'view_tolerance'}
-    if _is_known(first.settings.concepts, wanted.settings.concepts):
-        ignored |= {'concepts_sha256'}
+    if not _is_known(first.settings.concepts, wanted.settings.concepts):
+        raise SessionLogError(
+            f'{log.folder}: the session there began with other concepts; a new episode needs a folder of its own'
+        )
     if first.semantics != wanted.semantics:
         # Defaults and weights were others, too; the episode keeps the classifiers that it began with.
         weights = {*first.settings.weights, *wanted.settings.weights}

@@ -174,6 +174,9 @@ def compare(
     names = listed(strategies)
     if names is None:
         raise SettingsError(f'strategies must be a list of names, not {strategies!r}')
+    for number, what in ((repeats, 'repeats'), (jobs, 'jobs')):
+        if not isinstance(number, int) or number < 1:
+            raise SettingsError(f'{what} must be a whole number of 1 or more, not {number!r}')
     plan = _PoolPlan(
         (name,),
         tuple(Condition(budget, turns) for budget in np.ravel(budgets).tolist()),

@@ -38,7 +38,7 @@ def read_concepts(path: Path) -> Knowledge:
         InputError: it cannot be read or used; the text, one line, names it.
     """
     try:
-        return concepts_of_text(path.read_text(encoding='utf-8'))
+        return concepts_of_text(path.read_text(encoding='utf-8-sig'))
     except IsADirectoryError:
         raise InputError(f'{path} is a folder; if it is that of a session, take concepts.json in it') from None
     except OSError as error:

@@ -111,6 +111,11 @@ class SceneRecogniser:
             nearest = f'the most probable one is object {first.object_id} with {first.probability:.2g}'
             reason = f'nothing in view is {symbol} with a probability of {self._threshold:g} or more; {nearest}'
             return Finding(text, symbol, None, first, reason)
+        taken_for = next(each.best for each in self.recognition.things if each.object_id == first.object_id)
+        if taken_for != symbol:
+            # With a threshold below one half, several symbols can reach it.
+            nearest = f'object {first.object_id} is the most probable one with {first.probability:.2g}'
+            return Finding(text, symbol, None, first, f'{nearest}, but is rather {taken_for}')
         return Finding(text, symbol, first, others[0] if others else None)
 
 

@@ -164,7 +164,7 @@ def test_another_file_is_not_taken_for_the_one_that_was_known(
     )
     changed = dataclasses.replace(grown, lessons=named_otherwise)
     for file in (other.knowledge(), changed):
-        with pytest.raises(SessionLogError, match='concepts_sha256'):
+        with pytest.raises(SessionLogError, match='began with other concepts'):
             start_durable(tmp_path / 's', **going_on(file))
 
 

@@ -246,3 +246,13 @@ def test_it_is_said_why_nothing_can_be_found() -> None:
 def test_a_threshold_is_a_probability(threshold: float) -> None:
     with pytest.raises(SettingsError, match='threshold'):
         SceneRecogniser(threshold)
+
+
+def test_what_is_rather_something_else_is_no_target() -> None:
+    """With a low threshold, the robot would fetch a thing that it calls by another name."""
+    recogniser = taught(0.0)
+    (thing,) = looked(recogniser, scene(LOOKS[0])).things
+    other = next(symbol for symbol in ('snack', 'fruit') if symbol != thing.best)
+    finding = recogniser.find(other)
+    assert finding.target is None
+    assert f'but is rather {thing.best}' in finding.reason
