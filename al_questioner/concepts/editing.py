@@ -21,7 +21,7 @@ def without_example(knowledge: Knowledge, view: int) -> Knowledge:
         InputError: no view of this number has a label.
     """
     if not any(label.view == view for _, label in knowledge.examples):
-        raise InputError(f'view {view} is no example')
+        raise InputError(f'view {view} is no example; `concepts FILE --examples` lists them')
     return _changed(
         knowledge,
         lambda lesson: replace(
@@ -30,6 +30,21 @@ def without_example(knowledge: Knowledge, view: int) -> Knowledge:
             hearsay=tuple(said for said in lesson.hearsay if said.view != view),
         ),
     )
+
+
+def without_examples_of(knowledge: Knowledge, label: str) -> Knowledge:
+    """Return the knowledge without the examples of a symbol, or of `NO_SYMBOL`; the views stay seen.
+
+    Raises:
+        InputError: there is none.
+    """
+    views = dict.fromkeys(example.view for _, example in knowledge.examples if example.label == label)
+    if not views:
+        raise InputError(f'there is no example of {quoted(label)}')
+    for view in views:
+        if any(example.view == view for _, example in knowledge.examples):
+            knowledge = without_example(knowledge, view)
+    return knowledge
 
 
 def with_symbol(knowledge: Knowledge, symbol: str) -> Knowledge:

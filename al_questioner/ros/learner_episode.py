@@ -107,7 +107,8 @@ def durable_episode_of(
     """Return the episode of these parameters, new or as far as its log goes, not yet started.
 
     Raises:
-        InputError: the log cannot be used, or is that of an episode with other settings.
+        InputError: the log cannot be used, or is that of an episode with other settings; or the file to which what is
+            known is to be written holds examples that this episode does not begin with.
     """
     folder = session_folder(given)
     log = None if folder is None else SessionLog(folder, storage)
@@ -121,8 +122,30 @@ def durable_episode_of(
         version=__version__,
     )
     try:
-        return DurableEpisode(wanted, strategy, log)
+        durable = DurableEpisode(wanted, strategy, log)
+        _check_nothing_is_lost(given, durable.started)
+        return durable
     except InputError:
         if log is not None:
             log.close()
         raise
+
+
+def _check_nothing_is_lost(given: Mapping[str, Any], started: EpisodeStarted) -> None:
+    """Make sure that what is in the file to be written is known to the learner that writes it.
+
+    Raises:
+        InputError: it is not; or the file is no concepts file.
+    """
+    path = Path(str(given['save_concepts'])).expanduser()
+    if not given['save_concepts'] or not path.exists():
+        return
+    kept, known = read_concepts(path), started.settings.concepts
+    is_resumed = started.episode_id in {origin.episode for origin in kept.origins}
+    is_known = known is not None and known.lessons[: len(kept.lessons)] == kept.lessons
+    if kept.examples and not (is_resumed or is_known):
+        count = number_of(len(kept.examples), 'example')
+        raise InputError(
+            f'{path} holds {count} that this learner does not begin with and would replace: add concepts:={path} to go'
+            ' on with them, or save to another file'
+        )

@@ -113,9 +113,13 @@ class ScriptedTeacher:
 
     def _label(self, query: Query, truth: Mapping[int, str], wrong: bool, rng: np.random.Generator) -> Content:
         label = truth.get(query.action.object_id) if query.action.object_id is not None else None
-        if label is None or not wrong:
-            return label
-        return str(rng.choice([other for other in (*self.symbols, NO_SYMBOL) if other != label]))
+        if label is None:
+            return None
+        # The learner may have fewer symbols than the table.
+        known = [symbol for symbol in self.symbols if symbol in query.choices or not query.choices]
+        if label not in known:
+            label = NO_SYMBOL
+        return str(rng.choice([other for other in (*known, NO_SYMBOL) if other != label])) if wrong else label
 
     def _demonstration(self, query: Query, truth: Mapping[int, str], wrong: bool, rng: np.random.Generator) -> Content:
         shown = [object_id for object_id, label in truth.items() if (label == query.action.symbol) != wrong]

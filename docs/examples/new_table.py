@@ -38,10 +38,11 @@ class NewTable(Node):
         self.wish = self.create_publisher(String, 'want', 10)
         self.create_subscription(String, 'recognition', self.compare, LATCHED)
         self.create_subscription(String, 'target_info', self.show_target, 10)
+        self.told = ''
         self.seen_at = self.get_clock().now().to_msg()
         cloud = cloud_of_scene(scene, Header(stamp=self.seen_at, frame_id='table'), CLOUD_TYPES)
         self.objects.publish(cloud)
-        # As a camera does; who has heard it already passes it over, by its stamp.
+        # Again and again, as a camera does.
         self.create_timer(1.0, lambda: self.objects.publish(cloud))
         print(f'{len(scene)} things are on the table.', flush=True)
 
@@ -55,8 +56,13 @@ class NewTable(Node):
         right = {thing for thing, name in called.items() if name == self.truth[thing]}
         of_symbol = [thing for thing, name in self.truth.items() if name != NONE]
         rightly = sum(thing in right for thing in of_symbol)
-        print(f'It says what {len(called)} things are, and is right about {len(right)};', end=' ')
-        print(f'of the {len(of_symbol)} things of some symbol it names {rightly} rightly.', flush=True)
+        told = (
+            f'It says what {len(called)} things are, and is right about {len(right)};'
+            f' of the {len(of_symbol)} things of some symbol it names {rightly} rightly.'
+        )
+        if told != self.told:
+            print(told, flush=True)
+        self.told = told
 
     def show_target(self, message: String) -> None:
         """Print the answer to a wish."""

@@ -88,3 +88,30 @@ def test_what_is_known_decides_how_the_learner_learns() -> None:
     defaults = {each.name: each.default for each in learner_settings(load_task('prepare_lunch'), known)}
     assert [defaults[name] for name in ('amplitude', 'kernel_shape', 'class_balance')] == [2.5, 'rbf', 0.25]
     assert defaults['length_scale'] == 3.0
+
+
+def test_what_was_taught_yesterday_is_not_replaced(graph: Any, tmp_path: Path) -> None:
+    """The same command once more, on the second day, destroys what the first one has brought."""
+    kept = tmp_path / 'kept.json'
+    graph.play(save_concepts=str(kept))
+    graph.wait_for(kept.exists, 'the file')
+    for node in list(graph.nodes):
+        graph.stop(node)
+    text = kept.read_text()
+    with pytest.raises(InputError, match=r'kept.json holds .* does not begin with .*: add concepts:='):
+        graph.start(LearnerNode, **graph.episode, save_concepts=str(kept))
+    (tmp_path / 'letter').write_text('Dear robot')
+    with pytest.raises(InputError, match='letter: concepts: not valid JSON'):
+        graph.start(LearnerNode, **graph.episode, save_concepts=str(tmp_path / 'letter'))
+    assert (kept.read_text(), (tmp_path / 'letter').read_text()) == (text, 'Dear robot')
+    graph.start(LearnerNode, **graph.episode, concepts=str(kept), save_concepts=str(kept))
+
+
+def test_a_resumed_session_goes_on_with_its_file(graph: Any, tmp_path: Path) -> None:
+    """A learner that is started again after a crash is told that its own file is somebody else's."""
+    kept, parameters = tmp_path / 'kept.json', {'session': str(tmp_path / 'session')}
+    graph.play(save_concepts=str(kept), **parameters)
+    graph.wait_for(lambda: kept.exists() and len(read_concepts(kept).examples) > 0, 'the file')
+    for node in list(graph.nodes):
+        graph.stop(node)
+    graph.start(LearnerNode, **graph.episode, save_concepts=str(kept), **parameters)

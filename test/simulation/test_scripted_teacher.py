@@ -17,7 +17,8 @@ GROUPS = ('colour', 'size', 'base', 'noise')
 
 
 def query(kind: QueryKind, number: int = 1, object_id: int | None = None, symbol: str | None = None) -> Query:
-    return Query(f'q{number}', 1, Action(kind, object_id, symbol), GROUPS, 1.0, 9.0, 9, 0, 'What?')
+    choices = SYMBOLS if kind is QueryKind.LABEL else GROUPS
+    return Query(f'q{number}', 1, Action(kind, object_id, symbol), choices, 1.0, 9.0, 9, 0, 'What?')
 
 
 def teacher(**rates: float | bool) -> ScriptedTeacher:
@@ -185,3 +186,13 @@ def test_choices_that_are_no_numbers_do_not_matter() -> None:
     """Another learner may have written the query; the node goes on."""
     asked = dataclasses.replace(which_matter(), choices=('cup', '4', '5'))
     assert teacher().answer(asked, TABLE).content == (4,)
+
+
+def test_what_the_learner_has_no_word_for_is_none() -> None:
+    """A learner of some of the symbols of a table would refuse the answer, and hear it again and again."""
+    asked = dataclasses.replace(query(QueryKind.LABEL, object_id=1), choices=SYMBOLS[1:])
+    teacher = ScriptedTeacher(SYMBOLS, (), 0)
+    assert teacher.answer(asked, {1: SYMBOLS[0]}).content == NO_SYMBOL
+    assert teacher.answer(asked, {1: SYMBOLS[1]}).content == SYMBOLS[1]
+    wrong = ScriptedTeacher(SYMBOLS, (), 0, wrong_rate=1.0)
+    assert wrong.answer(asked, {1: SYMBOLS[0]}).content in SYMBOLS[1:]

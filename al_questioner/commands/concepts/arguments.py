@@ -24,8 +24,15 @@ def parser() -> Parser:
     result.add_argument('--examples', action='store_true', help='show every example, with the number of its view')
     settle = 'label that counts of a view with several: the newest one, or that of the most reliable teacher'
     result.add_argument('--settle', choices=SETTLEMENTS, default=SETTLEMENTS[0], help=settle)
-    remove = 'forget what the view of this number was called; can be repeated, as all below'
-    result.add_argument('--remove', type=int, action='append', default=[], metavar='VIEW', help=remove)
+    remove = 'forget what the view of this number was called, or all examples of a symbol or of none; can be repeated,'
+    result.add_argument(
+        '--remove',
+        type=_view_or_label,
+        action='append',
+        default=[],
+        metavar='VIEW|LABEL',
+        help=f'{remove} as all below',
+    )
     result.add_argument(
         '--rename', type=_renaming, action='append', default=[], metavar='OLD=NEW', help='rename a symbol'
     )
@@ -40,6 +47,10 @@ def parser() -> Parser:
 def parse(arguments: Sequence[str]) -> argparse.Namespace:
     """Parse the arguments."""
     return parser().parse_args(arguments)
+
+
+def _view_or_label(text: str) -> int | str:
+    return int(text) if text.isdecimal() else text
 
 
 def _renaming(text: str) -> tuple[str, str]:

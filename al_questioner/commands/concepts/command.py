@@ -10,7 +10,13 @@ from rich.table import Table
 from rich.text import Text
 
 from al_questioner.commands.concepts.export import write_examples
-from al_questioner.concepts.editing import with_symbol, with_symbol_renamed, without_example, without_symbol
+from al_questioner.concepts.editing import (
+    with_symbol,
+    with_symbol_renamed,
+    without_example,
+    without_examples_of,
+    without_symbol,
+)
 from al_questioner.concepts.merging import REFUSE, joined_knowledge, settled
 from al_questioner.domain import NO_SYMBOL, InputError, Knowledge, ViewLabel
 from al_questioner.messages.concepts_file import read_concepts, write_concepts
@@ -25,16 +31,19 @@ def main(given: argparse.Namespace) -> int:
     parts = [(str(path), read_concepts(path)) for path in given.files]
     for path in filter(None, (given.out, given.csv)):
         check_writable(path)
-    if given.out is not None and given.out.exists():
-        # What is there may be something else, by a mistake.
-        read_concepts(given.out)
+    # What is there may be something else, by a mistake.
+    if given.out is not None and given.out.exists() and not _is_concepts_file(given.out):
+        raise InputError(f'--out would overwrite {given.out}, which is no concepts file')
+    if given.csv is not None and given.csv.exists() and _is_concepts_file(given.csv):
+        raise InputError(f'--csv would overwrite {given.csv}, a concepts file')
     console = Console()
     if not console.is_terminal:
         # Through a pipe rich would take 80 columns for the width.
         console = Console(width=200)
     knowledge = _merged(console, parts, given)
-    for view in given.remove:
-        knowledge = without_example(knowledge, view)
+    for each in given.remove:
+        remove = without_example if isinstance(each, int) else without_examples_of
+        knowledge = remove(knowledge, each)
     for old, new in given.rename:
         knowledge = with_symbol_renamed(knowledge, old, new)
     for symbol in given.drop:
@@ -54,6 +63,14 @@ def main(given: argparse.Namespace) -> int:
         write_examples(given.csv, knowledge)
         _say(console, f'  {given.csv}')
     return 0
+
+
+def _is_concepts_file(path: Path) -> bool:
+    try:
+        read_concepts(path)
+    except InputError:
+        return False
+    return True
 
 
 def _merged(console: Console, parts: list[tuple[str, Knowledge]], given: argparse.Namespace) -> Knowledge:

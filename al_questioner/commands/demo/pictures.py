@@ -132,7 +132,7 @@ def _new_table(result: EpisodeResult, new_table: NewTable) -> Figure:
     marks = {thing.object_id: mark for thing in new_table.recognition.things if (mark := _told(new_table, thing))}
     picture = draw_scene(new_table.table.observations, marks).image
     about = f'{len(new_table.right)} of {len(new_table.recognition.things)} things on a new table are recognised'
-    legend = 'green: right, red: wrong, grey: not known, no ring: rightly none of these'
+    legend = 'green: right, red: wrong, grey: not known, no ring: rightly none'
     return _framed(picture, f'{_title(result)}\n{about} ({legend})')
 
 

@@ -165,8 +165,10 @@ def test_what_cannot_be_used_changes_nothing(monday: Path, tmp_path: Path, capsy
         ([str(newer), '--out', str(monday)], 'newer.json: of another version'),
         ([str(damaged), '--out', str(monday)], 'damaged: concepts: not valid JSON'),
         ([str(monday), str(other), '--out', str(monday)], 'other.json: the concepts are of other features'),
-        ([str(monday), '--out', str(letter)], 'letter.txt: concepts: not valid JSON'),
+        ([str(monday), '--out', str(letter)], '--out would overwrite'),
         ([str(monday), '--remove', '999', '--out', str(monday)], 'view 999 is no example'),
+        ([str(monday), '--remove', 'snak', '--out', str(monday)], "no example of 'snak'"),
+        ([str(monday), '--csv', str(monday)], 'a concepts file'),
         ([str(monday), '--rename', 'snack', '--out', str(monday)], 'must be OLD=NEW'),
         ([str(monday), '--drop', 'snak', '--out', str(monday)], 'did you mean snack?'),
         ([str(monday), '--add', 'none', '--out', str(monday)], "'none' cannot be a symbol"),
@@ -177,3 +179,13 @@ def test_what_cannot_be_used_changes_nothing(monday: Path, tmp_path: Path, capsy
         assert said in error
         assert error.count('\n') == 1
     assert (monday.read_text(), letter.read_text()) == (text, 'Dear robot')
+
+
+def test_all_examples_of_a_label_are_removed(monday: Path, tmp_path: Path) -> None:
+    """Somebody who teaches a new word would have to remember which of sixty things it is about."""
+    before, out = read_concepts(monday), tmp_path / 'out.json'
+    assert main(['concepts', str(monday), '--remove', 'snack', '--out', str(out)]) == 0
+    after = read_concepts(out)
+    assert before.counts['snack'] > 0
+    assert after.counts == {**before.counts, 'snack': 0}
+    assert len(after.views) == len(before.views)
