@@ -77,7 +77,9 @@ def write_session(folder: Path) -> None:
         durable.start()
         while not durable.episode.done:
             turn = durable.episode.turn + 1
-            query = durable.ask(SceneObserved(turn, turn * 10**9, 'table', world.scene(turn))).query
+            durable.ask(SceneObserved(turn, turn * 10**9, 'table', world.scene(turn)))
+            # One that nobody has answered waits for the next turn.
+            query = durable.episode.awaited
             if query is not None and turn % 5 == 0:
                 durable.time_out()
             elif query is not None:
