@@ -7,6 +7,7 @@ Type a symbol, `none`, an object's number, feature groups or the numbers of obje
 
 import json
 import threading
+import time
 
 import rclpy
 from rclpy.executors import ExternalShutdownException
@@ -57,7 +58,9 @@ class AnswerByHand(Node):
         return len(self.shown) > before
 
     def say(self, word: str) -> None:
-        """Publish an answer."""
+        """Publish an answer, once there is a learner to hear it."""
+        while rclpy.ok() and not self.answers.get_subscription_count():
+            time.sleep(0.1)
         self.answers.publish(String(data=word))
 
 
