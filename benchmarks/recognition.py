@@ -38,7 +38,7 @@ from numpy.typing import NDArray
 from scipy.optimize import minimize
 
 from al_questioner.concepts.recognition import Calibration, Evidence, Recogniser, weigh
-from al_questioner.domain import NO_SYMBOL, InputError, Scene, random_stream
+from al_questioner.domain import NO_SYMBOL, THRESHOLD, InputError, Scene, random_stream
 from al_questioner.experiments.plan import PAPER_CONDITIONS
 from al_questioner.perception import perceive
 from al_questioner.questioning import STRATEGIES, Episode
@@ -52,8 +52,6 @@ CLUTTERED = 'kitchen_table'
 TABLES = 3
 """Held-out tables of each sample."""
 ADDED_SHARE = 0.25
-THRESHOLD = 0.5
-"""Probability from which a thing is named: the default of the node `recognise`."""
 CANDIDATE_THRESHOLDS = np.arange(0.40, 0.955, 0.01)
 PANELS_PER_ROW = 3
 NAMES = ('precision', 'recall')
@@ -125,7 +123,7 @@ def scores(seen: Sequence[Seen]) -> list[str]:
     probabilities, truth = _probabilities(seen), np.concatenate([each.truth for each in seen])
     none = probabilities.shape[1] - 1
     best, sure = probabilities.argmax(axis=1), probabilities.max(axis=1)
-    precision, recall = _precision_and_recall((best < none) & (sure >= THRESHOLD), best, truth, none)
+    precision, recall = _precision_and_recall((best < none) & (sure >= THRESHOLD.default), best, truth, none)
     errors = calibration_error(sure, best == truth), calibration_error(probabilities[:, -1], truth == none)
     log_odds = np.concatenate([each.evidence.log_odds for each in seen])
     called, q = log_odds.argmax(axis=1), 1 / (1 + np.exp(-log_odds.max(axis=1)))

@@ -9,12 +9,9 @@ from typing import NamedTuple, TypeVar
 
 from al_questioner.concepts.lessons import check_fits
 from al_questioner.domain import Hearsay, InputError, Knowledge, Lesson, Origin, SeenView, ViewLabel
+from al_questioner.domain.settlement import REFUSE, RELIABLE
 
 _Each = TypeVar('_Each')
-
-REFUSE, NEWEST, RELIABLE = 'refuse', 'newest', 'reliable'
-SETTLEMENTS = (REFUSE, NEWEST, RELIABLE)
-"""Names of the ways to settle a contradiction; `refuse` is to settle none."""
 
 
 class _Told(NamedTuple):

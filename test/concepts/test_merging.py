@@ -10,7 +10,7 @@ from al_questioner.concepts.editing import (
     without_example,
     without_symbol,
 )
-from al_questioner.concepts.merging import NEWEST, REFUSE, RELIABLE, joined_knowledge, settled
+from al_questioner.concepts.merging import joined_knowledge, settled
 from al_questioner.domain import (
     Classifiers,
     Hearsay,
@@ -25,6 +25,7 @@ from al_questioner.domain import (
     ViewJudgement,
     ViewLabel,
 )
+from al_questioner.domain.settlement import NEWEST, REFUSE, RELIABLE
 
 SYMBOLS = ('snack', 'fruit')
 

@@ -7,10 +7,8 @@ from collections.abc import Sequence
 from pathlib import Path
 
 from al_questioner.domain.names import parted
+from al_questioner.domain.settlement import REFUSE, SETTLEMENTS
 from al_questioner.support.arguments import Parser
-
-SETTLEMENTS = ('refuse', 'newest', 'reliable')
-"""Names of `concepts.merging`, which a command line need not import."""
 
 
 def parser() -> Parser:
@@ -23,7 +21,7 @@ def parser() -> Parser:
     result.add_argument('files', type=Path, nargs='+', metavar='FILE', help='concepts file')
     result.add_argument('--examples', action='store_true', help='show every example, with the number of its view')
     settle = 'label that counts of a view with several: the newest one, or that of the most reliable teacher'
-    result.add_argument('--settle', choices=SETTLEMENTS, default=SETTLEMENTS[0], help=settle)
+    result.add_argument('--settle', choices=SETTLEMENTS, default=REFUSE, help=settle)
     remove = 'forget what the view of this number was called, or all examples of a symbol or of none; can be repeated,'
     result.add_argument(
         '--remove',

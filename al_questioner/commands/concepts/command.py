@@ -17,8 +17,9 @@ from al_questioner.concepts.editing import (
     without_examples_of,
     without_symbol,
 )
-from al_questioner.concepts.merging import REFUSE, joined_knowledge, settled
+from al_questioner.concepts.merging import joined_knowledge, settled
 from al_questioner.domain import NO_SYMBOL, InputError, Knowledge, ViewLabel
+from al_questioner.domain.settlement import REFUSE
 from al_questioner.messages.concepts_file import read_concepts, write_concepts
 from al_questioner.messages.knowledge_members import time_text
 from al_questioner.questioning.review import doubtful_labels, reviewed
