@@ -10,7 +10,7 @@ from scipy.spatial import cKDTree
 from al_questioner.concepts import recognition
 from al_questioner.concepts.recognition import Calibration, Evidence, Recogniser, median_spacing, recognise, weigh
 from al_questioner.domain import NO_SYMBOL
-from shared.concept_learners import SYMBOLS, learner, scene_of
+from shared.concept_learners import SYMBOLS, learner, scene_of, standardised
 
 RNG = np.random.default_rng(3)
 THINGS = scene_of(RNG.normal(size=(30, 4)))
@@ -128,3 +128,22 @@ def test_things_that_all_look_alike_have_a_spacing():
     assert median_spacing(np.zeros((1, 3))) == 1.0
     concepts = learner(scene_of(np.ones((3, 4))), labels=['snack'])
     assert np.isfinite(recognise(concepts, np.ones((2, 4), dtype=np.float32))).all()
+
+
+def test_the_evidence_is_in_its_units():
+    """Another unit would be another calibration, and every number would still look like a probability."""
+    concepts = learner(THINGS, labels=['snack', 'fruit', NO_SYMBOL, 'snack'])
+    points = standardised(THINGS)
+    root = np.sqrt(points.shape[1])
+    spacing = np.median(cKDTree(points).query(points, k=2)[0][:, 1]) / root
+
+    def distances(rows):
+        return cKDTree(points[rows]).query(points)[0] / root
+
+    found = Recogniser(concepts).evidence(THINGS.features)
+    np.testing.assert_allclose(found.examples, np.stack([distances([0, 3]), distances([1])], axis=1), atol=1e-6)
+    expected = np.minimum(distances([0, 1, 3]), recognition.LARGEST_DISTANCE) / np.sqrt(spacing)
+    np.testing.assert_allclose(found.mattering, expected, rtol=1e-5, atol=1e-6)
+    np.testing.assert_allclose(found.of_none, distances([2]) / np.sqrt(spacing), rtol=1e-5, atol=1e-6)
+    q = concepts.predict_proba(THINGS.features)
+    np.testing.assert_allclose(found.log_odds, np.log(q / (1 - q)))
