@@ -1,15 +1,11 @@
-"""Repetition of a message until it is acknowledged, at growing intervals of the steady clock."""
+"""Repetition of a message until it is acknowledged, at growing intervals."""
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from dataclasses import dataclass
-from typing import Generic, TypeVar
 
-from al_questioner.ros.one_shot_timer import OneShotTimer
-from al_questioner.ros.worker import Cancel, Job
-
-Message = TypeVar('Message')
+from al_questioner.protocol.effects import ClearTimer, Effects, Publish, SetTimer
+from al_questioner.protocol.machine import Machine
 
 
 @dataclass(frozen=True)
@@ -31,39 +27,42 @@ PERSISTENT = BackOff(first=1.0, longest=1.0)
 """Intervals for a message that is not latched, so that a late subscriber receives it soon."""
 
 
-class Retransmitter(Generic[Message]):
-    """Sender that repeats one message until it is stopped. All methods run on the worker, see `QuestionerNode.after`.
+class Retransmitter:
+    """Part of a machine that repeats one message until it is stopped.
+
+    Args:
+        machine: whose part it is.
+        name: of its timer.
+        back_off: the intervals.
 
     Attributes:
         message: the message that is repeated; None if there is none.
     """
 
-    def __init__(
-        self, after: Callable[[float, Job], Cancel], publish: Callable[[Message], None], back_off: BackOff
-    ) -> None:
-        self.message: Message | None = None
-        self._publish = publish
+    def __init__(self, machine: Machine, name: str, back_off: BackOff) -> None:
+        self.message: Publish | None = None
+        self._timer = f'repeat {name}'
         self._back_off = back_off
         self._pause = 0.0
-        self._timer = OneShotTimer(after, self._transmit)
+        machine.on_timer(self._timer, self._transmit)
 
-    def send(self, message: Message, delay: float = 0.0) -> None:
+    def send(self, message: Publish, delay: float = 0.0) -> Effects:
         """Repeat this message, in place of an earlier one: for the first time after a delay in seconds, or at once."""
         self.message = message
         self._pause = self._back_off.first
         if delay > 0:
-            self._timer.set(delay)
+            yield SetTimer(self._timer, delay)
         else:
-            self._transmit()
+            yield from self._transmit()
 
-    def stop(self) -> None:
+    def stop(self) -> Effects:
         """Stop repeating the message."""
         self.message = None
-        self._timer.clear()
+        yield ClearTimer(self._timer)
 
-    def _transmit(self) -> None:
+    def _transmit(self) -> Effects:
         if self.message is None:
             return
-        self._publish(self.message)
-        self._timer.set(self._pause)
+        yield self.message
+        yield SetTimer(self._timer, self._pause)
         self._pause = min(2 * self._pause, self._back_off.longest)

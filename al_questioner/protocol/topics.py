@@ -1,0 +1,136 @@
+"""The topics between the nodes, what is said on each, and how it reaches those who come late."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from enum import Enum
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from al_questioner.domain import Decision, Recognition, Scene
+
+
+class Delivery(Enum):
+    """Whom a message reaches.
+
+    A latched one reaches late listeners too, and only the newest counts. Of events every one counts, for those who
+    listen when it is said.
+    """
+
+    LATCHED = 'latched'
+    EVENTS = 'events'
+
+
+TOPICS = {
+    'episode': Delivery.LATCHED,
+    'turn': Delivery.LATCHED,
+    'objects': Delivery.LATCHED,
+    'scene_image': Delivery.LATCHED,
+    'scene_markers': Delivery.LATCHED,
+    'query': Delivery.LATCHED,
+    'answer': Delivery.EVENTS,
+    'answer_ack': Delivery.EVENTS,
+    'decision': Delivery.EVENTS,
+    'learner_state': Delivery.LATCHED,
+    'concepts': Delivery.LATCHED,
+    'recognised': Delivery.LATCHED,
+    'recognised_markers': Delivery.LATCHED,
+    'recognition': Delivery.LATCHED,
+    'detections': Delivery.LATCHED,
+    'want': Delivery.EVENTS,
+    'target': Delivery.EVENTS,
+    'target_info': Delivery.EVENTS,
+}
+"""Delivery of each topic by its relative name. Those that no class below speaks of carry texts."""
+
+
+@dataclass(frozen=True, eq=False)
+class Look:
+    """What is heard on `objects`: a scene that has yet to be read.
+
+    Attributes:
+        stamp: of the cloud, in nanoseconds.
+        frame_id: of the cloud.
+        read: reads the scene, given the names of the features that are known by now.
+    """
+
+    stamp: int
+    frame_id: str
+    read: Callable[[Sequence[str]], Scene]
+
+
+@dataclass(frozen=True, eq=False)
+class SceneShown:
+    """What is said on `objects`: a scene under a stamp in nanoseconds."""
+
+    scene: Scene
+    stamp: int
+    frame_id: str
+
+
+@dataclass(frozen=True, eq=False)
+class PictureShown:
+    """What is said and heard on `scene_image`: an (h, w, 3) picture under a stamp in nanoseconds."""
+
+    picture: NDArray[np.uint8]
+    stamp: int
+    frame_id: str = ''
+
+
+@dataclass(frozen=True, eq=False)
+class DecisionMade:
+    """What is said on `decision`: the choice of a turn, with the scene that it is about."""
+
+    decision: Decision
+    symbols: tuple[str, ...]
+    scene: Scene
+    stamp: int
+    frame_id: str
+
+
+@dataclass(frozen=True, eq=False)
+class BeliefsShown:
+    """What is said on `scene_markers`.
+
+    Attributes:
+        beliefs: (n, |Y|) q_y(x) of the scene.
+        asked: object id of the thing that the pending query is about, if it is about one.
+        question: text of the pending query; empty if there is none.
+    """
+
+    scene: Scene
+    beliefs: NDArray[np.float64]
+    symbols: tuple[str, ...]
+    asked: int | None
+    question: str
+    stamp: int
+    frame_id: str
+
+
+@dataclass(frozen=True, eq=False)
+class RecognitionShown:
+    """What is said on `recognised`, `recognised_markers` and `detections`."""
+
+    recognition: Recognition
+    stamp: int
+    frame_id: str
+
+
+@dataclass(frozen=True)
+class Place:
+    """What is said on `target`: a position in metres in a frame, at a time in nanoseconds."""
+
+    position: tuple[float, float, float]
+    stamp: int
+    frame_id: str
+
+
+@dataclass(frozen=True, eq=False)
+class Replayed:
+    """What a replay of a bag says on `objects`: a cloud as it was recorded, under another stamp in nanoseconds."""
+
+    data: bytes
+    stamp: int
