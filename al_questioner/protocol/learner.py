@@ -108,6 +108,16 @@ class LearnerMachine(Machine):
         self.on_timer(NEXT_TURN, self._begin_turn)
         self.on_timer(PATIENCE, self._go_on_without)
 
+    @property
+    def is_ready(self) -> bool:
+        """True once it takes answers."""
+        return self._durable.is_ready
+
+    @property
+    def has_failed(self) -> bool:
+        """True once its episode cannot go on."""
+        return self._has_failed
+
     def handle(self, event: Event, now: Now) -> Effects:
         """See `Machine.handle`; an episode that cannot go on asks for nothing.
 
@@ -328,7 +338,8 @@ class LearnerMachine(Machine):
     def _tell_state(self) -> Effects:
         """Publish what is known now, outside of the course of the turns."""
         observed = self._durable.observed
-        if observed is not None:
+        # A scene that could not be written is known to this process alone: a learner that goes on has not seen it.
+        if observed is not None and not self._has_failed:
             beliefs = self._beliefs()
             yield self._shown(observed, beliefs)
             yield from self._state.send(self._state_of(beliefs))

@@ -1,0 +1,114 @@
+"""One run of the whole graph, from one seed."""
+
+from __future__ import annotations
+
+import random
+from dataclasses import dataclass
+
+from al_questioner.event_log.replay import ReplayError
+from shared.bottle.chart import Chart
+from shared.bottle.faults import Faults
+from shared.bottle.network import Network
+from shared.bottle.promises import BrokenPromiseError
+from shared.bottle.robot import STRATEGIES, Plan, Robot
+from shared.bottle.scheduler import Scheduler
+
+RATES = {
+    'death': 0.01, 'loss': 0.1, 'duplicate': 0.1, 'delay': 0.08, 'reorder': 0.1,
+    'clock jumps': 0.3, 'clock drifts': 0.2, 'clock stands': 0.15, 'disk full': 0.1, 'disk read-only': 0.05,
+    'person leaves': 0.1, 'garbage': 0.2, 'wrong': 0.15, 'unknown': 0.1, 'skip': 0.1, 'late': 0.1, 'answer twice': 0.2,
+    'contradict': 0.15, 'correct': 0.2, 'no picture': 0.1, 'broken cloud': 0.05, 'empty table': 0.03, 'arm': 0.05,
+    'sentinel': 0.05,
+}  # fmt: skip
+"""Chance of each kind of fault, each time it could happen, where a run has it at all."""
+SECONDS_OF_FAULTS = 60.0
+SECONDS_TO_END = 1500.0
+"""Seconds within which every episode ends once faults have stopped."""
+MOST_STEPS = 200_000
+
+
+@dataclass(frozen=True)
+class Outcome:
+    """Result of a run.
+
+    Attributes:
+        violation: the promise that was broken; empty if none was.
+        faults: names of the faults that happened.
+        chart: the course of the run, if it was kept.
+        steps: actions that were run.
+        seconds: virtual seconds.
+        lives: starts of learners.
+    """
+
+    seed: int
+    violation: str
+    faults: tuple[str, ...]
+    chart: str
+    steps: int
+    seconds: float
+    lives: int
+
+
+def make_rates(draw: random.Random) -> dict[str, float]:
+    """Return the faults of a run: some kinds only, so that rare ones are not drowned by common ones."""
+    if draw.random() < 0.05:
+        return {}
+    return {kind: rate * draw.choice((0.3, 1.0, 3.0)) for kind, rate in RATES.items() if draw.random() < 0.5}
+
+
+def make_plan(draw: random.Random) -> Plan:
+    return Plan(
+        seed=draw.randrange(2**31),
+        strategy=draw.choice(STRATEGIES),
+        turns=draw.randint(3, 8),
+        budget=float(draw.randint(2, 10)),
+        things=draw.randint(2, 4),
+        interval=draw.randint(1, 4),
+        noise=draw.choice((None, None, None, 0.0, 0.05)),
+        people=tuple(draw.random() < 0.25 for _ in range(draw.randint(1, 3))),
+        answer_timeout=draw.choice((0.0, 5.0, 30.0)),
+        turn_period=draw.choice((0.0, 0.0, 1.0)),
+        slowness=draw.choice((1.0, 1.0, 50.0)),
+    )
+
+
+def run(seed: int, allowed: frozenset[str] | None = None, is_charted: bool = False, replay_rate: float = 0.15) -> Outcome:
+    """Play a run to its end, or to the first promise that is broken.
+
+    Args:
+        seed: what happens.
+        allowed: the only faults that may happen; None for all that the seed has.
+        is_charted: whether to take down the course of it.
+        replay_rate: share of the states that are compared with a replay of the log.
+    """
+    draw = random.Random(seed)
+    faults = Faults(seed, make_rates(draw), allowed)
+    scheduler = Scheduler()
+    chart = Chart(lambda: scheduler.now, is_charted)
+    network = Network(scheduler, faults, chart)
+    names = ['a', 'b'] if draw.random() < 0.15 else ['a']
+    robots = [Robot(name, make_plan(draw), scheduler, network, faults, chart, replay_rate) for name in names]
+    violation = ''
+    try:
+        _play(robots, scheduler, faults)
+    except (BrokenPromiseError, ReplayError, AssertionError, RuntimeError, KeyError, ValueError) as error:
+        violation = f'{type(error).__name__}: {error}'
+        chart.note('', violation)
+    lives = sum(robot.learner.lives for robot in robots)
+    return Outcome(seed, violation, tuple(faults.happened), chart.text, scheduler.steps, scheduler.now, lives)
+
+
+def _play(robots: list[Robot], scheduler: Scheduler, faults: Faults) -> None:
+    def is_over() -> bool:
+        return all(robot.promises.is_done for robot in robots)
+
+    while scheduler.now < SECONDS_OF_FAULTS and not is_over() and scheduler.step():
+        pass
+    faults.active = False
+    for robot in robots:
+        robot.calm()
+    end = scheduler.now + SECONDS_TO_END
+    while scheduler.now < end and scheduler.steps < MOST_STEPS and not is_over() and scheduler.step():
+        pass
+    for robot in robots:
+        robot.promises.check_end()

@@ -1,0 +1,259 @@
+"""A process around a machine: its worker, inbox and timers, which all end with it."""
+
+from __future__ import annotations
+
+from collections import Counter, deque
+from collections.abc import Callable
+from typing import Any
+
+from al_questioner.domain import EpisodeError, InputError
+from al_questioner.protocol.effects import (
+    ClearTimer,
+    Effect,
+    End,
+    Publish,
+    Record,
+    Refuse,
+    Say,
+    SetTimer,
+    SyncBag,
+    WriteFile,
+)
+from al_questioner.protocol.events import Entered, Event, Heard, Moment, Rang, Started
+from al_questioner.protocol.machine import Machine
+from al_questioner.protocol.performing import perform_all
+from al_questioner.protocol.topics import TOPICS, Delivery
+from shared.bottle.chart import Chart
+from shared.bottle.clocks import RobotClock
+from shared.bottle.faults import Faults
+from shared.bottle.network import Endpoint, Network
+from shared.bottle.scheduler import Scheduler
+
+SHORTEST_DOWN_S, LONGEST_DOWN_S = 0.05, 12.0
+SHORTEST_WORK_S, LONGEST_WORK_S = 0.0005, 0.02
+MOST_WAITING = 1000
+"""Messages of a topic that is not latched, as in the nodes."""
+
+
+class Died(BaseException):
+    """The process was killed; no code of it may run any more."""
+
+
+class Process:
+    """Runs one machine after the other: when one dies, the next takes its place after a while.
+
+    Args:
+        name: of the process, with its namespace.
+        make: makes the machine; it may die, or be refused its input, meanwhile.
+        slowness: how much longer than usual it works.
+
+    Attributes:
+        machine: the present one; None while there is none.
+        refusals: refused messages by topic, of all lives.
+        lives: how often it was started.
+        watch: told of each effect before it is performed.
+        handled: told of each event when it has been handled, with the effects.
+    """
+
+    def __init__(
+        self,
+        name: str,
+        namespace: str,
+        make: Callable[[Process], Machine],
+        clock: RobotClock,
+        scheduler: Scheduler,
+        network: Network,
+        faults: Faults,
+        chart: Chart,
+        slowness: float = 1.0,
+    ) -> None:
+        self.name, self.namespace = name, namespace
+        self.machine: Machine | None = None
+        self.refusals: Counter[str] = Counter()
+        self.lives = 0
+        self.failures: list[str] = []
+        self.watch: Callable[[Effect], None] = lambda _: None
+        self.handled: Callable[[Event, list[Effect]], None] = lambda _, __: None
+        self.on_death: Callable[[], None] = lambda: None
+        self._make, self._clock = make, clock
+        self._scheduler, self._network, self._faults, self._chart = scheduler, network, faults, chart
+        self._slowness = slowness
+        self._endpoint: Endpoint | None = None
+        self._boundaries = self._works = 0
+        self._is_ended = False
+
+    @property
+    def is_up(self) -> bool:
+        return self._endpoint is not None
+
+    @property
+    def waiting(self) -> int:
+        """Number of messages and timers that wait."""
+        return len(self._jobs) + len(self._timers) if self.is_up else 0
+
+    def start(self) -> None:
+        """Start the process, unless it runs."""
+        if self.is_up or self._is_ended:
+            return
+        self.lives += 1
+        self._jobs: deque[Callable[[], Event | None]] = deque()
+        self._latest: dict[str, Any] = {}
+        self._timers: dict[str, object] = {}
+        self._is_busy = False
+        self._chart.note(self.name, 'STARTS' if self.lives == 1 else 'STARTS AGAIN')
+        self._endpoint = endpoint = Endpoint(self.name, self.namespace)
+        try:
+            self.machine = self._make(self)
+        except Died:
+            self._die()
+            return
+        except (InputError, EpisodeError) as error:
+            # As a node whose parameters or files cannot be used: it ends, and somebody tries again.
+            self._chart.note(self.name, f'CANNOT START: {error}')
+            self.failures.append(str(error))
+            self._die()
+            return
+        for topic in self.machine.hears:
+            endpoint.hear[topic] = self._inbox(topic)
+        self._put(Started)
+        self._network.join(endpoint)
+
+    def kill(self) -> None:
+        """Kill it, if it runs, in between two events."""
+        if self.is_up:
+            self._die()
+
+    def end(self) -> None:
+        """End it for good."""
+        self._is_ended = True
+        if self.is_up:
+            self._leave()
+
+    def enter(self, source: str, content: Any) -> None:
+        """Have the machine handle what a person did."""
+        if self.is_up:
+            self._put(lambda: Entered(source, content))
+
+    def boundary(self, where: str) -> None:
+        """Die here, if a fault says so."""
+        number = self._boundaries
+        self._boundaries += 1
+        if self._faults.happens('death', self.name, number):
+            self._chart.note(self.name, f'DIES {where}')
+            raise Died
+
+    def _inbox(self, topic: str) -> Callable[[Any], None]:
+        is_latched = TOPICS.get(topic, Delivery.EVENTS) is Delivery.LATCHED
+
+        def take_latest() -> Event:
+            return Heard(topic, self._latest.pop(topic))
+
+        def put_latest(content: Any) -> None:
+            is_waiting = topic in self._latest
+            self._latest[topic] = content
+            if not is_waiting:
+                self._put(take_latest)
+
+        def put(content: Any) -> None:
+            if len(self._jobs) < MOST_WAITING:
+                self._put(lambda: Heard(topic, content))
+
+        return put_latest if is_latched else put
+
+    def _put(self, job: Callable[[], Event | None]) -> None:
+        self._jobs.append(job)
+        if not self._is_busy:
+            self._is_busy = True
+            self._scheduler.after(0.0, self._guard(self._work))
+
+    def _guard(self, action: Callable[[], None]) -> Callable[[], None]:
+        """Return an action that does nothing once this life is over."""
+        endpoint = self._endpoint
+
+        def run() -> None:
+            if self._endpoint is endpoint:
+                action()
+
+        return run
+
+    def _work(self) -> None:
+        if not self._jobs:
+            self._is_busy = False
+            return
+        event = self._jobs.popleft()()
+        if event is None:
+            self._work()
+            return
+        self._works += 1
+        effects: list[Effect] = []
+        machine = self.machine
+        assert machine is not None
+        now = Moment(self._scheduler.now, self._clock.nanoseconds)
+
+        def perform(effect: Effect) -> None:
+            self.boundary(f'before {type(effect).__name__}')
+            effects.append(effect)
+            self.watch(effect)
+            self._perform(effect)
+
+        try:
+            perform_all(machine.handle(event, now), perform)
+            self.boundary('between two events')
+        except Died:
+            self._die()
+            return
+        except (EpisodeError, InputError) as error:
+            # As the nodes do: the failure is shown, the process stays.
+            self._chart.note(self.name, f'FAILS: {error}')
+            self.failures.append(str(error))
+        self.handled(event, effects)
+        if self.is_up:
+            share = self._faults.draw('work', self.name, self._works)
+            took = self._slowness * (SHORTEST_WORK_S + (LONGEST_WORK_S - SHORTEST_WORK_S) * share**4)
+            self._scheduler.after(took, self._guard(self._work))
+
+    def _perform(self, effect: Effect) -> None:
+        if isinstance(effect, Publish):
+            assert self._endpoint is not None
+            self._network.publish(self._endpoint, effect.topic, effect.content)
+        elif isinstance(effect, SetTimer):
+            self._set(effect.timer, effect.seconds)
+        elif isinstance(effect, ClearTimer):
+            self._timers.pop(effect.timer, None)
+        elif isinstance(effect, Refuse):
+            self.refusals[effect.topic] += 1
+            self._chart.note(self.name, f'refuses on {effect.topic}: {effect.reason[:100]}')
+        elif isinstance(effect, Say):
+            self._chart.note(self.name, f'says: {effect.text[:100]}')
+        elif isinstance(effect, End):
+            self.end()
+        elif isinstance(effect, (Record, SyncBag, WriteFile)):
+            self.keep(effect)
+
+    def keep(self, effect: Record | SyncBag | WriteFile) -> None:
+        """Write what is to be kept; a robot may put a disk in its place."""
+
+    def _set(self, timer: str, seconds: float) -> None:
+        token = self._timers[timer] = object()
+
+        def ring() -> None:
+            if self._timers.get(timer) is token:
+                self._put(lambda: self._ringing(timer, token))
+
+        self._scheduler.after(seconds, self._guard(ring))
+
+    def _ringing(self, timer: str, token: object) -> Event | None:
+        # It may have been cleared, or set again, while its ring waited for the worker.
+        return Rang(timer) if self._timers.get(timer) is token and self._timers.pop(timer) else None
+
+    def _leave(self) -> None:
+        endpoint, self._endpoint, self.machine = self._endpoint, None, None
+        if endpoint is not None and endpoint in self._network.endpoints:
+            self._network.leave(endpoint)
+
+    def _die(self) -> None:
+        self._leave()
+        self.on_death()
+        share = self._faults.draw('down', self.name, self.lives)
+        down = SHORTEST_DOWN_S + (LONGEST_DOWN_S - SHORTEST_DOWN_S) * share**3
+        self._scheduler.after(down, self.start)

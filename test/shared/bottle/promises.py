@@ -1,0 +1,198 @@
+"""What the learner promises, held after each step against a book-keeping of its own that reads only the disk."""
+
+from __future__ import annotations
+
+import json
+from typing import Any
+
+
+from al_questioner.event_log.encoding import decoded
+from al_questioner.event_log.events import EpisodeStarted, SceneObserved
+from al_questioner.event_log.log import LogContents
+from al_questioner.event_log.replay import Replay
+from al_questioner.event_log.state_documents import state_members
+from al_questioner.event_log.storage import Event as LoggedEvent
+from al_questioner.messages import documents
+from al_questioner.protocol.effects import Effect, Publish, Refuse
+from al_questioner.protocol.events import Event, Heard
+from al_questioner.questioning import make_strategy
+from shared.bottle.disk import Disk
+from shared.bottle.faults import Faults
+from shared.bottle.people import Person
+from shared.bottle.table import Table
+
+
+class BrokenPromiseError(Exception):
+    """A promise that was broken."""
+
+
+class Promises:
+    """Watches one learner.
+
+    Args:
+        name: of the learner's robot.
+        table: what is really there.
+        faults: for what is looked at now and then only.
+        replay_rate: share of the states that are compared with a replay of the log.
+    """
+
+    def __init__(self, name: str, table: Table, people: list[Person], faults: Faults, replay_rate: float) -> None:
+        self.name = name
+        self.disk = Disk(self.note_commit)
+        self.is_done = False
+        self.started: EpisodeStarted | None = None
+        self._table, self._people, self._faults, self._replay_rate = table, people, faults, replay_rate
+        self._answers: dict[str, dict[str, Any]] = {}
+        self._ids: set[tuple[str, str]] = set()
+        self._queries: dict[str, dict[str, Any]] = {}
+        self._looks: dict[str, dict[int, int]] = {}
+        self._scene: SceneObserved | None = None
+        self._texts: dict[str, str] = {}
+        self._furthest = (-1, False)
+        self._states = 0
+        self._last_state = ''
+
+    def note_commit(self, events: list[LoggedEvent]) -> None:
+        """Look at what has just been synced."""
+        for event in events:
+            members = json.loads(event.content)
+            if event.kind == 'scene':
+                found, _ = decoded(LogContents(tuple(self._with_scene()), None))
+                self._scene = next(one for one in reversed(found) if isinstance(one, SceneObserved))
+            elif event.kind == 'decision' and members['query'] is not None:
+                self._note_query(members['query'])
+            elif event.kind in ('answer', 'correction'):
+                self._note_answer(members)
+
+    def _with_scene(self) -> list[LoggedEvent]:
+        """Return the first event and the last scene that was written out, with those that refer to it."""
+        scenes = [event for event in self.disk.events if event.kind == 'scene']
+        whole = next(i for i in range(len(scenes) - 1, -1, -1) if b'"scene":null' not in scenes[i].content)
+        return [self.disk.events[0], *scenes[whole:]]
+
+    def _note_query(self, query: dict[str, Any]) -> None:
+        query_id = query['query_id']
+        self._demand(query_id not in self._queries, f'the query {query_id} was decided twice')
+        self._queries[query_id] = query
+        scene = self._scene
+        assert scene is not None
+        ids, rows = scene.scene.object_ids, scene.scene.features
+        looks = {i: self._table.look(i, row) for i, row in zip(ids, rows, strict=True)}
+        self._looks[query_id] = looks
+        if query['kind'] == 'label' and self._table.noise == 0:
+            asked = query['object_id']
+            for other, answer in self._answers.items():
+                named = self._named(other, answer)
+                self._demand(
+                    named is None or (named, self._looks[other].get(named)) != (asked, looks[asked]),
+                    f'{query_id} asks what object {asked} is, which the answer to {other} has told, and it looks the same',
+                )
+
+    def _named(self, query_id: str, answer: dict[str, Any]) -> int | None:
+        """Return the thing that an answer names."""
+        query = self._queries[query_id]
+        if answer['outcome'] != 'answered':
+            return None
+        if query['kind'] == 'label':
+            return int(query['object_id'])
+        return answer['content'] if query['kind'] == 'demonstration' and answer['content'] != 'none' else None
+
+    def _note_answer(self, answer: dict[str, Any]) -> None:
+        query_id, answer_id, replaces = answer['query_id'], answer['answer_id'], answer.get('replaces')
+        self._demand(query_id in self._queries, f'an answer to {query_id} counts, which was never asked')
+        self._demand((query_id, answer_id) not in self._ids, f'the answer {answer_id} counts twice')
+        before = self._answers.get(query_id)
+        self._demand(
+            (before is None) == (replaces is None) and (before is None or before['answer_id'] == replaces),
+            f'{answer_id} counts for {query_id} beside {before and before["answer_id"]}',
+        )
+        said = (query_id, answer_id, answer['outcome'], json.dumps(answer.get('content')), replaces)
+        plain = (None, None, answer['outcome'], json.dumps(answer.get('content')), None)
+        everything = set().union(*(person.said for person in self._people))
+        is_plain = answer_id == f'{query_id}/plain' and plain in everything
+        self._demand(said in everything or is_plain, f'nobody said {answer_id}: {said}')
+        self._ids.add((query_id, answer_id))
+        self._answers[query_id] = answer
+
+    def watch(self, effect: Effect) -> None:
+        """Look at what the learner is about to do."""
+        if not isinstance(effect, Publish):
+            return
+        if effect.topic == 'answer_ack':
+            ack = json.loads(effect.content)
+            key = (ack.get('query_id'), ack.get('answer_id'))
+            self._demand(not ack['accepted'] or key in self._ids, f'{key} is acknowledged and not on the disk')
+        elif effect.topic == 'query':
+            query = json.loads(effect.content)
+            query_id = query['query_id']
+            self._demand(query_id in self._queries, f'{query_id} is asked and not on the disk')
+            self._demand(query_id not in self._answers, f'{query_id} is asked again, and was answered')
+            self._demand(self._texts.setdefault(query_id, effect.content) == effect.content, f'{query_id} has changed')
+        elif effect.topic == 'learner_state':
+            self._watch_state(effect.content)
+        elif effect.topic in ('turn', 'episode') and self.started is not None:
+            theirs = json.loads(effect.content)['episode_id']
+            self._demand(theirs == self.started.episode_id, f'it speaks of the episode {theirs}')
+
+    def _watch_state(self, text: str) -> None:
+        state = json.loads(text)
+        now = (state['turn'], state['done'])
+        self._demand(now >= self._furthest, f'the state goes back from {self._furthest} to {now}')
+        self._furthest = now
+        self.is_done = self.is_done or state['done']
+        costs = sum(record['cost'] for record in state['queries'])
+        self._demand(state['spent'] == costs, f'{state["spent"]} is spent, the queries cost {costs}')
+        self._demand(state['spent'] <= state['budget'], f'{state["spent"]} is spent of {state["budget"]}')
+        turns = [query['turn'] for query in self._queries.values()]
+        told = {record['turn']: record for record in state['queries']}
+        self._demand(set(told) <= set(turns), f'there are records of turns without a question: {sorted(told)}')
+        for query_id, answer in self._answers.items():
+            record = told.get(self._queries[query_id]['turn'])
+            self._demand(
+                record is not None and record['outcome'] == answer['outcome'],
+                f'the record of {query_id} is {record}, the answer that counts is {answer}',
+            )
+        answered = {self._queries[query_id]['turn'] for query_id in self._answers}
+        guessed = [r for r in told.values() if r['outcome'] == 'answered' and r['turn'] not in answered]
+        self._demand(not guessed, f'records without an answer: {guessed}')
+        if text != self._last_state:
+            self._last_state = text
+            self._states += 1
+            if self._faults.draw('replay', self.name, self._states) < self._replay_rate:
+                self.compare_with_log(state)
+
+    def compare_with_log(self, state: dict[str, Any]) -> None:
+        """Hold a state against a replay of all that is on the disk."""
+        found, fault = decoded(LogContents(tuple(self.disk.events), None))
+        self._demand(fault is None, f'the log cannot be read: {fault}')
+        first = found[0]
+        assert isinstance(first, EpisodeStarted)
+        replay = Replay(first, make_strategy(first.settings.strategy, first.settings.weights), is_strict=True)
+        for event in found[1:]:
+            replay.play(event)
+        beliefs = replay.episode.concepts.predict_proba(replay.episode.scene.features)
+        expected = json.loads(documents.write('learner_state', first.episode_id, state_members(replay.episode, beliefs)))
+        differing = [name for name in expected if expected[name] != state.get(name)]
+        self._demand(not differing, f'a replay of the log believes otherwise: {differing}')
+
+    def watch_handled(self, event: Event, effects: list[Effect], is_ready: bool) -> None:
+        """Look at what became of a message."""
+        if not (isinstance(event, Heard) and event.topic == 'answer' and is_ready):
+            return
+        acks = [each for each in effects if isinstance(each, Publish) and each.topic == 'answer_ack']
+        self._demand(len(acks) == 1, f'{len(acks)} acknowledgements of {event.content[:80]!r}')
+        if any(event.content in person.garbage for person in self._people):
+            is_refused = any(isinstance(each, Refuse) for each in effects)
+            self._demand(is_refused, f'{event.content[:80]!r} was not refused')
+            self._demand(not json.loads(acks[0].content)['accepted'], f'{event.content[:80]!r} was accepted')
+
+    def check_end(self) -> None:
+        """Hold the last state against the log."""
+        self._demand(self.is_done, 'the episode does not end although all faults have stopped')
+        self.compare_with_log(json.loads(self._last_state))
+
+    def _demand(self, is_kept: bool, what: str) -> None:
+        if not is_kept:
+            raise BrokenPromiseError(f'{self.name}: {what}')
+
+
