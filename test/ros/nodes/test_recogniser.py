@@ -116,15 +116,15 @@ def test_a_live_learner_is_followed_from_its_first_answer_on(graph: Any, robot: 
     )
     assert first['examples'] == 1
     assert examples > 3
-    graph.wait_for(lambda: recogniser.recogniser.recognition, 'the last scene')
+    graph.wait_for(lambda: recogniser.machine.recogniser.recognition, 'the last scene')
     features = scene_of_cloud(clouds[-1]).features
-    concepts = learner._durable.episode.concepts
-    assert np.array_equal(recogniser.recogniser.concepts.predict_proba(features), concepts.predict_proba(features)), (
-        'to the last bit'
-    )
+    concepts = learner.machine._durable.episode.concepts
+    assert np.array_equal(
+        recogniser.machine.recogniser.concepts.predict_proba(features), concepts.predict_proba(features)
+    ), 'to the last bit'
     last = robot.documents[-1]
     assert probabilities(last) == recognise(concepts, features).tolist()
-    assert last['episode_id'] == learner.episode_id
+    assert last['episode_id'] == learner.machine.episode_id
     assert last['frame_id'] == 'table'
     documents.read('recognition', json.dumps(last))
 
@@ -271,10 +271,10 @@ def test_the_log_of_a_session_is_put_to_use(graph: Any, robot: Robot, tmp_path: 
     graph.play(session=str(tmp_path / 'log'))
     recogniser = graph.start(RecogniserNode, session=str(tmp_path / 'log'), namespace=f'{graph.namespace}/other')
     learner = next(node for node in graph.nodes if isinstance(node, LearnerNode))
-    graph.wait_for(lambda: recogniser.recogniser.concepts is not None, 'what the log holds')
+    graph.wait_for(lambda: recogniser.machine.recogniser.concepts is not None, 'what the log holds')
     features = scene_of_cloud(clouds[-1]).features
-    expected = learner._durable.episode.concepts.predict_proba(features)
-    assert np.array_equal(recogniser.recogniser.concepts.predict_proba(features), expected)
+    expected = learner.machine._durable.episode.concepts.predict_proba(features)
+    assert np.array_equal(recogniser.machine.recogniser.concepts.predict_proba(features), expected)
 
 
 def test_detections_are_published_where_their_type_is_installed(
@@ -282,7 +282,7 @@ def test_detections_are_published_where_their_type_is_installed(
 ) -> None:
     """Other packages read those; where vision_msgs is missing, all else works."""
     # Any installed type may stand in for one that is not: what is in it is tested without ROS.
-    name = 'al_questioner.ros.nodes.recogniser'
+    name = 'al_questioner.ros.topic_messages'
     monkeypatch.setattr(f'{name}.detection_types', lambda: SimpleNamespace(array=String))
     monkeypatch.setattr(f'{name}.detections_of_recognition', lambda found, *_: String(data=f'{len(found.things)}'))
     heard = graph.listen('detections')

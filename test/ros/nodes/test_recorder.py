@@ -19,6 +19,8 @@ from al_questioner.domain import InputError
 from al_questioner.event_log.events import ActionChosen, AnswerAccepted
 from al_questioner.event_log.replay import first_divergence
 from al_questioner.messages.documents import write as write_document
+from al_questioner.protocol.events import Rang
+from al_questioner.protocol.recorder import SYNC
 from al_questioner.ros import qos
 from al_questioner.ros.nodes.learner import LearnerNode
 from al_questioner.ros.nodes.perception import PerceptionNode
@@ -40,9 +42,9 @@ def test_a_recording_holds_the_whole_episode(graph: Any, tmp_path: Path, storage
     graph.start(TeacherNode, **graph.world, wait_for_recorder=True)
     graph.start(LearnerNode, **{**graph.episode, **EPISODE, 'wait_for_recorder': True})
     recorder = graph.start(RecorderNode, bag=str(tmp_path / 'b'), storage=storage, until_done=True)
-    graph.wait_for(lambda: recorder.done, 'the end of the recording')
+    graph.wait_for(lambda: recorder.machine.done, 'the end of the recording')
     graph.stop(recorder)
-    assert recorder.failure is None
+    assert recorder.machine.failure is None
     bag = read_bag(tmp_path / 'b')
     assert list(dict.fromkeys(document['turn'] for document in documents(bag, 'turn'))) == list(range(1, 11))
     counts = Counter(message.topic.rsplit('/', 1)[-1] for message in bag.messages)
@@ -83,7 +85,7 @@ def test_a_correction_is_replayed_in_the_turn_in_which_it_was_made(graph: Any, t
             graph.wait_for(lambda: states and states[-1]['labels']['fruit'], 'the correction')
             assert states[-1]['turn'] == 2
         says(number, answer_id='a1')
-    graph.wait_for(lambda: recorder.done, 'the end of the recording')
+    graph.wait_for(lambda: recorder.machine.done, 'the end of the recording')
     graph.stop(recorder)
     (episode,) = read_episodes(tmp_path / 'b')
     answered = [event for event in episode.events if isinstance(event, (ActionChosen, AnswerAccepted))]
@@ -105,7 +107,7 @@ def test_what_was_missed_is_said(graph: Any, tmp_path: Path) -> None:
     recorder = graph.start(RecorderNode, bag=str(tmp_path / 'b'), until_done=True)
     graph.wait_for(lambda: recorder.counts()['turns missed'], 'the missed turn')
     graph.start(TeacherNode, **graph.world)
-    graph.wait_for(lambda: recorder.done, 'the end of the recording')
+    graph.wait_for(lambda: recorder.machine.done, 'the end of the recording')
     graph.stop(recorder)
     with pytest.raises(BagError, match='turn 1 of 10 was not recorded: did the recording begin too late'):
         read_episodes(tmp_path / 'b')
@@ -191,7 +193,7 @@ def test_a_full_disk_ends_the_recording_and_is_on_the_diagnostics(
     graph.wait_for(lambda: recorder.counts()[topic] == 1, 'a message')
     # By the worker, which syncs by itself now and then.
     synced = threading.Event()
-    recorder.submit(recorder._sync)
+    recorder.tell(Rang(SYNC))
     recorder.submit(synced.set)
     graph.wait_for(synced.is_set, 'the message on the disk')
 
@@ -199,10 +201,10 @@ def test_a_full_disk_ends_the_recording_and_is_on_the_diagnostics(
         raise OSError(errno.ENOSPC, 'No space left on device')
 
     monkeypatch.setattr(recorder._bag._writer.storage, 'sync', fail)
-    graph.wait_for(lambda: recorder.failure, 'the failure')
+    graph.wait_for(lambda: recorder.machine.failure, 'the failure')
     publisher.publish(String(data='fruit'))
     graph.stop(recorder)
-    assert 'No space left on device' in str(recorder.failure)
+    assert 'No space left on device' in str(recorder.machine.failure)
     ours = (f'{graph.namespace}/recorder', DiagnosticStatus.ERROR)
     graph.wait_for(lambda: ours in [(s.name, s.level) for s in diagnostics.statuses], 'an error on /diagnostics')
     with pytest.raises(BagError, match='record --repair'):
