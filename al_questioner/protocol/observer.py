@@ -1,4 +1,4 @@
-"""What follows an episode from the outside."""
+"""Machine that follows an episode from the outside."""
 
 from __future__ import annotations
 

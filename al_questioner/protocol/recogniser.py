@@ -1,4 +1,4 @@
-"""What the recogniser does: it tells what the things in view are taken for, and where the wanted one is."""
+"""Machine of the recogniser: tells what the things in view are taken for, and where the wanted one is."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What the recorder does: it has every message recorded as it came, and notices holes and the end of an episode."""
+"""Machine of the recorder: has every message recorded as it came, and notices holes and the end of an episode."""
 
 from __future__ import annotations
 

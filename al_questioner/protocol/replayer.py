@@ -1,4 +1,4 @@
-"""What plays a bag: it waits for listeners, publishes what is due, obeys keys, and yields to a live learner."""
+"""Machine that plays a bag: waits for listeners, publishes what is due, obeys keys, and yields to a live learner."""
 
 from __future__ import annotations
 
@@ -38,7 +38,7 @@ class RecordedMessage(Protocol):
 
 
 class Timing(Protocol):
-    """When the messages of a bag are due; see `bags.playback.Playback`. Its `now` is in seconds of the steady clock."""
+    """Schedule of the messages of a bag; see `bags.playback.Playback`. Its `now` is in seconds of the steady clock."""
 
     @property
     def done(self) -> bool:
