@@ -13,8 +13,6 @@ from al_questioner.bags.topics import is_document
 from al_questioner.domain import InputError
 from al_questioner.messages.stamps import SECOND
 
-FASTER = 1.25
-"""Factor of the rate, up or down, at each request for it."""
 STEP = SECOND
 """Smallest step back of a clock, in nanoseconds, that means that the clock was set back."""
 SLOWEST, FASTEST = 1e-3, 1e3

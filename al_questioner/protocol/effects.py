@@ -100,11 +100,36 @@ class SyncBag:
 
 
 @dataclass(frozen=True)
+class CloseBag:
+    """The bag, finished; an OSError comes back if it cannot be."""
+
+
+@dataclass(frozen=True)
+class AwaitArrival:
+    """All that was published, arrived at those who listen, unless they are behind for longer than these seconds."""
+
+    seconds: float
+
+
+@dataclass(frozen=True)
 class End:
     """The end of the process."""
 
 
-Effect = Publish | SetTimer | ClearTimer | Refuse | Report | Say | WriteFile | Record | SyncBag | End
+Effect = (
+    Publish
+    | SetTimer
+    | ClearTimer
+    | Refuse
+    | Report
+    | Say
+    | WriteFile
+    | Record
+    | SyncBag
+    | CloseBag
+    | AwaitArrival
+    | End
+)
 
 Effects = Generator[Effect, None, None]
 """Effects in their order; each is done before the next is asked for, and its error is thrown back where it arose."""

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from enum import Enum
-from typing import Any
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -43,8 +43,12 @@ TOPICS = {
     'want': Delivery.EVENTS,
     'target': Delivery.EVENTS,
     'target_info': Delivery.EVENTS,
+    '/diagnostics': Delivery.EVENTS,
 }
-"""Delivery of each topic by its relative name. Those that no class below speaks of carry texts."""
+"""Delivery of each topic by its relative name; /diagnostics is that of all robots.
+
+Those that no class below speaks of carry texts.
+"""
 
 
 @dataclass(frozen=True, eq=False)
@@ -134,3 +138,40 @@ class Replayed:
 
     data: bytes
     stamp: int
+
+
+class Health(Enum):
+    """Health of a node."""
+
+    OK = 'ok'
+    WARNING = 'warning'
+    ERROR = 'error'
+    STALE = 'stale'
+
+
+class Status(NamedTuple):
+    """What is heard on `/diagnostics`, several in one message.
+
+    Attributes:
+        name: full name of the node, without the first slash.
+        message: what it does, or what is wrong.
+    """
+
+    name: str
+    health: Health
+    message: str
+
+
+@dataclass(frozen=True)
+class Recorded:
+    """What a recorder hears on each topic.
+
+    Attributes:
+        data: the message as it came.
+        stamp: when it came, in nanoseconds since the epoch.
+        read: reads the text of a message that holds one; an InputError says that it holds none.
+    """
+
+    data: bytes
+    stamp: int
+    read: Callable[[], str]

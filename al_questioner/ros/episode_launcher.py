@@ -18,9 +18,10 @@ from rclpy.parameter import Parameter
 from rclpy.validate_namespace import validate_namespace
 
 from al_questioner.domain import EpisodeError, InputError
+from al_questioner.protocol.observer import StateWatcher
 from al_questioner.ros.node import QuestionerNode
 from al_questioner.ros.nodes.learner import LearnerNode
-from al_questioner.ros.nodes.observer import ObserverNode, StateWatcher
+from al_questioner.ros.nodes.observer import ObserverNode
 from al_questioner.ros.nodes.perception import PerceptionNode
 from al_questioner.ros.nodes.teacher import TeacherNode
 from al_questioner.ros.parameters import Value
@@ -96,9 +97,9 @@ class EpisodeLauncher:
                     ended_well = process is recorder and process.poll() == 0
                     if process.poll() is not None and not ended_well:
                         raise EpisodeError(f'{name} ended with status {process.returncode}: {self._last_line(name)}')
-                if observer.failure is not None:
-                    raise observer.failure
-                is_done = observer.done
+                if observer.machine.failure is not None:
+                    raise observer.machine.failure
+                is_done = observer.machine.done
                 return is_done and (recorder is None or recorder.poll() == 0)
 
             spinner.spin(is_over)

@@ -2,9 +2,10 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from typing import Any, NamedTuple
 
+from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus
 from geometry_msgs.msg import PoseStamped
 from rclpy.qos import QoSProfile
 from rclpy.serialization import deserialize_message
@@ -23,12 +24,14 @@ from al_questioner.protocol.topics import (
     BeliefsShown,
     DecisionMade,
     Delivery,
+    Health,
     Look,
     PictureShown,
     Place,
     RecognitionShown,
     Replayed,
     SceneShown,
+    Status,
 )
 from al_questioner.ros import qos
 from al_questioner.ros.types import CLOUD_TYPES, MARKER_TYPES, detection_types, header, octets, pose, text
@@ -46,6 +49,15 @@ class Form(NamedTuple):
     convert: Callable[[Any], Any]
 
 
+HEALTH = {
+    DiagnosticStatus.OK: Health.OK,
+    DiagnosticStatus.WARN: Health.WARNING,
+    DiagnosticStatus.ERROR: Health.ERROR,
+    DiagnosticStatus.STALE: Health.STALE,
+}
+"""Health of a node by the level of its status; another level tells nothing."""
+
+
 def profile_of(topic: str) -> QoSProfile:
     """Return the quality of service of a topic."""
     return qos.LATCHED if TOPICS[topic] is Delivery.LATCHED else qos.EVENTS
@@ -55,7 +67,8 @@ def outgoing(topic: str) -> Form | None:
     """Return the form of what is said on a topic; None if its message type is not installed."""
     if topic == 'detections':
         return _detections()
-    return OUTGOING.get(topic, Form(String, text))
+    form: Form = OUTGOING.get(topic, Form(String, text))
+    return form
 
 
 def incoming(topic: str) -> Form:
@@ -74,6 +87,10 @@ def look_of(cloud: PointCloud2) -> Look:
 
 def _picture_of(message: Image) -> PictureShown:
     return PictureShown(picture_of_image(message), nanoseconds(message.header.stamp), message.header.frame_id)
+
+
+def _statuses_of(array: DiagnosticArray) -> tuple[Status, ...]:
+    return tuple(Status(one.name, HEALTH.get(one.level, Health.STALE), one.message) for one in array.status)
 
 
 def _cloud_of(shown: SceneShown | Replayed) -> Any:
@@ -120,7 +137,7 @@ def _detections() -> Form | None:
     )
 
 
-OUTGOING = {
+OUTGOING: Mapping[str, Form] = {
     'objects': Form(PointCloud2, _cloud_of),
     'scene_image': Form(Image, _image_of),
     'decision': Form(PointCloud2, _decision_of),
@@ -131,5 +148,9 @@ OUTGOING = {
 }
 """Forms of what is said, apart from texts."""
 
-INCOMING = {'objects': Form(PointCloud2, look_of), 'scene_image': Form(Image, _picture_of)}
+INCOMING: Mapping[str, Form] = {
+    'objects': Form(PointCloud2, look_of),
+    'scene_image': Form(Image, _picture_of),
+    '/diagnostics': Form(DiagnosticArray, _statuses_of),
+}
 """Forms of what is heard, apart from texts."""

@@ -9,9 +9,10 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from al_questioner.bags import BagMessage
-from al_questioner.bags.playback import FASTER, FASTEST, SLOWEST, Playback, without_steps_back
+from al_questioner.bags.playback import FASTEST, SLOWEST, Playback, without_steps_back
 from al_questioner.domain import InputError
 from al_questioner.messages.stamps import SECOND
+from al_questioner.protocol.replayer import FASTER
 
 
 def messages(*seconds, topic='/r/objects'):

@@ -234,5 +234,5 @@ def test_a_recogniser_survives_garbage_and_goes_on(graph: Any) -> None:
             want(String(data=text))
         assert recogniser.counts()['refused on concepts'] == refused > 100
         hear(String(data=good))
-    assert recogniser.recogniser.find('snack').symbol == 'snack'
+    assert recogniser.machine.recogniser.find('snack').symbol == 'snack'
     assert recogniser._failure == ''

@@ -64,7 +64,7 @@ def test_a_demonstration_with_a_task_file_of_ones_own_can_be_learnt_from(
         processes.node(script.stem, program=[sys.executable, str(script)])
     graph.start(LearnerNode, task=str(examples / 'blobs.yaml'), strategy='expert', wait_for_recorder=True)
     recorder = graph.start(RecorderNode, bag=str(tmp_path / 'b'), until_done=True)
-    graph.wait_for(lambda: recorder.done, 'the end of the recording')
+    graph.wait_for(lambda: recorder.machine.done, 'the end of the recording')
     graph.stop(recorder)
     for strategy in ('dt_task_env', 'value_per_cost'):
         arguments = [str(tmp_path / 'b'), '--strategy', strategy, '--out', str(tmp_path / f'{strategy}.yaml')]

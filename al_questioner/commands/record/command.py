@@ -26,14 +26,15 @@ def main(given: argparse.Namespace) -> int:
     node: RecorderNode | None = None
     with Spinner(given.ros) as spinner:
         node = spinner.add(RecorderNode)
-        spinner.spin(lambda: node.done or node.failure is not None)
+        spinner.spin(lambda: node.machine.done or node.machine.failure is not None)
     if node is None:
         return 0
-    if node.failure is not None:
-        raise node.failure
-    total = number_of(node.written, 'message')
-    Console().print(f'{node.path}: {total}, the bag is whole', highlight=False, markup=False, soft_wrap=True)
-    if node.until_done and not node.done:
+    machine = node.machine
+    if machine.failure is not None:
+        raise machine.failure
+    total = number_of(machine.written, 'message')
+    Console().print(f'{machine.path}: {total}, the bag is whole', highlight=False, markup=False, soft_wrap=True)
+    if machine.until_done and not machine.done:
         raise EpisodeError('ended before the episode was over; the bag is whole as far as it goes')
     return 0
 

@@ -3,14 +3,12 @@
 from __future__ import annotations
 
 import json
-from dataclasses import replace
 from pathlib import Path
 from types import SimpleNamespace
 from typing import Any
 
 import numpy as np
 import pytest
-from diagnostic_msgs.msg import DiagnosticStatus
 from geometry_msgs.msg import PoseStamped
 from rclpy.qos import DurabilityPolicy, QoSProfile, ReliabilityPolicy
 from sensor_msgs.msg import PointCloud2
@@ -19,12 +17,10 @@ from visualization_msgs.msg import MarkerArray
 
 from al_questioner.cli import main
 from al_questioner.concepts.recognition import recognise
-from al_questioner.domain import InputError, Knowledge, Scene, random_stream
+from al_questioner.domain import InputError, Scene
 from al_questioner.messages import documents
 from al_questioner.messages.clouds import cloud_of_scene, scene_of_cloud
 from al_questioner.messages.concepts_file import write_concepts
-from al_questioner.messages.concepts_text import concepts_text
-from al_questioner.questioning import Episode
 from al_questioner.questioning.review import taught_learner
 from al_questioner.ros import qos
 from al_questioner.ros.nodes.learner import LearnerNode
@@ -32,21 +28,14 @@ from al_questioner.ros.nodes.perception import PerceptionNode
 from al_questioner.ros.nodes.recogniser import RecogniserNode
 from al_questioner.ros.nodes.teacher import TeacherNode
 from al_questioner.ros.types import CLOUD_TYPES, detection_types, header
-from al_questioner.simulation import PerceivedWorld, ScriptedTeacher, WorldSpec, episode_settings, load_task, turns
+from shared.lunches import Taught, taught
 
-TASK = 'prepare_lunch'
 SENSOR = QoSProfile(depth=5, reliability=ReliabilityPolicy.BEST_EFFORT, durability=DurabilityPolicy.VOLATILE)
 
 
-@pytest.fixture(scope='module')
-def lunch() -> SimpleNamespace:
-    """Knowledge of a learner after an episode, and the last scene that it saw."""
-    task = load_task(TASK)
-    episode = Episode(episode_settings(task, 'farthest_fsq', 10.0, 12), random_stream(4, 'learner'))
-    world = PerceivedWorld(WorldSpec(task, 4, 4).open())
-    for _ in turns(episode, world, ScriptedTeacher(task.symbols, task.relevant_groups, 4)):
-        pass
-    return SimpleNamespace(knowledge=episode.knowledge('lunch'), scene=world.scene(12), symbols=task.symbols)
+@pytest.fixture
+def lunch() -> Taught:
+    return taught()
 
 
 class Robot:
@@ -62,13 +51,10 @@ class Robot:
         self.wish = graph.ears.create_publisher(String, 'want', qos.EVENTS)
         self.eyes = graph.ears.create_publisher(PointCloud2, 'objects', SENSOR)
 
-    def shows(self, scene: Scene, second: int, **changes: Any) -> None:
+    def shows(self, scene: Scene, second: int) -> None:
         """Show things as a camera driver does."""
         self.graph.wait_for(self.eyes.get_subscription_count, 'a node that looks')
-        cloud = cloud_of_scene(scene, header(second * 10**9, 'camera'), CLOUD_TYPES)
-        for name, value in changes.items():
-            setattr(cloud, name, value)
-        self.eyes.publish(cloud)
+        self.eyes.publish(cloud_of_scene(scene, header(second * 10**9, 'camera'), CLOUD_TYPES))
 
     def recognised(self, second: int) -> dict[str, Any]:
         """The document of the cloud of a second."""
@@ -116,25 +102,25 @@ def test_a_live_learner_is_followed_from_its_first_answer_on(graph: Any, robot: 
     )
     assert first['examples'] == 1
     assert examples > 3
-    graph.wait_for(lambda: recogniser.recogniser.recognition, 'the last scene')
+    graph.wait_for(lambda: recogniser.machine.recogniser.recognition, 'the last scene')
     features = scene_of_cloud(clouds[-1]).features
-    concepts = learner._durable.episode.concepts
-    assert np.array_equal(recogniser.recogniser.concepts.predict_proba(features), concepts.predict_proba(features)), (
-        'to the last bit'
-    )
+    concepts = learner.machine._durable.episode.concepts
+    assert np.array_equal(
+        recogniser.machine.recogniser.concepts.predict_proba(features), concepts.predict_proba(features)
+    ), 'to the last bit'
     last = robot.documents[-1]
     assert probabilities(last) == recognise(concepts, features).tolist()
-    assert last['episode_id'] == learner.episode_id
+    assert last['episode_id'] == learner.machine.episode_id
     assert last['frame_id'] == 'table'
     documents.read('recognition', json.dumps(last))
 
 
-def by_file(lunch: SimpleNamespace, folder: Path) -> dict[str, str]:
+def by_file(lunch: Taught, folder: Path) -> dict[str, str]:
     write_concepts(folder / 'known.json', lunch.knowledge)
     return {'concepts': str(folder / 'known.json')}
 
 
-def test_a_file_is_put_to_use(graph: Any, robot: Robot, lunch: SimpleNamespace, tmp_path: Path) -> None:
+def test_a_file_is_put_to_use(graph: Any, robot: Robot, lunch: Taught, tmp_path: Path) -> None:
     """Otherwise what was taught yesterday would be of no use today; a camera driver's clouds are heard, too."""
     expected = recognise(taught_learner(lunch.knowledge), lunch.scene.features)
     column = lunch.symbols.index('snack')
@@ -166,123 +152,24 @@ def test_a_file_is_put_to_use(graph: Any, robot: Robot, lunch: SimpleNamespace, 
     assert target.pose.orientation.w == 1.0
 
 
-def test_nothing_is_fetched_without_a_reason(
-    graph: Any, robot: Robot, diagnostics: Any, lunch: SimpleNamespace, tmp_path: Path
-) -> None:
-    """Otherwise a manipulation stack would wait for a target that never comes, or fetch another thing."""
-    graph.start(RecogniserNode, threshold=1.0, **by_file(lunch, tmp_path))
-    robot.wants('snack')
-    graph.wait_for(lambda: robot.wants('snack')['reason'] == 'no objects have been seen yet', 'what is known')
-    assert 'did you mean snack?' in robot.wants('snak')['reason']
-    diagnostics.wait_for("refused want: 'snak' is nothing that was taught", DiagnosticStatus.WARN)
-    robot.shows(lunch.scene, 11)
-    robot.recognised(11)
-    answer = robot.wants('snack')
-    assert 'nothing in view is snack with a probability of 1 or more' in answer['reason']
-    assert (answer['object_id'], answer['stamp']['sec'], answer['frame_id']) == (None, 11, 'camera')
-    assert answer['runner_up']['object_id'] in lunch.scene.object_ids
-    nothing = Scene((), np.empty((0, 3)), np.empty((0, lunch.scene.features.shape[1])), lunch.scene.feature_names)
-    robot.shows(nothing, 12)
-    assert robot.recognised(12)['things'] == []
-    assert robot.wants('snack')['reason'] == 'there is nothing in view'
-    assert robot.targets == []
-
-
-def with_nan(cloud: PointCloud2) -> bytes:
-    return bytes(cloud.data[:16]) + np.float32(np.nan).tobytes() + bytes(cloud.data[20:])
-
-
-def test_unusable_clouds_are_refused_and_the_next_one_is_recognised(
-    graph: Any, robot: Robot, diagnostics: Any, lunch: SimpleNamespace, tmp_path: Path
-) -> None:
-    """Otherwise one bad frame of a camera would end the node."""
-    graph.start(RecogniserNode, **by_file(lunch, tmp_path))
-    scene = lunch.scene
-    good = cloud_of_scene(scene, header(1, 'camera'), CLOUD_TYPES)
-    robot.shows(scene, 11, data=with_nan(good))
-    diagnostics.wait_for('not finite', DiagnosticStatus.WARN)
-    robot.shows(scene, 12, data=bytes(good.data)[:-1])
-    diagnostics.wait_for('too few', DiagnosticStatus.WARN)
-    other = Scene(scene.object_ids, scene.positions, scene.features, ('weight_g', *scene.feature_names[1:]))
-    robot.shows(other, 13)
-    reason = f'the concepts are of other features: they lack weight_g and have {scene.feature_names[0]}'
-    diagnostics.wait_for(f'refused objects: {reason}', DiagnosticStatus.WARN)
-    assert robot.wants('snack')['reason'] == reason
-    assert robot.documents == []
-    robot.shows(scene, 14)
-    assert len(robot.recognised(14)['things']) == len(scene)
-    graph.wait_for(lambda: diagnostics.values.get('clouds recognised') == '1', 'the count')
-    assert diagnostics.values['refused on objects'] == '3'
-
-
-def test_unusable_concepts_are_refused_and_the_next_ones_are_taken(
-    graph: Any, robot: Robot, diagnostics: Any, lunch: SimpleNamespace
-) -> None:
-    """Otherwise garbage on a topic would cost the robot all that it knows."""
-    graph.start(RecogniserNode)
-    mouth = graph.ears.create_publisher(String, 'concepts', qos.LATCHED)
-    robot.shows(lunch.scene, 11)
-    mouth.publish(String(data='{'))
-    diagnostics.wait_for('not valid JSON', DiagnosticStatus.WARN)
-    mouth.publish(String(data=concepts_text(lunch.knowledge)))
-    # What was seen before is recognised as soon as it can be.
-    document = robot.recognised(11)
-    assert document['examples'] == len(lunch.knowledge.examples)
-    mouth.publish(String(data=concepts_text(lunch.knowledge).replace('concepts/1', 'concepts/7')))
-    diagnostics.wait_for('of another version (al_questioner/concepts/7)', DiagnosticStatus.WARN)
-    robot.shows(lunch.scene, 12)
-    assert probabilities(robot.recognised(12)) == probabilities(document)
-
-
-def test_the_names_go_with_the_learner_that_knew_them(graph: Any, robot: Robot, lunch: SimpleNamespace) -> None:
-    """A learner that begins with nothing would stand beside things that are named, for all who come later."""
-    graph.start(RecogniserNode)
-    mouth = graph.ears.create_publisher(String, 'concepts', qos.LATCHED)
-    robot.shows(lunch.scene, 11)
-    mouth.publish(String(data=concepts_text(lunch.knowledge)))
-    assert robot.recognised(11)['things']
-    first = lunch.knowledge.lessons[0]
-    nothing = replace(lunch.knowledge, lessons=(replace(first, labels=(), groups=()),))
-    mouth.publish(String(data=concepts_text(nothing)))
-    graph.wait_for(lambda: not robot.documents[-1]['things'], 'nothing in place of the names')
-    graph.wait_for(lambda: not robot.clouds[-1].width, 'an empty cloud')
-    assert robot.documents[-1]['examples'] == 0
-    assert robot.wants('snack')['reason'] == 'nothing has been taught yet'
-    mouth.publish(String(data=concepts_text(lunch.knowledge)))
-    graph.wait_for(lambda: robot.documents[-1]['things'], 'the names again')
-
-
-def test_concepts_of_other_features_than_the_things_are_told(
-    graph: Any, robot: Robot, diagnostics: Any, lunch: SimpleNamespace
-) -> None:
-    graph.start(RecogniserNode)
-    names = tuple(f'other_{i}' for i in range(len(lunch.scene.feature_names)))
-    robot.shows(Scene(lunch.scene.object_ids, lunch.scene.positions, lunch.scene.features, names), 11)
-    mouth = graph.ears.create_publisher(String, 'concepts', qos.LATCHED)
-    mouth.publish(String(data=concepts_text(lunch.knowledge)))
-    diagnostics.wait_for('refused objects: the concepts are of other features', DiagnosticStatus.WARN)
-    robot.shows(lunch.scene, 12)
-    robot.recognised(12)
-
-
 def test_the_log_of_a_session_is_put_to_use(graph: Any, robot: Robot, tmp_path: Path) -> None:
     """A learner may still be writing to it."""
     clouds = graph.listen('objects', PointCloud2)
     graph.play(session=str(tmp_path / 'log'))
     recogniser = graph.start(RecogniserNode, session=str(tmp_path / 'log'), namespace=f'{graph.namespace}/other')
     learner = next(node for node in graph.nodes if isinstance(node, LearnerNode))
-    graph.wait_for(lambda: recogniser.recogniser.concepts is not None, 'what the log holds')
+    graph.wait_for(lambda: recogniser.machine.recogniser.concepts is not None, 'what the log holds')
     features = scene_of_cloud(clouds[-1]).features
-    expected = learner._durable.episode.concepts.predict_proba(features)
-    assert np.array_equal(recogniser.recogniser.concepts.predict_proba(features), expected)
+    expected = learner.machine._durable.episode.concepts.predict_proba(features)
+    assert np.array_equal(recogniser.machine.recogniser.concepts.predict_proba(features), expected)
 
 
 def test_detections_are_published_where_their_type_is_installed(
-    graph: Any, robot: Robot, lunch: SimpleNamespace, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+    graph: Any, robot: Robot, lunch: Taught, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     """Other packages read those; where vision_msgs is missing, all else works."""
     # Any installed type may stand in for one that is not: what is in it is tested without ROS.
-    name = 'al_questioner.ros.nodes.recogniser'
+    name = 'al_questioner.ros.topic_messages'
     monkeypatch.setattr(f'{name}.detection_types', lambda: SimpleNamespace(array=String))
     monkeypatch.setattr(f'{name}.detections_of_recognition', lambda found, *_: String(data=f'{len(found.things)}'))
     heard = graph.listen('detections')
@@ -312,14 +199,6 @@ def test_unusable_parameters_are_refused_at_once(
     (tmp_path / 'damaged.json').write_text('{')
     with pytest.raises(InputError, match=said):
         graph.start(RecogniserNode, **parameters)
-
-
-def test_a_file_without_examples_is_no_error(graph: Any, diagnostics: Any, tmp_path: Path) -> None:
-    task = load_task(TASK)
-    known = Knowledge(task.symbols, ('size_height',), episode_settings(task).classifiers)
-    write_concepts(tmp_path / 'known.json', known)
-    graph.start(RecogniserNode, concepts=str(tmp_path / 'known.json'))
-    diagnostics.wait_for('nothing has been taught yet')
 
 
 def test_the_executable_refuses_bad_input_in_one_line(processes: Any, tmp_path: Path) -> None:

@@ -13,14 +13,12 @@ from rosgraph_msgs.msg import Clock
 from sensor_msgs.msg import PointCloud2
 from std_msgs.msg import String
 
-from al_questioner.bags import BagMessage, BagWriter, Topic, deserialize, read_bag, read_episodes
+from al_questioner.bags import BagMessage, BagWriter, Topic, deserialize, read_bag
 from al_questioner.bags.playback import Playback
 from al_questioner.domain import InputError
-from al_questioner.messages.clouds import scene_of_cloud
 from al_questioner.messages.stamps import nanoseconds
 from al_questioner.ros import qos
 from al_questioner.ros.message_classes import installed_part, message_class
-from al_questioner.ros.nodes.learner import LearnerNode
 from al_questioner.ros.nodes.replayer import ReplayNode, common_namespace
 from al_questioner.ros.nodes.teacher import TeacherNode
 from shared.bags import SHIPPED, STRING, recorded, text
@@ -69,83 +67,23 @@ def test_everything_is_published_as_it_was_recorded(graph: Any) -> None:
     graph.wait_for(lambda: node.over, 'the end of the replay')
 
 
-def test_a_step_is_a_turn_of_the_learner(graph: Any) -> None:
-    """Otherwise a person could not look at one turn after the other."""
-    turns = graph.listen('turn', profile=qos.RECORDED_LATCHED)
-    node = replay(graph, paused=True)
-    for turn, key in enumerate(('right', 'n', 'n'), start=1):
-        node.press(key)
-        graph.wait_for(lambda n=turn: [document['turn'] for document in turns] == list(range(1, n + 1)), f'turn {turn}')
-    assert node.playback.turn == 3
-
-
-def test_the_scenes_of_a_replay_are_the_recorded_ones(graph: Any) -> None:
-    """Otherwise a learner that listens would see other things, or in another order."""
-    clouds = graph.listen('objects', PointCloud2, qos.RECORDED_LATCHED)
-    node = replay(graph, rate=2.0)
-    graph.wait_for(lambda: node.over, 'the end of the replay')
-    graph.wait_for(
-        lambda: clouds and stamp_in(clouds[-1]) == stamp_in(deserialize(recorded('objects')[-1])), 'the last'
-    )
-    (episode,) = read_episodes(SHIPPED)
-    shown = {turn.scene.features.tobytes(): turn.scene.object_ids for turn in episode.turns}
-    assert [stamp_in(cloud) for cloud in clouds] == sorted({stamp_in(cloud) for cloud in clouds})
-    for cloud in clouds:
-        scene = scene_of_cloud(cloud)
-        assert shown[scene.features.tobytes()] == scene.object_ids
-
-
 def test_latched_topics_stay_for_late_listeners(graph: Any) -> None:
     """Otherwise RViz, started after the replay, would stay empty."""
     states = graph.listen('learner_state', profile=qos.RECORDED_LATCHED)
-    replay(graph, rate=5.0)
+    node = replay(graph, rate=1000.0)
+    node.press('up')
     graph.wait_for(lambda: states and states[-1]['done'], 'the end of the replay')
     late = graph.listen('late', topic='learner_state')
     graph.wait_for(lambda: late, 'the latched state')
     assert late[-1]['done']
 
 
-def test_nothing_is_played_before_somebody_listens(graph: Any, diagnostics: Any) -> None:
+def test_a_replay_begins_by_itself_once_somebody_listens(graph: Any) -> None:
     """A subscriber that is started together with the replay gets the first decisions."""
-    node = replay(graph)
-
-    def waiting() -> int:
-        ours = [status.message for status in diagnostics.statuses if graph.namespace in status.name]
-        return ours.count('waiting for listeners')
-
-    graph.wait_for(lambda: waiting() >= 2, 'two signs of life')
-    assert not node.started
+    replay(graph, rate=1000.0)
     decisions = graph.listen('decision', PointCloud2, qos.RECORDED_EVENTS)
     graph.wait_for(lambda: decisions, 'a decision')
     assert stamp_in(decisions[0]) == stamp_in(deserialize(recorded('decision')[0]))
-
-
-def test_a_key_begins_without_listeners(graph: Any) -> None:
-    """Otherwise a person would have to wait for listeners that are not to come."""
-    node = replay(graph)
-    node.press('s')
-    graph.wait_for(lambda: node.playback.position == 1, 'the first message')
-    assert node.playback.paused
-    node.press('x')
-    node.press('up')
-    graph.wait_for(lambda: node.playback.rate == 1.25, 'the higher rate')
-    assert node.playback.position == 1
-    node.press(' ')
-    graph.wait_for(lambda: node.over, 'the end of the replay')
-    assert node.playback.position == len(read_bag(SHIPPED).messages)
-
-
-def test_a_replay_does_not_begin_on_the_names_of_a_live_learner(graph: Any) -> None:
-    """Otherwise a recorded turn could replace a live one before perception sees it: the robot waits for ever."""
-    turns = graph.listen('turn', profile=qos.RECORDED_LATCHED)
-    graph.start(LearnerNode, **graph.episode)
-    node = replay(graph)
-    graph.wait_for(lambda: node.over, 'the end of the replay')
-    assert f'/{graph.namespace}/learner publishes on /{graph.namespace}/turn, too' in str(node.failure)
-    node.press('n')
-    graph.wait_for(lambda: turns, 'the turn of the live learner')
-    assert not node.started
-    assert {document['episode_id'].rsplit('-', 1)[0] for document in turns} == {'prepare_lunch-4'}
 
 
 def test_a_replay_ends_when_a_learner_takes_its_names(graph: Any) -> None:
@@ -164,20 +102,19 @@ def test_a_replay_ends_when_a_learner_takes_its_names(graph: Any) -> None:
     assert queries == offline_queries('random_fsq', 6.0, 8)
 
 
-@pytest.mark.parametrize('clock_hz', [50.0, 0.001])
-def test_the_recorded_time_is_told_and_the_last_stamp_however_rarely_it_is(graph: Any, clock_hz: float) -> None:
-    """The clock runs to the recorded end, so that use_sim_time does not stand still and no one waits for ever."""
+def test_the_recorded_time_is_told(graph: Any) -> None:
+    """Otherwise use_sim_time would stand still."""
     clocks = graph.listen('/clock', Clock, 10)
-    node = replay(graph, clock_hz=clock_hz)
-    node.press(' ')
-    node.press(' ')
+    node = replay(graph, rate=10.0, clock_hz=50.0)
+    graph.wait_for(lambda: clocks, 'the time before the beginning')
+    node.press('up')
     begin, *_, end = (message.stamp for message in read_bag(SHIPPED).messages)
     graph.wait_for(lambda: any(nanoseconds(c.clock) == end for c in clocks), 'the last stamp')
     graph.wait_for(lambda: node.over, 'the end of the replay')
     stamps = [nanoseconds(c.clock) for c in clocks]
     assert stamps == sorted(stamps)
-    assert stamps[0] >= begin
-    assert clock_hz > 1 or stamps == [end]
+    assert stamps[0] == begin
+    assert len(set(stamps)) > 3
 
 
 def test_a_replay_is_not_over_before_its_last_messages_have_arrived(
