@@ -22,7 +22,7 @@ LAYERS = (
     {'concepts', 'messages', 'perception'},
     {'questioning'},
     {'event_log', 'simulation'},
-    {'bags', 'terminal'},
+    {'bags', 'protocol', 'terminal'},
     {'imitation', 'experiments', 'ros'},
     {'commands'},
     {'cli'},

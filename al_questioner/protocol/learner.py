@@ -346,9 +346,7 @@ class LearnerMachine(Machine):
         """Return the scene, the beliefs and the pending query for people who watch."""
         pending = self._durable.episode.pending
         asked, question = (pending.action.object_id, pending.text) if pending else (None, '')
-        shown = BeliefsShown(
-            observed.scene, beliefs, self._symbols, asked, question, observed.stamp, observed.frame_id
-        )
+        shown = BeliefsShown(observed.scene, beliefs, self._symbols, asked, question, observed.stamp, observed.frame_id)
         return Publish('scene_markers', shown)
 
     def warning(self, now: Now) -> str:

@@ -15,11 +15,11 @@ from al_questioner.messages.clouds import scene_of_cloud
 from al_questioner.messages.documents import Document
 from al_questioner.messages.pictures import picture_of_image
 from al_questioner.messages.stamps import nanoseconds
+from al_questioner.questioning.dialogue.teacher_dialogue import TeacherDialogue
+from al_questioner.questioning.dialogue.view_state import EpisodeProgress
 from al_questioner.ros import qos
 from al_questioner.ros.answer_sender import AnswerSender
 from al_questioner.ros.node import QuestionerNode
-from al_questioner.terminal.dialogue import TeacherDialogue
-from al_questioner.terminal.view_state import EpisodeProgress
 
 SECONDS_TO_CLOSE = 5.0
 """Seconds within which the screen is closed."""

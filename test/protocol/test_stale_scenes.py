@@ -5,10 +5,10 @@ from __future__ import annotations
 from types import SimpleNamespace
 
 import pytest
+from al_questioner.ros.stale_scenes import FEWEST, PATIENCE, StaleScenes
 
 from al_questioner.domain import SceneError
 from al_questioner.messages.stamps import SECOND
-from al_questioner.ros.stale_scenes import FEWEST, PATIENCE, StaleScenes
 
 TURN = 100 * SECOND
 

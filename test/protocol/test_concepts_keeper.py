@@ -5,11 +5,11 @@ from __future__ import annotations
 from pathlib import Path
 
 import pytest
+from al_questioner.ros.concepts_keeper import ConceptsKeeper
 
 from al_questioner.domain import Classifiers, Knowledge
 from al_questioner.messages.concepts_file import read_concepts
 from al_questioner.messages.concepts_text import concepts_text
-from al_questioner.ros.concepts_keeper import ConceptsKeeper
 
 KNOWLEDGE = Knowledge(('snack', 'fruit'), ('colour_red',), Classifiers())
 

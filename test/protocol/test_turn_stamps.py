@@ -3,11 +3,11 @@
 from __future__ import annotations
 
 import pytest
+from al_questioner.ros.turn_stamps import LATEST, TurnStamps
 from hypothesis import given
 from hypothesis import strategies as st
 
 from al_questioner.messages.stamps import SECOND
-from al_questioner.ros.turn_stamps import LATEST, TurnStamps
 from al_questioner.ros.types import header
 
 TIMES = st.integers(0, 2**63 - 1)

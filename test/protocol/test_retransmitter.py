@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 import pytest
-
 from al_questioner.ros.retransmitter import BackOff, Retransmitter
+
 from shared.virtual_time import VirtualTime
 
 
