@@ -80,6 +80,24 @@ class PictureShown:
 
 
 @dataclass(frozen=True, eq=False)
+class PictureToDraw:
+    """What is said on `scene_image` when it takes a while to draw: whoever performs it may draw it aside, or drop it.
+
+    Attributes:
+        draw: makes the (h, w, 3) picture.
+        stamp: in nanoseconds.
+    """
+
+    draw: Callable[[], NDArray[np.uint8]]
+    stamp: int
+    frame_id: str
+
+    def drawn(self) -> PictureShown:
+        """Draw the picture."""
+        return PictureShown(self.draw(), self.stamp, self.frame_id)
+
+
+@dataclass(frozen=True, eq=False)
 class DecisionMade:
     """What is said on `decision`: the choice of a turn, with the scene that it is about."""
 
