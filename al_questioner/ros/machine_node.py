@@ -66,7 +66,7 @@ class MachineNode(QuestionerNode):
         """Take up a machine: subscribe to what it hears, and start it once the worker has done what waits already."""
         self.machine = machine
         self._time = NodeTime(self.get_clock())
-        self._timers: dict[str, Cancel] = {}
+        self._alarms: dict[str, Cancel] = {}
         self._tellers: dict[str, Callable[[Any], None]] = {}
         for topic in machine.tells:
             self._advertise(topic)
@@ -76,13 +76,13 @@ class MachineNode(QuestionerNode):
 
     def tell(self, event: Event) -> None:
         """Have the machine handle an event; any thread may call it."""
-        self.submit(partial(self.handle, event))
+        self.submit(partial(self._handle, event))
 
     def enter(self, source: str, content: Any) -> None:
         """Have the machine handle what a person did at this process; any thread may call it."""
         self.tell(Entered(source, content))
 
-    def handle(self, event: Event) -> None:
+    def _handle(self, event: Event) -> None:
         """Have the machine handle an event now, on the worker's thread, and perform the effects one by one."""
         perform_all(self.machine.handle(event, self._time), self.perform)
 
@@ -96,7 +96,7 @@ class MachineNode(QuestionerNode):
             self._publish(effect)
         elif isinstance(effect, SetTimer):
             self._clear(effect.timer)
-            self._timers[effect.timer] = self.after(effect.seconds, partial(self._ring, effect.timer))
+            self._alarms[effect.timer] = self.after(effect.seconds, partial(self._ring, effect.timer))
         elif isinstance(effect, ClearTimer):
             self._clear(effect.timer)
         elif isinstance(effect, Refuse):
@@ -141,7 +141,7 @@ class MachineNode(QuestionerNode):
         form, profile = incoming(topic), self.hearing_profile(topic)
 
         def hear(message: Any) -> None:
-            self.handle(Heard(topic, form.convert(message)))
+            self._handle(Heard(topic, form.convert(message)))
 
         self.on_message(form.type, topic, hear, profile)
 
@@ -155,11 +155,11 @@ class MachineNode(QuestionerNode):
             teller(effect.content)
 
     def _ring(self, timer: str) -> None:
-        self._timers.pop(timer, None)
-        self.handle(Rang(timer))
+        self._alarms.pop(timer, None)
+        self._handle(Rang(timer))
 
     def _clear(self, timer: str) -> None:
-        cancel = self._timers.pop(timer, None)
+        cancel = self._alarms.pop(timer, None)
         if cancel is not None:
             cancel()
 
