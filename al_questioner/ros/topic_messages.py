@@ -120,7 +120,7 @@ def _detections() -> Form | None:
     )
 
 
-OUTGOING = {
+OUTGOING: dict[str, Form] = {
     'objects': Form(PointCloud2, _cloud_of),
     'scene_image': Form(Image, _image_of),
     'decision': Form(PointCloud2, _decision_of),
@@ -131,5 +131,5 @@ OUTGOING = {
 }
 """Forms of what is said, apart from texts."""
 
-INCOMING = {'objects': Form(PointCloud2, look_of), 'scene_image': Form(Image, _picture_of)}
+INCOMING: dict[str, Form] = {'objects': Form(PointCloud2, look_of), 'scene_image': Form(Image, _picture_of)}
 """Forms of what is heard, apart from texts."""

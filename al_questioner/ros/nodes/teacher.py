@@ -47,7 +47,7 @@ class TeacherNode(MachineNode):
             self.await_recorder('answer')
         self._terminal: TerminalThread | None = None
         if mode == 'terminal':
-            dialogue = TeacherDialogue(teacher_id or login_name(), self._say, other_words=WISHES)
+            dialogue = TeacherDialogue(teacher_id or login_name(), self._send, other_words=WISHES)
             self.run(TerminalTeacherMachine(dialogue))
             self._terminal = TerminalThread(dialogue, run_terminal, self.context.try_shutdown)
         else:
@@ -69,7 +69,7 @@ class TeacherNode(MachineNode):
             self._terminal.close()
         super().destroy_node()
 
-    def _say(self, episode_id: str, answer: Answer) -> None:
+    def _send(self, episode_id: str, answer: Answer) -> None:
         self.enter(SAID, (episode_id, answer))
 
 
