@@ -55,7 +55,8 @@ def outgoing(topic: str) -> Form | None:
     """Return the form of what is said on a topic; None if its message type is not installed."""
     if topic == 'detections':
         return _detections()
-    return OUTGOING.get(topic, Form(String, text))
+    form = OUTGOING.get(topic)
+    return Form(String, text) if form is None else form
 
 
 def incoming(topic: str) -> Form:

@@ -3,61 +3,63 @@
 from __future__ import annotations
 
 import pytest
-from al_questioner.ros.retransmitter import BackOff, Retransmitter
 
-from shared.virtual_time import VirtualTime
+from al_questioner.protocol.effects import Publish
+from al_questioner.protocol.machine import Machine
+from al_questioner.protocol.retransmitter import BackOff, Retransmitter
+from shared.machine_driver import Driver
 
-
-@pytest.fixture
-def time() -> VirtualTime:
-    return VirtualTime()
-
-
-@pytest.fixture
-def said() -> list[tuple[float, str]]:
-    return []
+WHY, HOW = Publish('query', 'why?'), Publish('query', 'how?')
 
 
 @pytest.fixture
-def retransmitter(time: VirtualTime, said: list[tuple[float, str]]) -> Retransmitter[str]:
-    return Retransmitter(time.after, lambda thing: said.append((time.now, thing)), BackOff(1.0, 4.0))
+def driver() -> Driver:
+    return Driver(Machine())
 
 
-def test_it_is_said_ever_more_rarely_until_it_is_heard(
-    time: VirtualTime, said: list, retransmitter: Retransmitter[str]
-) -> None:
+@pytest.fixture
+def retransmitter(driver: Driver) -> Retransmitter:
+    return Retransmitter(driver.machine, 'query', BackOff(1.0, 4.0))
+
+
+def said(driver: Driver) -> list[tuple[float, str]]:
+    """What was said, and when."""
+    return [(at, effect.content) for at, effect in driver.done if isinstance(effect, Publish)]
+
+
+def test_it_is_said_ever_more_rarely_until_it_is_heard(driver: Driver, retransmitter: Retransmitter) -> None:
     """Otherwise a question would be asked once, or fill the topic, or be asked after it was answered."""
-    retransmitter.send('why?')
-    time.pass_until(12.0)
-    assert said == [(at, 'why?') for at in (0.0, 1.0, 3.0, 7.0, 11.0)]
-    retransmitter.stop()
-    time.pass_until(100.0)
-    assert len(said) == 5
+    driver.perform(retransmitter.send(WHY))
+    driver.pass_until(12.0)
+    assert said(driver) == [(at, 'why?') for at in (0.0, 1.0, 3.0, 7.0, 11.0)]
+    driver.perform(retransmitter.stop())
+    driver.pass_until(100.0)
+    assert len(said(driver)) == 5
     assert retransmitter.message is None
 
 
-def test_the_next_thing_begins_anew(time: VirtualTime, said: list, retransmitter: Retransmitter[str]) -> None:
+def test_the_next_thing_begins_with_the_shortest_pause(driver: Driver, retransmitter: Retransmitter) -> None:
     """Otherwise after one long wait every further question would be repeated rarely, or the old one go on."""
-    retransmitter.send('why?')
-    time.pass_until(8.0)
-    retransmitter.send('how?')
-    time.pass_until(11.5)
-    assert said[4:] == [(8.0, 'how?'), (9.0, 'how?'), (11.0, 'how?')]
-    time.pass_until(100.0)
-    assert [at for at, _ in said[7:]] == [15.0 + 4 * i for i in range(22)]
+    driver.perform(retransmitter.send(WHY))
+    driver.pass_until(8.0)
+    driver.perform(retransmitter.send(HOW))
+    driver.pass_until(11.5)
+    assert said(driver)[4:] == [(8.0, 'how?'), (9.0, 'how?'), (11.0, 'how?')]
+    driver.pass_until(100.0)
+    assert [at for at, _ in said(driver)[7:]] == [15.0 + 4 * i for i in range(22)]
 
 
-def test_a_delay_is_kept(time: VirtualTime, said: list, retransmitter: Retransmitter[str]) -> None:
+def test_a_delay_is_kept(driver: Driver, retransmitter: Retransmitter) -> None:
     """Otherwise a teacher who takes time to think would answer at once."""
-    retransmitter.send('because', delay=2.5)
-    time.pass_until(4.0)
-    assert said == [(2.5, 'because'), (3.5, 'because')]
+    driver.perform(retransmitter.send(WHY, delay=2.5))
+    driver.pass_until(4.0)
+    assert said(driver) == [(2.5, 'why?'), (3.5, 'why?')]
 
 
-def test_quick_talk_leaves_no_timers_behind(time: VirtualTime, said: list, retransmitter: Retransmitter[str]) -> None:
+def test_quick_talk_leaves_no_timers_behind(driver: Driver, retransmitter: Retransmitter) -> None:
     """Otherwise a long episode would fill the memory with times at which nothing is to be done."""
-    for turn in range(1000):
-        retransmitter.send(str(turn))
-        retransmitter.stop()
-        time.now += 0.001
-    assert time.waiting == 0
+    for _ in range(1000):
+        driver.perform(retransmitter.send(WHY))
+        driver.perform(retransmitter.stop())
+        driver.seconds += 0.001
+    assert driver.timers == {}
