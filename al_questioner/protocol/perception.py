@@ -1,4 +1,4 @@
-"""What perception of a simulated world does."""
+"""Machine of perception in a simulated world."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What stands in for perception with the scenes that were recorded."""
+"""Machine that stands in for perception with the scenes that were recorded."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ from al_questioner.protocol.machine import Machine
 from al_questioner.protocol.topics import Replayed
 
 PRESSED = 'pressed'
-"""What is entered when the person has pressed a key: the key."""
+"""Source of the keys that the person presses; the content is the key."""
 WORLD = ('task', 'seed', 'sample')
 """Members of a document that describe a simulated world."""
 

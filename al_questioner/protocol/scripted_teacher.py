@@ -1,4 +1,4 @@
-"""What a teacher does who answers from a script that knows the truth."""
+"""Machine of a teacher who answers from a script that knows the truth."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What a teacher does whose answers a person gives at this process."""
+"""Machine of a teacher whose answers a person gives at this process."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ from al_questioner.protocol.topics import Look, PictureShown
 from al_questioner.questioning.dialogue import EpisodeProgress, TeacherDialogue
 
 SAID = 'said'
-"""What is entered when the person has answered: the id of the episode, and the answer."""
+"""Source of the answers of the person; the content is the id of the episode, and the answer."""
 AWAITING = Report('waiting for a query', awaited='query')
 
 

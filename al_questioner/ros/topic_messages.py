@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from typing import Any, NamedTuple
 
 from geometry_msgs.msg import PoseStamped
@@ -55,8 +55,8 @@ def outgoing(topic: str) -> Form | None:
     """Return the form of what is said on a topic; None if its message type is not installed."""
     if topic == 'detections':
         return _detections()
-    form = OUTGOING.get(topic)
-    return Form(String, text) if form is None else form
+    form: Form = OUTGOING.get(topic, Form(String, text))
+    return form
 
 
 def incoming(topic: str) -> Form:
@@ -121,7 +121,7 @@ def _detections() -> Form | None:
     )
 
 
-OUTGOING: dict[str, Form] = {
+OUTGOING: Mapping[str, Form] = {
     'objects': Form(PointCloud2, _cloud_of),
     'scene_image': Form(Image, _image_of),
     'decision': Form(PointCloud2, _decision_of),
@@ -132,5 +132,5 @@ OUTGOING: dict[str, Form] = {
 }
 """Forms of what is said, apart from texts."""
 
-INCOMING: dict[str, Form] = {'objects': Form(PointCloud2, look_of), 'scene_image': Form(Image, _picture_of)}
+INCOMING: Mapping[str, Form] = {'objects': Form(PointCloud2, look_of), 'scene_image': Form(Image, _picture_of)}
 """Forms of what is heard, apart from texts."""

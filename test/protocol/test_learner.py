@@ -11,6 +11,7 @@ from typing import Any
 import pytest
 
 from al_questioner.domain import EpisodeError, EpisodeSettings, Scene
+from al_questioner.event_log.events import InputRejected
 from al_questioner.event_log.log import SessionLog
 from al_questioner.messages import documents
 from al_questioner.messages.documents import Document
@@ -20,7 +21,7 @@ from al_questioner.protocol.events import Moment
 from al_questioner.protocol.learner import LONGEST_BACK_OFF, PATIENCE, LearnerMachine, LearnerOptions
 from al_questioner.protocol.topics import BeliefsShown, DecisionMade, Look
 from al_questioner.simulation import PerceivedWorld, episode_settings
-from shared.durable_sessions import WORLD, durable_of, episode_started
+from shared.durable_sessions import WORLD, durable_of, episode_started, events
 from shared.lunches import TASK, WORLD_SPEC, teacher
 from shared.machine_driver import Driver
 from shared.offline import offline_queries
@@ -173,6 +174,8 @@ def test_a_turn_does_not_wait_for_ever_for_its_answer(make: Callable[..., Robot]
     robot.is_taught()
     assert robot.said('answer_ack')[-1]['accepted']
     assert robot.machine.warning(robot.driver.now) == ''
+    # Neither its question nor its answer is waited for any more, nor is the state of the turn before of use.
+    assert set(robot.driver.timers) == {'repeat turn'}
 
 
 def test_turns_are_paced(make: Callable[..., Robot]) -> None:
@@ -201,9 +204,11 @@ def test_turns_are_paced(make: Callable[..., Robot]) -> None:
         }), 'belongs to episode e2'),
     ],
 )  # fmt: skip
-def test_what_is_no_answer_is_refused_with_a_reason(make: Callable[..., Robot], text: str, reason: str) -> None:
-    """Otherwise a person would wait in vain, or another robot's answer be learnt."""
-    robot = make()
+def test_what_is_no_answer_is_refused_with_a_reason(
+    make: Callable[..., Robot], tmp_path: Path, text: str, reason: str
+) -> None:
+    """Otherwise a person would wait for nothing, or another robot's answer be learnt."""
+    robot = make(tmp_path)
     robot.sees()
     robot.driver.hear('answer', text)
     (ack,) = robot.said('answer_ack')
@@ -212,6 +217,9 @@ def test_what_is_no_answer_is_refused_with_a_reason(make: Callable[..., Robot], 
     assert robot.driver.refusals == [('answer', ack['reason'])]
     robot.is_taught()
     assert robot.said('answer_ack')[-1]['accepted']
+    robot.machine.close()
+    rejected = [event for event in events(tmp_path) if isinstance(event, InputRejected)]
+    assert [one.text for one in rejected] == [text]
 
 
 def test_a_plain_word_is_an_answer(make: Callable[..., Robot]) -> None:
@@ -225,12 +233,14 @@ def test_a_plain_word_is_an_answer(make: Callable[..., Robot]) -> None:
     assert robot.driver.lines[-1] == 'q1: plain says snack'
 
 
-def test_a_correction_is_learnt_outside_of_the_turns(make: Callable[..., Robot]) -> None:
-    """Otherwise a slip would stay in what the robot knows, or end a turn whose own question is open."""
+@pytest.mark.parametrize('question_is_open', [True, False])
+def test_a_correction_is_learnt_outside_of_the_turns(make: Callable[..., Robot], question_is_open: bool) -> None:
+    """Otherwise a slip would stay in what the robot knows, or the present turn would end, or begin once more."""
     robot = make(settings=episode_settings(TASK, 'u_sampling', 6.0, 8))
     robot.sees()
     first = robot.is_taught()
-    robot.sees()
+    if question_is_open:
+        robot.sees()
     turns = len(robot.said('turn'))
     other = 'snack' if first['content'] != 'snack' else 'fruit'
     correction = {**first, 'answer_id': 'q1/other', 'content': other, 'replaces': first['answer_id']}
@@ -239,7 +249,14 @@ def test_a_correction_is_learnt_outside_of_the_turns(make: Callable[..., Robot])
     assert robot.said('learner_state')[-1]['queries'][0]['symbol'] == other
     assert robot.driver.lines[-1] == f'q1: {first["teacher_id"]} now says {other}'
     assert len(robot.said('turn')) == turns
-    assert 'repeat query' in robot.driver.timers
+    assert ('repeat query' in robot.driver.timers) == question_is_open
+
+
+def test_what_is_said_before_it_has_begun_is_not_answered(world: PerceivedWorld) -> None:
+    """Otherwise a learner that goes through a long session would refuse the answer to its own question."""
+    robot = Robot(world, None, SETTINGS, LearnerOptions())
+    robot.driver.hear('answer', 'snack')
+    assert robot.driver.done == []
 
 
 def other_turn(robot: Robot) -> None:
@@ -284,23 +301,30 @@ def test_a_session_goes_on_with_the_same_question(make: Callable[..., Robot], tm
     assert again.order == ['episode', 'turn', 'query', 'decision', 'scene_markers', 'concepts']
     assert again.said('query') == robot.said('query')[-1:]
     assert again.said('turn') == robot.said('turn')[-1:]
+    before = stamp_of(robot.said('turn')[-1]['stamp'])
     again.is_taught()
+    assert stamp_of(again.said('turn')[-1]['stamp']) > before
     assert [query['turn'] for query in again.said('learner_state')[-1]['queries']] == [1, 2]
     assert again.said('turn')[-1]['turn'] == 3
     again.machine.close()
 
 
-def test_a_session_that_cannot_be_written_ends_the_questions(make: Callable[..., Robot], tmp_path: Path) -> None:
+@pytest.mark.parametrize('event', ['a scene', 'an answer'])
+def test_a_session_that_cannot_be_written_ends_the_questions(
+    make: Callable[..., Robot], tmp_path: Path, event: str
+) -> None:
     """Otherwise an answer would be acknowledged that is nowhere, or a question asked that nobody may answer."""
     robot = make(tmp_path, answer_timeout=3.0)
-    robot.sees()
+    if event == 'an answer':
+        robot.sees()
     robot.durable._log._storage._database.execute('PRAGMA query_only=1')
     with pytest.raises(EpisodeError, match='cannot be written'):
-        robot.is_taught()
+        robot.sees() if event == 'a scene' else robot.is_taught()
     assert robot.said('answer_ack') == []
     assert robot.driver.timers == {}
+    before = list(robot.order)
     robot.sees()
-    assert robot.order.count('turn') == 1
+    assert robot.order == before
     robot.machine.close()
 
 

@@ -23,7 +23,7 @@ def retransmitter(driver: Driver) -> Retransmitter:
 
 
 def said(driver: Driver) -> list[tuple[float, str]]:
-    """What was said, and when."""
+    """Return what was said, and when."""
     return [(at, effect.content) for at, effect in driver.done if isinstance(effect, Publish)]
 
 

@@ -32,7 +32,7 @@ class RecordedPerceptionNode(MachineNode):
 
     @property
     def over(self) -> bool:
-        """Whether it was told to quit, or failed."""
+        """True once it was told to quit, or failed."""
         return self.machine.over
 
     @property
