@@ -1,4 +1,4 @@
-"""What a machine has done for it, one effect after the other."""
+"""Effects that a machine has done for it, one after the other."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ from typing import Any
 
 
 class Level(Enum):
-    """How serious a line of the node's log is."""
+    """Seriousness of a line of the node's log."""
 
     INFO = 'info'
     WARNING = 'warning'
@@ -51,7 +51,7 @@ class Refuse:
 
 @dataclass(frozen=True)
 class Report:
-    """What the node is doing, in a few words, for /diagnostics.
+    """Activity of the node in a few words, for /diagnostics.
 
     Attributes:
         expected_within: seconds after which /diagnostics warns that it lasts too long.
@@ -96,7 +96,7 @@ class Record:
 
 @dataclass(frozen=True)
 class SyncBag:
-    """What was recorded, brought to the disk; an OSError comes back if it cannot be."""
+    """The recorded messages, brought to the disk; an OSError comes back if it cannot be."""
 
 
 @dataclass(frozen=True)

@@ -1,4 +1,4 @@
-"""What a machine is told of, and the time at which it is."""
+"""Events that a machine is told of, and the time at which they happen."""
 
 from __future__ import annotations
 
@@ -33,7 +33,7 @@ class Rang:
 
 @dataclass(frozen=True)
 class Entered:
-    """What a person did at this process.
+    """An act of a person at this process.
 
     Attributes:
         source: name of what they did it with, or of what they did.

@@ -1,4 +1,4 @@
-"""What the learner does between the robot's perception and its teachers."""
+"""Machine of the learner, between the robot's perception and its teachers."""
 
 from __future__ import annotations
 
@@ -53,7 +53,7 @@ NEXT_TURN, PATIENCE = 'next turn', 'patience'
 
 @dataclass(frozen=True)
 class LearnerOptions:
-    """How a learner behaves, apart from what it asks.
+    """Options of a learner, apart from what it asks.
 
     Attributes:
         turn_period: least seconds from turn to turn.
@@ -357,9 +357,7 @@ class LearnerMachine(Machine):
         """Return the scene, the beliefs and the pending query for people who watch."""
         pending = self._durable.episode.pending
         asked, question = (pending.action.object_id, pending.text) if pending else (None, '')
-        shown = BeliefsShown(
-            observed.scene, beliefs, self._symbols, asked, question, observed.stamp, observed.frame_id
-        )
+        shown = BeliefsShown(observed.scene, beliefs, self._symbols, asked, question, observed.stamp, observed.frame_id)
         return Publish('scene_markers', shown)
 
     def warning(self, now: Now) -> str:

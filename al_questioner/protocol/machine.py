@@ -13,7 +13,7 @@ from al_questioner.protocol.events import Entered, Event, Heard, Moment, Now, Ra
 
 
 class Machine:
-    """What a node does. It knows no thread, no topic's middleware and no clock; the caller performs its effects.
+    """The behaviour of a node. It knows no thread, no topic's middleware and no clock; the caller performs its effects.
 
     A handler is a generator of effects. The caller performs each effect before asking for the next, so that what
     follows an effect happens only if the effect did. If a handler cannot use what was heard it raises an InputError:

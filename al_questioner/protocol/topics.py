@@ -53,7 +53,7 @@ Those that no class below speaks of carry texts.
 
 @dataclass(frozen=True, eq=False)
 class Look:
-    """What is heard on `objects`: a scene that has yet to be read.
+    """Scene that is heard on `objects`, and has yet to be read.
 
     Attributes:
         stamp: of the cloud, in nanoseconds.
@@ -68,7 +68,7 @@ class Look:
 
 @dataclass(frozen=True, eq=False)
 class SceneShown:
-    """What is said on `objects`: a scene under a stamp in nanoseconds."""
+    """Scene that is said on `objects`, under a stamp in nanoseconds."""
 
     scene: Scene
     stamp: int
@@ -77,7 +77,7 @@ class SceneShown:
 
 @dataclass(frozen=True, eq=False)
 class PictureShown:
-    """What is said and heard on `scene_image`: an (h, w, 3) picture under a stamp in nanoseconds."""
+    """An (h, w, 3) picture that is said or heard on `scene_image`, under a stamp in nanoseconds."""
 
     picture: NDArray[np.uint8]
     stamp: int
@@ -85,8 +85,26 @@ class PictureShown:
 
 
 @dataclass(frozen=True, eq=False)
+class PictureToDraw:
+    """Picture that is said on `scene_image` and takes a while to draw: the caller may draw it aside, or drop it.
+
+    Attributes:
+        draw: makes the (h, w, 3) picture.
+        stamp: in nanoseconds.
+    """
+
+    draw: Callable[[], NDArray[np.uint8]]
+    stamp: int
+    frame_id: str
+
+    def drawn(self) -> PictureShown:
+        """Draw the picture."""
+        return PictureShown(self.draw(), self.stamp, self.frame_id)
+
+
+@dataclass(frozen=True, eq=False)
 class DecisionMade:
-    """What is said on `decision`: the choice of a turn, with the scene that it is about."""
+    """Choice of a turn that is said on `decision`, with the scene that it is about."""
 
     decision: Decision
     symbols: tuple[str, ...]
@@ -97,7 +115,7 @@ class DecisionMade:
 
 @dataclass(frozen=True, eq=False)
 class BeliefsShown:
-    """What is said on `scene_markers`.
+    """Scene and beliefs that are said on `scene_markers`.
 
     Attributes:
         beliefs: (n, |Y|) q_y(x) of the scene.
@@ -116,7 +134,7 @@ class BeliefsShown:
 
 @dataclass(frozen=True, eq=False)
 class RecognitionShown:
-    """What is said on `recognised`, `recognised_markers` and `detections`."""
+    """Recognition that is said on `recognised`, `recognised_markers` and `detections`."""
 
     recognition: Recognition
     stamp: int
@@ -125,7 +143,7 @@ class RecognitionShown:
 
 @dataclass(frozen=True)
 class Place:
-    """What is said on `target`: a position in metres in a frame, at a time in nanoseconds."""
+    """Position in metres that is said on `target`, in a frame at a time in nanoseconds."""
 
     position: tuple[float, float, float]
     stamp: int
@@ -134,7 +152,7 @@ class Place:
 
 @dataclass(frozen=True, eq=False)
 class Replayed:
-    """What a replay of a bag says on `objects`: a cloud as it was recorded, under another stamp in nanoseconds."""
+    """Cloud that is said on `objects` as it was recorded, under another stamp in nanoseconds."""
 
     data: bytes
     stamp: int

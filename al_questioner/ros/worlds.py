@@ -8,7 +8,6 @@ from pathlib import Path
 
 from rclpy.node import Node
 
-from al_questioner.domain import InputError
 from al_questioner.messages.documents import Document
 from al_questioner.ros.parameters import declare
 from al_questioner.simulation import WorldSpec, load_task
@@ -41,15 +40,3 @@ def world_members(world: WorldSpec) -> Document:
         'sample': world.sample,
         'dataset': None if world.dataset is None else str(world.dataset),
     }
-
-
-def check_world(document: Document, world: WorldSpec) -> None:
-    """Hold the world of a `turn` or a `query` against one's own; a document that names none is taken.
-
-    Raises:
-        InputError: the learner speaks of another world.
-    """
-    theirs, ours = document.get('world'), world_members(world)
-    for name in ('task', 'seed', 'sample'):
-        if theirs is not None and theirs[name] != ours[name]:
-            raise InputError(f'the learner has {name} {theirs[name]!r}, this node {ours[name]!r}')

@@ -22,13 +22,13 @@ from prompt_toolkit.output import ColorDepth
 from rich.console import Console
 
 from al_questioner.domain import AnswerError
+from al_questioner.questioning.dialogue.teacher_dialogue import TeacherDialogue
+from al_questioner.questioning.dialogue.view_state import Phase
+from al_questioner.support.safe_text import printable
 from al_questioner.terminal.capabilities import Capabilities, detect_capabilities
 from al_questioner.terminal.commands import Command, Explain, Say, Wish
-from al_questioner.terminal.dialogue import TeacherDialogue
 from al_questioner.terminal.keypad import Pad, about, press
-from al_questioner.terminal.safe_text import printable
 from al_questioner.terminal.screen import screen
-from al_questioner.terminal.view_state import Phase
 
 NAMES = {
     Keys.Enter: 'enter',

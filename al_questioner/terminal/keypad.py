@@ -9,9 +9,9 @@ from dataclasses import dataclass, replace
 from al_questioner.domain import NO_SYMBOL, Query, QueryKind
 from al_questioner.domain.names import joined
 from al_questioner.domain.spelling import loosely
+from al_questioner.questioning.dialogue.view_state import Phase, ViewState
+from al_questioner.support.safe_text import printable
 from al_questioner.terminal.commands import Command, Explain, Say, Wish, read_line
-from al_questioner.terminal.safe_text import printable
-from al_questioner.terminal.view_state import Phase, ViewState
 
 COMMANDS: dict[str, Command] = {
     'n': Say(NO_SYMBOL),

@@ -11,12 +11,12 @@ from collections import deque
 from typing import TextIO
 
 from al_questioner.domain import AnswerError
+from al_questioner.questioning.dialogue.teacher_dialogue import TeacherDialogue
+from al_questioner.questioning.dialogue.view_state import Phase
+from al_questioner.support.safe_text import printable
 from al_questioner.terminal.commands import Command, Explain, Wish, read_line
-from al_questioner.terminal.dialogue import TeacherDialogue
 from al_questioner.terminal.keypad import about, choices_of
-from al_questioner.terminal.safe_text import printable
 from al_questioner.terminal.sentences import HELP, question_line
-from al_questioner.terminal.view_state import Phase
 
 LOOK_PERIOD = 0.1
 """Seconds between two checks of the input and the view state."""

@@ -6,10 +6,10 @@ import os
 import sys
 import threading
 
-from al_questioner.terminal.dialogue import TeacherDialogue
+from al_questioner.questioning.dialogue.teacher_dialogue import TeacherDialogue
+from al_questioner.questioning.dialogue.view_state import Phase
 from al_questioner.terminal.line_mode import LineMode, LineReader
 from al_questioner.terminal.sentences import farewell
-from al_questioner.terminal.view_state import Phase
 
 SECONDS_TO_SETTLE = 3.0
 """Seconds that quitting waits for an unacknowledged answer."""

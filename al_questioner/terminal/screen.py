@@ -6,14 +6,15 @@ from rich.cells import cell_len
 from rich.text import Text
 
 from al_questioner.domain import Query, QueryKind
+from al_questioner.questioning.dialogue.answers_in_words import recorded_in_words, said_in_words
+from al_questioner.questioning.dialogue.view_state import EpisodeProgress, Phase, Prompt, ViewState
+from al_questioner.support.safe_text import counted, printable
 from al_questioner.support.text import number_of
 from al_questioner.terminal.capabilities import Capabilities
 from al_questioner.terminal.keypad import NUMBERED, Pad, letters, numbers_typed
-from al_questioner.terminal.safe_text import counted, printable
-from al_questioner.terminal.sentences import HELP, present_turn, price, recorded_in_words, said_in_words
+from al_questioner.terminal.sentences import HELP, present_turn, price
 from al_questioner.terminal.table_map import position_in_words, table_map
 from al_questioner.terminal.thumbnail import cut_out, thumbnail
-from al_questioner.terminal.view_state import EpisodeProgress, Phase, Prompt, ViewState
 
 KEYS = 'n none · u unknown · s skip · z undo · : word · h help · q quit'
 GAP = 2

@@ -9,9 +9,9 @@ from rich.style import Style
 from rich.text import Text
 
 from al_questioner.domain import Scene
+from al_questioner.questioning.dialogue.view_state import Picture
 from al_questioner.simulation.kitchen.table_image import Projection
 from al_questioner.terminal.capabilities import Capabilities
-from al_questioner.terminal.view_state import Picture
 
 SHOWN_M = 0.08
 """Distance around an object that its picture shows, in metres."""

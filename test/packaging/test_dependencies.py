@@ -123,7 +123,7 @@ def without_bags(code: str, *arguments: str) -> subprocess.CompletedProcess[str]
 
 def test_all_but_bags_works_without_what_bags_need() -> None:
     """A robot has nothing but what rosdep installs."""
-    nodes = ('learner', 'perception', 'teacher', 'terminal_teacher')
+    nodes = ('learner', 'perception', 'teacher')
     modules = [f'al_questioner.ros.nodes.{name}' for name in nodes]
     modules += [f'al_questioner.commands.{name}.command' for name in ('demo', 'experiment', 'session')]
     done = without_bags('from importlib import import_module; [import_module(name) for name in sys.argv[1:]]', *modules)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import dataclasses
 import threading
 from collections import Counter
 from typing import Any
@@ -199,7 +200,7 @@ def test_a_second_learner_takes_no_scene_of_the_first(graph: Any) -> None:
     episode = {**graph.episode, 'strategy': 'farthest_fsq', 'turns': 12}
 
     def is_over_for(learner: LearnerNode) -> bool:
-        return states and states[-1]['done'] and states[-1]['episode_id'] == learner.episode_id
+        return states and states[-1]['done'] and states[-1]['episode_id'] == learner.machine.episode_id
 
     graph.start(PerceptionNode, **graph.world)
     graph.start(TeacherNode, **graph.world)
@@ -222,7 +223,8 @@ def test_another_learner_on_the_same_topics_is_noticed(
     states, queries = graph.listen('learner_state'), graph.listen('query')
     concern = 'another learner publishes turn'
     graph.start_robot(turns=1, budget=0.0 if is_over else 6.0)
-    graph.nodes[-1]._yields = True
+    machine = graph.nodes[-1].machine
+    machine._options = dataclasses.replace(machine._options, yields=True)
     if is_over:
         graph.wait_for(lambda: states and states[-1]['done'], 'the end of the first episode')
     else:
@@ -369,7 +371,7 @@ def test_a_node_that_waits_in_vain_names_the_topic_and_who_publishes_there(
 ) -> None:
     """Otherwise nobody would know what is missing, or under which name."""
     monkeypatch.setattr('al_questioner.ros.node.SECONDS_FOR_PUBLISHER', 0.0)
-    monkeypatch.setattr('al_questioner.ros.nodes.learner.SECONDS_FOR_OBJECTS', 0.0)
+    monkeypatch.setattr('al_questioner.protocol.learner.SECONDS_FOR_OBJECTS', 0.0)
 
     def says(node: Node, end: str) -> bool:
         name = node.get_fully_qualified_name().lstrip('/')

@@ -68,7 +68,7 @@ def test_costs_of_a_task_are_the_learners_defaults(tmp_path: Path) -> None:
 def test_a_node_takes_the_cost_of_a_relevance_query_or_never(graph: Any, value: object, cost: float | None) -> None:
     """A robot could not be told to ask which things matter, or not to."""
     learner = graph.start(LearnerNode, task='kitchen_table', cost_relevance=value)
-    assert learner._settings.costs.relevance == cost
+    assert learner.machine._durable.started.settings.costs.relevance == cost
 
 
 SHARE = Setting('share', 0.1, 'a share', lower=0.0, upper=1.0)

@@ -85,7 +85,7 @@ def test_unusable_scenes_are_refused_and_the_turn_goes_on(graph: Any, person: An
 
     def tells(documents: list[dict[str, Any]]) -> bool:
         # Of the first learner there may still be something under way.
-        return any(document['episode_id'] == learner.episode_id for document in documents)
+        return any(document['episode_id'] == learner.machine.episode_id for document in documents)
 
     graph.wait_for(lambda: tells(person.turns), 'the first turn')
     graph.wait_for(lambda: eyes.get_subscription_count() > 1, 'a learner that looks')

@@ -18,12 +18,12 @@ from std_msgs.msg import String
 from al_questioner.event_log.encoding import decoded
 from al_questioner.event_log.events import AnswerAccepted
 from al_questioner.event_log.log import read_log
+from al_questioner.protocol.retransmitter import BackOff
 from al_questioner.ros import qos
 from al_questioner.ros.node import QuestionerNode
 from al_questioner.ros.nodes.learner import LearnerNode
 from al_questioner.ros.nodes.perception import PerceptionNode
 from al_questioner.ros.nodes.teacher import TeacherNode
-from al_questioner.ros.retransmitter import BackOff
 from shared.offline import offline_queries
 
 SHARE = 0.2
@@ -94,8 +94,8 @@ class Relay(QuestionerNode):
 @pytest.mark.parametrize('seed', [1, *(pytest.param(seed, marks=pytest.mark.slow) for seed in range(2, 12))])
 def test_a_bad_line_changes_no_label(graph: Any, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, seed: int) -> None:
     """A lost question does not stall the robot, and a late answer is not taken for one to another question."""
-    monkeypatch.setattr('al_questioner.ros.nodes.learner.PATIENT', QUICK)
-    monkeypatch.setattr('al_questioner.ros.answer_sender.PERSISTENT', QUICK)
+    monkeypatch.setattr('al_questioner.protocol.learner.PATIENT', QUICK)
+    monkeypatch.setattr('al_questioner.protocol.answer_sender.PERSISTENT', QUICK)
     rates = {'wrong_rate': 0.1, 'unknown_rate': 0.2}
     expected = offline_queries('u_sampling_fsq', 9.0, 10, seed=seed, teacher=rates)
     world = {'task': 'prepare_lunch', 'seed': seed}

@@ -60,8 +60,8 @@ def test_an_empty_table_is_a_turn_in_which_nothing_is_asked_about_things(
     assert {state['turn']: len(state['beliefs']) for state in states} == {1: 0, 2: 4, 3: 0, 4: 5, 5: 0, 6: 5}
     graph.stop(learner)
     again = graph.start(LearnerNode, **episode)
-    graph.wait_for(lambda: again._durable.is_ready, 'the session to be gone through')
-    assert again._durable.episode.turn == 6
+    graph.wait_for(lambda: again.machine._durable.is_ready, 'the session to be gone through')
+    assert again.machine._durable.episode.turn == 6
     assert not again._failure
 
 

@@ -48,7 +48,7 @@ def test_a_new_learner_goes_on_where_the_last_one_ended(graph: Any, person: Any,
     asked, begun = len(person.queries), len(person.turns)
     learner = graph.start(LearnerNode, **parameters)
     graph.wait_for(lambda: len(person.queries) > asked and len(person.turns) > begun, 'the question once more')
-    graph.wait_for(lambda: learner._durable.is_ready, 'a learner that takes answers')
+    graph.wait_for(lambda: learner.machine._durable.is_ready, 'a learner that takes answers')
     assert person.queries[-1] == pending
     assert person.turns[begun] == person.turns[begun - 1]
     assert person.answers(person.queries[0], 'snack')['reason'] == 'already taken'
@@ -134,18 +134,18 @@ def test_a_disk_that_takes_no_more_stops_the_questions(
     learner = graph.start(LearnerNode, **parameters)
     person.answers(person.query(1), 'snack')
     query = person.query(2)
-    learner._durable._log._storage._database.execute('PRAGMA query_only=1')
+    learner.machine._durable._log._storage._database.execute('PRAGMA query_only=1')
     acks = len(person.acks)
     person.mouth.publish(String(data='snack'))
     diagnostics.wait_for('session log cannot be written', DiagnosticStatus.ERROR)
     assert len(person.acks) == acks
     assert {query['query_id'] for query in person.queries} == {'q1', 'q2'}
-    assert learner._question.message is None
+    assert learner.machine._question.message is None
     graph.stop(learner)
     asked = len(person.queries)
     learner = graph.start(LearnerNode, **parameters)
     graph.wait_for(lambda: len(person.queries) > asked, 'the question once more')
-    graph.wait_for(lambda: learner._durable.is_ready, 'a learner that takes answers')
+    graph.wait_for(lambda: learner.machine._durable.is_ready, 'a learner that takes answers')
     assert person.answers(query, 'snack')['accepted']
     assert len(told(tmp_path / 'log')) == 2
 
@@ -154,7 +154,7 @@ def test_a_session_belongs_to_one_learner_and_one_episode(graph: Any, tmp_path: 
     """Otherwise two learners, or two episodes, would be mixed in one log."""
     parameters = {**EPISODE, 'session': str(tmp_path / 'log')}
     learner = graph.start(LearnerNode, **parameters)
-    graph.wait_for(lambda: learner._durable.is_ready, 'a learner that has begun')
+    graph.wait_for(lambda: learner.machine._durable.is_ready, 'a learner that has begun')
     with pytest.raises(SessionLogError, match='another process is using this session'):
         graph.start(LearnerNode, **parameters)
     graph.stop(learner)
@@ -178,9 +178,9 @@ def test_a_learner_tells_that_another_version_began_its_session(
     learner = graph.start(LearnerNode, **parameters)
     assert person.answers(person.query(1), 'snack')['accepted']
     graph.stop(learner)
-    monkeypatch.setattr('al_questioner.ros.nodes.learner.SEMANTICS', 99)
+    monkeypatch.setattr('al_questioner.protocol.learner.SEMANTICS', 99)
     learner = graph.start(LearnerNode, **parameters)
-    graph.wait_for(lambda: learner._durable.is_ready, 'a learner that goes on')
+    graph.wait_for(lambda: learner.machine._durable.is_ready, 'a learner that goes on')
     printed: list[str] = []
 
     def is_told() -> bool:

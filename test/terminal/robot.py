@@ -17,9 +17,10 @@ from pathlib import Path
 import numpy as np
 
 from al_questioner.domain import Action, Answer, Outcome, Query, QueryKind, QueryRecord, Scene
-from al_questioner.terminal.dialogue import TeacherDialogue
+from al_questioner.questioning.dialogue.teacher_dialogue import TeacherDialogue
+from al_questioner.questioning.dialogue.view_state import EpisodeProgress
+from al_questioner.terminal.commands import WISHES
 from al_questioner.terminal.run import run_terminal
-from al_questioner.terminal.view_state import EpisodeProgress
 
 IDS = (1, 7, 12)
 ACTIONS = {
@@ -34,7 +35,7 @@ class Robot:
 
     def __init__(self, file: Path, deaf: bool, slow: bool) -> None:
         self.file, self.deaf, self.slow = file, deaf, slow
-        self.dialogue = TeacherDialogue('anna', self.hear)
+        self.dialogue = TeacherDialogue('anna', self.hear, other_words=WISHES)
         self.records: list[QueryRecord] = []
         self.dialogue.enter('episode')
         self.dialogue.look(

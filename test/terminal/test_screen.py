@@ -13,10 +13,11 @@ from hypothesis import strategies as st
 from rich.cells import cell_len
 
 from al_questioner.domain import Answer, Outcome, QueryKind, QueryRecord
+from al_questioner.questioning.dialogue.answers_in_words import recorded_in_words, said_in_words
 from al_questioner.terminal.capabilities import Capabilities
 from al_questioner.terminal.keypad import Pad, about, press
 from al_questioner.terminal.screen import screen
-from al_questioner.terminal.sentences import farewell, question_line, recorded_in_words, said_in_words
+from al_questioner.terminal.sentences import farewell, question_line
 
 SIZES = ((80, 24), (40, 24), (80, 8), (20, 5), (200, 60), (1, 1))
 COLOURS = ((None, False), ('standard', True), ('256', False), ('truecolor', False))

@@ -15,11 +15,11 @@ from al_questioner.domain import Action, InputError, Outcome, Query, QueryKind, 
 from al_questioner.messages import documents
 from al_questioner.messages.clouds import cloud_of_scene
 from al_questioner.messages.pictures import image
+from al_questioner.questioning.dialogue.teacher_dialogue import TeacherDialogue
+from al_questioner.questioning.dialogue.view_state import Phase
 from al_questioner.ros import qos
 from al_questioner.ros.nodes.teacher import TeacherNode
 from al_questioner.ros.types import CLOUD_TYPES, header, octets
-from al_questioner.terminal.dialogue import TeacherDialogue
-from al_questioner.terminal.view_state import Phase
 
 SCENE = Scene((7, 9), np.eye(2, 3, dtype=np.float32), np.ones((2, 1), np.float32), ('colour_hue',))
 

@@ -1,4 +1,4 @@
-"""Dialogue of a person at a terminal with the robot: questions, answers, corrections; without terminal and ROS."""
+"""Dialogue of a person with the robot: questions, answers, corrections; without a screen and without ROS."""
 
 from __future__ import annotations
 
@@ -7,15 +7,14 @@ import math
 import threading
 import time
 import uuid
-from collections.abc import Callable
+from collections.abc import Callable, Collection
 
 import numpy as np
 
 from al_questioner.domain import Answer, AnswerError, Query, QueryKind, Scene
+from al_questioner.questioning.dialogue.answers_in_words import said_in_words
+from al_questioner.questioning.dialogue.view_state import EpisodeProgress, PastAnswer, Phase, Picture, Prompt, ViewState
 from al_questioner.questioning.plain_answers import read_plain_answer
-from al_questioner.terminal.commands import WISHES
-from al_questioner.terminal.sentences import said_in_words
-from al_questioner.terminal.view_state import EpisodeProgress, PastAnswer, Phase, Picture, Prompt, ViewState
 
 SECONDS_TO_NOTICE = 0.5
 """Seconds after a new question in which an answer is rejected, because it may be meant for the previous one."""
@@ -44,6 +43,7 @@ class TeacherDialogue:
         send: sends an answer in the episode of an id, until the learner acknowledges it.
         new_id: makes the part of an answer's id that distinguishes it from all others.
         clock: seconds of a steady clock.
+        other_words: words for the program that shows the dialogue, which a person who gives no answer may have meant.
 
     Attributes:
         on_change: called, one call at a time, whenever the view state may have changed.
@@ -55,12 +55,14 @@ class TeacherDialogue:
         send: Callable[[str, Answer], None],
         new_id: Callable[[], str] = random_id,
         clock: Callable[[], float] = time.monotonic,
+        other_words: Collection[str] = (),
     ) -> None:
         self.on_change: Callable[[], None] = lambda: None
         self._teacher_id = teacher_id
         self._send = send
         self._new_id = new_id
         self._clock = clock
+        self._other_words = other_words
         self._sent_at = 0.0
         self._changed = threading.Condition(threading.RLock())
         self._episode_id = ''
@@ -143,7 +145,7 @@ class TeacherDialogue:
                 raise AnswerError('nothing is asked at the moment')
             if self._clock() < self._replaced_at + SECONDS_TO_NOTICE:
                 raise AnswerError('the robot has just asked something else: see what it is')
-            answer = read_plain_answer(text, prompt.query, self._teacher_id, WISHES)
+            answer = read_plain_answer(text, prompt.query, self._teacher_id, self._other_words)
             replaces = None if self._corrected is None else self._corrected.answer.answer_id
             answer_id = f'{answer.answer_id}/{self._new_id()}'
             answer = dataclasses.replace(answer, answer_id=answer_id, replaces=replaces)

@@ -8,9 +8,8 @@ from typing import Any
 import pytest
 
 from al_questioner.domain import Answer, AnswerError, Outcome
-from al_questioner.terminal.dialogue import TeacherDialogue
-from al_questioner.terminal.sentences import farewell
-from al_questioner.terminal.view_state import Phase
+from al_questioner.questioning.dialogue.teacher_dialogue import TeacherDialogue
+from al_questioner.questioning.dialogue.view_state import Phase
 
 
 def test_an_answer_is_on_its_way_until_it_is_taken(person: Any, made: Any) -> None:
@@ -214,9 +213,8 @@ def test_an_answer_that_nobody_replies_to_is_said_to_be_so(made: Any) -> None:
     assert dialogue.view_state().notice == ''
 
 
-def test_the_last_words_fit_what_was_heard(person: Any, made: Any) -> None:
-    """Otherwise the last words would say that a robot goes on that was never heard."""
-    assert farewell(TeacherDialogue('anna', lambda *_: None).view_state()).startswith('No robot was heard')
-    assert farewell(person.dialogue.view_state()).startswith('The robot goes on')
-    person.progress(8, made.record(1), done=True)
-    assert 'spent on 1 question. Thank you.' in farewell(person.dialogue.view_state())
+def test_who_slips_at_a_word_for_the_program_is_told_which_it_was(person: Any, made: Any) -> None:
+    """Otherwise a person who wants to take an answer back would be told to choose among the names."""
+    person.asked(made.label(1))
+    with pytest.raises(AnswerError, match='did you mean undo'):
+        person.dialogue.say('undoo')

@@ -1,4 +1,4 @@
-"""Conversion of foreign text for a terminal: control characters are shown, never executed."""
+"""Conversion of foreign text for a screen: control characters are shown, never executed."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""All that is shown to a person at a terminal at one moment."""
+"""All that is shown at one moment to a person who teaches."""
 
 from __future__ import annotations
 
