@@ -72,7 +72,9 @@ def make_plan(draw: random.Random) -> Plan:
     )
 
 
-def run(seed: int, allowed: frozenset[str] | None = None, is_charted: bool = False, replay_rate: float = 0.15) -> Outcome:
+def run(
+    seed: int, allowed: frozenset[str] | None = None, is_charted: bool = False, replay_rate: float = 0.15
+) -> Outcome:
     """Play a run to its end, or to the first promise that is broken.
 
     Args:

@@ -87,10 +87,19 @@ class Network:
 
     def _delay(self, *name: object) -> float:
         usual = SHORTEST_DELAY_S + (LONGEST_DELAY_S - SHORTEST_DELAY_S) * self._faults.draw('delay', *name)
-        return usual + (LONG_DELAY_S * self._faults.draw('how long', *name) if self._faults.happens('delay', *name) else 0)
+        return usual + (
+            LONG_DELAY_S * self._faults.draw('how long', *name) if self._faults.happens('delay', *name) else 0
+        )
 
     def _deliver(
-        self, sender: Endpoint, one: Endpoint, topic: str, content: Any, link: tuple[str, str, str], number: int, delay: float
+        self,
+        sender: Endpoint,
+        one: Endpoint,
+        topic: str,
+        content: Any,
+        link: tuple[str, str, str],
+        number: int,
+        delay: float,
     ) -> None:
         at = self._scheduler.now + delay
         if not self._faults.happens('reorder', *link, number, round(delay, 6)):

@@ -171,7 +171,9 @@ class Promises:
         for event in found[1:]:
             replay.play(event)
         beliefs = replay.episode.concepts.predict_proba(replay.episode.scene.features)
-        expected = json.loads(documents.write('learner_state', first.episode_id, state_members(replay.episode, beliefs)))
+        expected = json.loads(
+            documents.write('learner_state', first.episode_id, state_members(replay.episode, beliefs))
+        )
         differing = [name for name in expected if expected[name] != state.get(name)]
         self._demand(not differing, f'a replay of the log believes otherwise: {differing}')
 
@@ -201,5 +203,3 @@ class Promises:
     def _demand(self, is_kept: bool, what: str) -> None:
         if not is_kept:
             raise BrokenPromiseError(f'{self.name}: {what}')
-
-

@@ -83,7 +83,9 @@ class Robot:
         self.learner.handled = self._handled
         self.learner.on_death = self._release
         if plan.noise is None:
-            TurnPerception(f'{namespace}/perception', namespace, self._table, plan.interval, scheduler, network, faults, chart)
+            TurnPerception(
+                f'{namespace}/perception', namespace, self._table, plan.interval, scheduler, network, faults, chart
+            )
         else:
             Camera(f'{namespace}/camera', namespace, self._table, self.clock, scheduler, network, faults, chart)
         self._looks = 0

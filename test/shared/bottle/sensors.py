@@ -33,9 +33,7 @@ def look_of(scene: Scene, stamp: int) -> Look:
 def broken_look(stamp: int, share: float) -> Look:
     """Return a cloud that cannot be read, or holds what cannot be."""
     width = 3 if share < 0.5 else 0
-    cloud = SimpleNamespace(
-        width=width, height=1, fields=[], point_step=0, row_step=0, is_bigendian=False, data=b''
-    )
+    cloud = SimpleNamespace(width=width, height=1, fields=[], point_step=0, row_step=0, is_bigendian=False, data=b'')
     return Look(stamp, 'table', lambda known: scene_of_cloud(cloud, known))
 
 
