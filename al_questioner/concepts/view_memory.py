@@ -49,11 +49,17 @@ class _KnownView:
 
 
 class Correction(NamedTuple):
-    """A correction of a view whose only look was wrong: (m,) features that the thing had until now, and that it has."""
+    """A correction of what earlier scenes show of a thing: (m,) features that it had there, and that it has.
+
+    Attributes:
+        is_of_last_look: whether only the last scene that shows the thing is wrong: it was taken for the view before,
+            and was the first look at another one. Otherwise the only look at a view was wrong, in whichever scene.
+    """
 
     object_id: int
     wrong: NDArray[np.float32]
     right: NDArray[np.float32]
+    is_of_last_look: bool = False
 
 
 class _Track:
@@ -94,8 +100,9 @@ class ViewMemory:
     If readings repeat exactly, as in the simulated world, scenes are returned unchanged.
 
     Attributes:
-        corrections: views that the latest scene showed to be wrong. Only a view with a single look can be: if later
-            looks agree on something near, or if it was like no other object.
+        corrections: what the latest scene showed to be wrong in those before. A view with a single look can be: if
+            later looks agree on something near, or if it was like no other object. So can the last scene be, if the
+            change that it showed was not certain, and the latest scene confirms it.
     """
 
     def __init__(self) -> None:
@@ -170,6 +177,9 @@ class ViewMemory:
             track.current, track.doubtful = view, None
             view.kept = view.look = look
         else:
+            if is_confirmed:
+                # What was said of the thing when it looked so for the first time is said of this view.
+                self.corrections.append(Correction(object_id, track.current.kept, look, is_of_last_look=True))
             track.begin_view(look)
         return track.current.kept
 
@@ -229,13 +239,24 @@ class ViewMemory:
         return np.asarray(np.sqrt(np.mean(steps**2, axis=1)))
 
 
-def corrected(scene: Scene, corrections: Sequence[Correction]) -> Scene:
-    """Return an earlier scene with the corrected features; the same object if nothing in it was wrong."""
+def corrected(scenes: Sequence[Scene], corrections: Sequence[Correction]) -> list[Scene]:
+    """Return earlier scenes, in their order, with the corrected features; one without a mistake is the same object."""
+    found = list(scenes)
+    for correction in corrections:
+        object_id = correction.object_id
+        showing = [i for i, scene in enumerate(found) if object_id in scene.object_ids]
+        for i in showing[-1:] if correction.is_of_last_look else showing:
+            found[i] = _corrected(found[i], correction)
+    return found
+
+
+def _corrected(scene: Scene, correction: Correction) -> Scene:
+    row = scene.index_of(correction.object_id)
+    if not np.array_equal(scene.features[row], correction.wrong):
+        return scene
     features = scene.features.copy()
-    for object_id, wrong, right in corrections:
-        rows = np.flatnonzero(np.array(scene.object_ids) == object_id)
-        features[[row for row in rows if np.array_equal(features[row], wrong)]] = right
-    return scene if np.array_equal(features, scene.features) else dataclasses.replace(scene, features=features)
+    features[row] = correction.right
+    return dataclasses.replace(scene, features=features)
 
 
 def _differences(looks: FloatArray, others: Sequence[FloatArray]) -> Array:

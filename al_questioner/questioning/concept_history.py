@@ -8,8 +8,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from al_questioner.concepts import VIEW_TOLERANCE, ConceptLearner, Selector, ViewMemory
-from al_questioner.concepts.view_memory import corrected
-from al_questioner.domain import AUTO, EpisodeSettings, Outcome, QueryRecord, Scene, ViewTolerance
+from al_questioner.concepts.view_memory import Correction, corrected
+from al_questioner.domain import AUTO, EpisodeSettings, Outcome, QueryKind, QueryRecord, Scene, ViewTolerance
 from al_questioner.questioning.initial_concepts import taught_concept_learner
 from al_questioner.questioning.query_status import QueryBook
 from al_questioner.questioning.reliability import label_beliefs
@@ -56,8 +56,9 @@ class ConceptHistory:
         self.concepts.check_features(scene)
         if self._views is not None:
             scene = self._views.steady(scene, self.concepts.spread, self.concepts.are_implausible(scene))
-            if self._views.corrections:
-                self.scenes = [corrected(past, self._views.corrections) for past in self.scenes]
+            past = corrected(self.scenes, [each for each in self._views.corrections if self._matters(each)])
+            if any(one is not other for one, other in zip(past, self.scenes, strict=True)):
+                self.scenes = past
                 self._learn_again()
         self.concepts.observe(scene, len(self.scenes) + 1)
         return scene
@@ -85,6 +86,18 @@ class ConceptHistory:
         """Return a learner of what was known before the first turn."""
         # A selector may be anything, even what cannot be copied.
         return copy.deepcopy(self._beginning, {id(self.selector): self.selector})
+
+    def _matters(self, correction: Correction) -> bool:
+        """Return whether something may have been said of the thing when the scene was seen that is corrected."""
+        if not correction.is_of_last_look:
+            return True
+        object_id = correction.object_id
+        last = next((t for t in range(len(self.scenes), 0, -1) if object_id in self.scenes[t - 1].object_ids), 0)
+        asked = [query.action for query in self._queries.by_id.values() if query.turn == last]
+        return any(
+            action.object_id == object_id or action.kind in (QueryKind.DEMONSTRATION, QueryKind.RELEVANCE)
+            for action in asked
+        )
 
     def _learn(self, concepts: ConceptLearner, record: QueryRecord) -> None:
         """Learn what came of a query, after a note of what was believed of the thing before."""

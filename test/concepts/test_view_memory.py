@@ -223,7 +223,18 @@ def test_a_thing_that_was_seen_twice_as_it_was_is_not_corrected() -> None:
     change = np.array([0.0, 0.6, 0.0, 0.0])
     for scene, spread in scenes(noise_of(0.005), 5, 4, 0, change):
         memory.steady(scene, spread)
-        assert memory.corrections == []
+        assert [each for each in memory.corrections if not each.is_of_last_look] == []
+
+
+def test_a_small_change_that_is_confirmed_began_with_the_look_before() -> None:
+    """Otherwise what was said of a thing as it had just changed would be taken for said of how it was."""
+    memory = ViewMemory()
+    change = np.array([0.0, 0.6, 0.0, 0.0])
+    told = []
+    for scene, spread in scenes(noise_of(0.005), 5, 4, 0, change):
+        memory.steady(scene, spread)
+        told += [(each.object_id, each.is_of_last_look) for each in memory.corrections]
+    assert told == [(0, True)]
 
 
 def test_a_row_of_wrong_readings_is_not_another_view_even_if_it_comes_twice() -> None:
@@ -249,12 +260,25 @@ def test_one_row_that_is_like_nothing_else_waits_for_a_second_look() -> None:
 
 def test_scenes_of_before_are_corrected_where_they_show_the_wrong_look() -> None:
     wrong, right, other = np.float32([1, 9]), np.float32([1, 2]), np.float32([5, 6])
-    names = ('a_1', 'a_2')
-    shown = Scene((4, 7), np.zeros((2, 3), np.float32), np.array([wrong, other]), names)
-    found = corrected(shown, [Correction(4, wrong, right)])
-    np.testing.assert_array_equal(found.features, [right, other])
-    assert corrected(found, [Correction(4, wrong, right)]) is found
-    assert corrected(shown, [Correction(7, wrong, right)]) is shown
+    shown = Scene((4, 7), np.zeros((2, 3), np.float32), np.array([wrong, other]), ('a_1', 'a_2'))
+    found = corrected([shown, shown], [Correction(4, wrong, right)])
+    for scene in found:
+        np.testing.assert_array_equal(scene.features, [right, other])
+    again = corrected(found, [Correction(4, wrong, right)])
+    assert all(one is other for one, other in zip(again, found, strict=True))
+    assert corrected([shown], [Correction(7, wrong, right)])[0] is shown
+
+
+def test_of_a_last_look_only_the_last_scene_with_the_thing_is_corrected() -> None:
+    """Otherwise what a thing was called before it changed would be forgotten."""
+    before, after, other = np.float32([1, 9]), np.float32([1, 2]), np.float32([5, 6])
+    names, nowhere = ('a_1', 'a_2'), np.zeros((1, 3), np.float32)
+    shown = Scene((4,), nowhere, np.array([before]), names)
+    without = Scene((7,), nowhere, np.array([other]), names)
+    found = corrected([shown, shown, without], [Correction(4, before, after, is_of_last_look=True)])
+    assert found[0] is shown
+    assert found[2] is without
+    np.testing.assert_array_equal(found[1].features, [after])
 
 
 def test_the_estimate_names_the_noise_of_each_feature() -> None:

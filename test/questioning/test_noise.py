@@ -69,6 +69,27 @@ def test_a_thing_that_was_replaced_is_asked_about_again(noise: float) -> None:
     assert sorted(asked) == [0, 1, 1, 2, 3]
 
 
+def test_the_answer_at_the_first_look_of_a_small_change_is_about_what_was_seen() -> None:
+    """Otherwise it would be learnt for the view before, and the question would come again a turn later."""
+    episode, rng = an_episode('farthest_fsq'), np.random.default_rng(3)
+    things = rng.random((5, 3))
+    changed = things.copy()
+    changed[0, 1] += 0.6 * things[:, 1].std()
+    asked = []
+    for turn in range(1, 9):
+        table = (things if turn < 4 else changed).astype(np.float32)
+        query = episode.ask(Scene(tuple(range(5)), np.zeros((5, 3), np.float32), table, NAMES)).query
+        if query is None:
+            continue
+        asked.append((turn, query.action.object_id))
+        kind = query.action.kind
+        content = {QueryKind.LABEL: 'cup', QueryKind.FEATURE_SUBSET: ('colour', 'size')}.get(kind, 0)
+        episode.tell(Answer(query.query_id, f'a{turn}', 'me', Outcome.ANSWERED, content))
+    about = [object_id for turn, object_id in asked if turn >= 4 and object_id is not None]
+    assert 0 in about
+    assert len(about) == len(set(about))
+
+
 @pytest.mark.parametrize('outcome', [Outcome.SKIP, Outcome.UNKNOWN])
 def test_what_was_skipped_is_not_asked_again_because_of_noise(outcome: Outcome) -> None:
     still, noisy = (asked_about(an_episode('value_per_cost'), looks(noise), outcome) for noise in (0.0, 0.01))

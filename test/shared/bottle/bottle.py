@@ -62,7 +62,7 @@ def make_plan(draw: random.Random) -> Plan:
         strategy=draw.choice(STRATEGIES),
         turns=draw.randint(3, 8),
         budget=float(draw.randint(2, 10)),
-        things=draw.randint(2, 4),
+        things=draw.randint(2, 5),
         interval=draw.randint(1, 4),
         noise=draw.choice((None, None, None, 0.0, 0.05)),
         people=tuple(draw.random() < 0.25 for _ in range(draw.randint(1, 3))),

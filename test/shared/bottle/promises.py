@@ -79,7 +79,7 @@ class Promises:
         ids, rows = scene.scene.object_ids, scene.scene.features
         looks = {i: self._table.look(i, row) for i, row in zip(ids, rows, strict=True)}
         self._looks[query_id] = looks
-        if query['kind'] == 'label' and self._table.noise == 0:
+        if query['kind'] == 'label' and self._table.repeats_exactly:
             asked = query['object_id']
             for other, answer in self._answers.items():
                 named = self._named(other, answer)

@@ -76,6 +76,7 @@ class Camera:
             return
         hides = happens('arm', *name)
         reads_nothing = happens('sentinel', *name)
+        self._table.has_misread |= reads_nothing
 
         def read(known: Any) -> Scene:
             scene = self._table.seen(number, glance)

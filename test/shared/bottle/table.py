@@ -13,6 +13,8 @@ SYMBOLS = ('snack', 'fruit')
 FEATURES = ('colour_red', 'colour_green', 'size_height', 'size_width')
 SENTINEL = -999.0
 """Reading of a sensor that read nothing."""
+FEWEST_THINGS = 4
+"""Things from which the learner can tell a small change of a look from noise in its first turns."""
 
 
 class Table:
@@ -22,13 +24,22 @@ class Table:
         seed: of the table.
         things: in each scene.
         noise: of a camera, in the unit of the features, whose spread is about 1.
+
+    Attributes:
+        has_misread: whether a sensor has ever read nothing.
     """
 
     def __init__(self, seed: int, things: int, noise: float = 0.0) -> None:
         self.things, self.noise = things, noise
+        self.has_misread = False
         self._seed = seed
         self._looks: dict[int, list[np.ndarray]] = {}
         self.scene = cache(self._make)
+
+    @property
+    def repeats_exactly(self) -> bool:
+        """True if each thing has looked exactly the same each time, unless it has really changed."""
+        return self.noise == 0 and not self.has_misread and self.things >= FEWEST_THINGS
 
     def truth(self, number: int) -> Mapping[int, str]:
         """Return symbol, or none, by object id."""
