@@ -18,9 +18,11 @@ RATES = {
     'clock jumps': 0.3, 'clock drifts': 0.2, 'clock stands': 0.15, 'disk full': 0.1, 'disk read-only': 0.05,
     'person leaves': 0.1, 'garbage': 0.2, 'wrong': 0.15, 'unknown': 0.1, 'skip': 0.1, 'late': 0.1, 'answer twice': 0.2,
     'contradict': 0.15, 'correct': 0.2, 'no picture': 0.1, 'broken cloud': 0.05, 'empty table': 0.03, 'arm': 0.05,
-    'sentinel': 0.05,
+    'sentinel': 0.05, 'undo': 0.2,
 }  # fmt: skip
 """Chance of each kind of fault, each time it could happen, where a run has it at all."""
+OTHERS = {'script': 0.4, 'terminal': 0.3, 'recogniser': 0.15, 'recorder': 0.2, 'rival': 0.1}
+"""Share of the runs that have each of these processes."""
 SECONDS_OF_FAULTS = 60.0
 SECONDS_TO_END = 1500.0
 """Seconds within which every episode ends once faults have stopped."""
@@ -65,7 +67,8 @@ def make_plan(draw: random.Random) -> Plan:
         things=draw.randint(2, 5),
         interval=draw.randint(1, 4),
         noise=draw.choice((None, None, None, 0.0, 0.05)),
-        people=tuple(draw.random() < 0.25 for _ in range(draw.randint(1, 3))),
+        people=tuple(draw.random() < 0.25 for _ in range(draw.randint(1, 2))),
+        others=frozenset(name for name, share in OTHERS.items() if draw.random() < share),
         answer_timeout=draw.choice((0.0, 5.0, 30.0)),
         turn_period=draw.choice((0.0, 0.0, 1.0)),
         slowness=draw.choice((1.0, 1.0, 50.0)),
@@ -113,4 +116,4 @@ def _play(robots: list[Robot], scheduler: Scheduler, faults: Faults) -> None:
     while scheduler.now < end and scheduler.steps < MOST_STEPS and not is_over() and scheduler.step():
         pass
     for robot in robots:
-        robot.promises.check_end()
+        robot.check_end()

@@ -24,7 +24,7 @@ from al_questioner.simulation import ScriptedTeacher
 from shared.bottle.faults import Faults
 from shared.bottle.process import Process
 from shared.bottle.scheduler import Scheduler
-from shared.bottle.table import FEATURES, SYMBOLS, Table
+from shared.bottle.table import SYMBOLS, Table
 
 NO_WORLD: dict[str, Any] = {}
 """World of processes whose documents name none."""
@@ -71,7 +71,9 @@ def make_rival(episode_id: str, seed: int) -> Callable[[Process], Machine]:
         settings = EpisodeSettings(SYMBOLS, 6.0, 5, 'random_fsq')
         started = EpisodeStarted(episode_id, settings, seed, AUTO, None, 'x')
         strategy = make_strategy(settings.strategy, settings.weights)
-        return LearnerMachine(DurableEpisode(started, strategy, None), None, LearnerOptions(answer_timeout=5.0, yields=True))
+        return LearnerMachine(
+            DurableEpisode(started, strategy, None), None, LearnerOptions(answer_timeout=5.0, yields=True)
+        )
 
     return make
 
@@ -178,6 +180,3 @@ class Bag:
 
 def failure_of(error: OSError) -> EpisodeError:
     return EpisodeError(f'the recording failed ({error.strerror})')
-
-
-GROUPS = tuple(dict.fromkeys(name.split('_')[0] for name in FEATURES))

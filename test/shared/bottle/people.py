@@ -17,11 +17,20 @@ PATIENCE_S = 3.0
 """Seconds after which an answer is said again if nobody has acknowledged it."""
 LONGEST_ABSENCE_S = 60.0
 LATE_S = 25.0
+OF_ANOTHER_EPISODE = json.dumps(
+    {
+        'schema': 'al_questioner/answer/1',
+        'episode_id': 'another',
+        'query_id': 'q1',
+        'answer_id': 'x',
+        'teacher_id': 'x',
+        'outcome': 'answered',
+        'content': 'snack',
+    }
+)
 GARBAGE = (
     '', '   ', '{', '{}', '[]', 'null', 'snakc!!', '\x00', '{"schema": "al_questioner/answer/1"}', '9' * 400,
-    '{"schema": "al_questioner/answer/1", "episode_id": "another", "query_id": "q1", "answer_id": "x",'
-    ' "teacher_id": "x", "outcome": "answered", "content": "snack"}',
-    '{"schema": "al_questioner/query/1", "episode_id": "e"}', '1e999', 'snack,fruit,snack', '-1',
+    '{"schema": "al_questioner/query/1", "episode_id": "e"}', '1e999', 'snack,fruit,snack', '-1', OF_ANOTHER_EPISODE,
 )  # fmt: skip
 """Texts that are no answers to anything."""
 
@@ -33,9 +42,9 @@ class Person:
         name: of the person, with the namespace.
         truth: what each thing is, given its id.
         speaks_plainly: says plain words, as with `ros2 topic pub`, and does not listen to what came of them.
+        note_said: takes each text that is said; of a plain word with its outcome and content.
 
     Attributes:
-        said: everything that was said, as (query id, answer id, outcome, content, replaces); a plain word has no ids.
         garbage: the texts that were said and are no answers.
     """
 
@@ -45,13 +54,14 @@ class Person:
         namespace: str,
         truth: Callable[[int], str],
         speaks_plainly: bool,
+        note_said: Callable[..., None],
         scheduler: Scheduler,
         network: Network,
         faults: Faults,
         chart: Chart,
     ) -> None:
         self.name = name
-        self.said: set[tuple[Any, ...]] = set()
+        self._note_said = note_said
         self.garbage: set[str] = set()
         self._truth, self._speaks_plainly = truth, speaks_plainly
         self._scheduler, self._network, self._faults, self._chart = scheduler, network, faults, chart
@@ -143,16 +153,7 @@ class Person:
             self._scheduler.after(PATIENCE_S, lambda: self._repeat(answer_id, times + 1))
 
     def _publish(self, document: dict[str, Any]) -> None:
-        content = document.get('content')
-        self.said.add(
-            (
-                document['query_id'],
-                document['answer_id'],
-                document['outcome'],
-                json.dumps(content),
-                document.get('replaces'),
-            )
-        )
+        self._note_said(json.dumps(document))
         self._network.publish(self._endpoint, 'answer', json.dumps(document))
 
     def _say_plainly(self, outcome: str, content: Any) -> None:
@@ -160,7 +161,7 @@ class Person:
         if word is None:
             # An empty list says that nothing here matters.
             word = (','.join(map(str, content)) or NO_SYMBOL) if isinstance(content, list) else str(content)
-        self.said.add((None, None, outcome, json.dumps(content), None))
+        self._note_said(word, outcome, content)
         self._network.publish(self._endpoint, 'answer', word)
 
     def _say_garbage(self, text: str) -> None:

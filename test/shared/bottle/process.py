@@ -22,10 +22,11 @@ from al_questioner.protocol.effects import (
 from al_questioner.protocol.events import Entered, Event, Heard, Moment, Rang, Started
 from al_questioner.protocol.machine import Machine
 from al_questioner.protocol.performing import perform_all
-from al_questioner.protocol.topics import TOPICS, Delivery
+from al_questioner.protocol.topics import TOPICS, Delivery, PictureToDraw, SceneShown
 from shared.bottle.chart import Chart
 from shared.bottle.clocks import RobotClock
 from shared.bottle.faults import Faults
+from shared.bottle.looks import look_of
 from shared.bottle.network import Endpoint, Network
 from shared.bottle.scheduler import Scheduler
 
@@ -53,6 +54,9 @@ class Process:
         lives: how often it was started.
         watch: told of each effect before it is performed.
         handled: told of each event when it has been handled, with the effects.
+        on_death: called when it dies.
+        convert: makes of each message what the machine hears.
+        keep: writes what is to be kept.
     """
 
     def __init__(
@@ -75,6 +79,8 @@ class Process:
         self.watch: Callable[[Effect], None] = lambda _: None
         self.handled: Callable[[Event, list[Effect]], None] = lambda _, __: None
         self.on_death: Callable[[], None] = lambda: None
+        self.convert: Callable[[Any], Any] = lambda content: content
+        self.keep: Callable[[Effect], None] = lambda _: None
         self._make, self._clock = make, clock
         self._scheduler, self._network, self._faults, self._chart = scheduler, network, faults, chart
         self._slowness = slowness
@@ -87,6 +93,11 @@ class Process:
         return self._endpoint is not None
 
     @property
+    def now(self) -> Moment:
+        """The time as the process reads it."""
+        return Moment(self._scheduler.now, self._clock.nanoseconds)
+
+    @property
     def waiting(self) -> int:
         """Number of messages and timers that wait."""
         return len(self._jobs) + len(self._timers) if self.is_up else 0
@@ -96,6 +107,7 @@ class Process:
         if self.is_up or self._is_ended:
             return
         self.lives += 1
+        self.failures = []
         self._jobs: deque[Callable[[], Event | None]] = deque()
         self._latest: dict[str, Any] = {}
         self._timers: dict[str, object] = {}
@@ -110,7 +122,6 @@ class Process:
         except (InputError, EpisodeError) as error:
             # As a node whose parameters or files cannot be used: it ends, and somebody tries again.
             self._chart.note(self.name, f'CANNOT START: {error}')
-            self.failures.append(str(error))
             self._die()
             return
         for topic in self.machine.hears:
@@ -150,13 +161,13 @@ class Process:
 
         def put_latest(content: Any) -> None:
             is_waiting = topic in self._latest
-            self._latest[topic] = content
+            self._latest[topic] = self.convert(content)
             if not is_waiting:
                 self._put(take_latest)
 
         def put(content: Any) -> None:
             if len(self._jobs) < MOST_WAITING:
-                self._put(lambda: Heard(topic, content))
+                self._put(lambda: Heard(topic, self.convert(content)))
 
         return put_latest if is_latched else put
 
@@ -188,7 +199,6 @@ class Process:
         effects: list[Effect] = []
         machine = self.machine
         assert machine is not None
-        now = Moment(self._scheduler.now, self._clock.nanoseconds)
 
         def perform(effect: Effect) -> None:
             self.boundary(f'before {type(effect).__name__}')
@@ -197,7 +207,7 @@ class Process:
             self._perform(effect)
 
         try:
-            perform_all(machine.handle(event, now), perform)
+            perform_all(machine.handle(event, self.now), perform)
             self.boundary('between two events')
         except Died:
             self._die()
@@ -215,7 +225,12 @@ class Process:
     def _perform(self, effect: Effect) -> None:
         if isinstance(effect, Publish):
             assert self._endpoint is not None
-            self._network.publish(self._endpoint, effect.topic, effect.content)
+            content = effect.content
+            if isinstance(content, SceneShown):
+                content = look_of(content.scene, content.stamp)
+            elif isinstance(content, PictureToDraw):
+                content = content.drawn()
+            self._network.publish(self._endpoint, effect.topic, content)
         elif isinstance(effect, SetTimer):
             self._set(effect.timer, effect.seconds)
         elif isinstance(effect, ClearTimer):
@@ -229,9 +244,6 @@ class Process:
             self.end()
         elif isinstance(effect, (Record, SyncBag, WriteFile)):
             self.keep(effect)
-
-    def keep(self, effect: Record | SyncBag | WriteFile) -> None:
-        """Write what is to be kept; a robot may put a disk in its place."""
 
     def _set(self, timer: str, seconds: float) -> None:
         token = self._timers[timer] = object()

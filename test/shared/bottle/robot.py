@@ -1,32 +1,49 @@
-"""One robot: a learner with its disk, its perception and its teachers, in a namespace of its own."""
+"""One robot: a learner with its disk, its perception, its teachers and whoever else is there, in one namespace."""
 
 from __future__ import annotations
 
+import json
+from collections.abc import Callable
 from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
 
 from al_questioner.domain import AUTO, EpisodeSettings
 from al_questioner.event_log.durable_episode import DurableEpisode
 from al_questioner.event_log.events import EpisodeStarted
+from al_questioner.protocol.effects import Effect, Publish, Record, SyncBag
 from al_questioner.protocol.events import Event
-from al_questioner.protocol.effects import Effect
 from al_questioner.protocol.learner import LearnerMachine, LearnerOptions
 from al_questioner.protocol.machine import Machine
+from al_questioner.protocol.recorder import RecorderMachine
+from al_questioner.protocol.topics import Recorded
 from al_questioner.questioning import make_strategy
 from shared.bottle.chart import Chart
 from shared.bottle.clocks import RobotClock
 from shared.bottle.faults import Faults
 from shared.bottle.network import Network
+from shared.bottle.nodes import (
+    Bag,
+    PersonAtTerminal,
+    SeenTable,
+    failure_of,
+    make_perception,
+    make_recogniser,
+    make_rival,
+    make_scripted_teacher,
+)
 from shared.bottle.people import Person
 from shared.bottle.process import Process
 from shared.bottle.promises import Promises
 from shared.bottle.scheduler import Scheduler
-from shared.bottle.sensors import Camera, TurnPerception
+from shared.bottle.sensors import Camera
 from shared.bottle.table import SYMBOLS, Table
 
 STRATEGIES = ('random_fsq', 'farthest_fsq', 'rarest_demo', 'u_sampling_fsq')
 """Strategies that never ask again about a thing that they know, and are quick."""
-SECONDS_OF_A_FULL_DISK = 8.0
 SECONDS_BETWEEN_LOOKS = 4.0
+"""Seconds from one time at which something may happen to a disk to the next."""
+RECORDED = ('episode', 'turn', 'query', 'answer', 'answer_ack', 'learner_state')
 
 
 @dataclass(frozen=True)
@@ -35,7 +52,9 @@ class Plan:
 
     Attributes:
         noise: of its camera; None if it has the perception that answers turns.
-        people: for each teacher, whether they speak plainly.
+        people: for each teacher who answers by documents or by plain words, whether it is plain words.
+        others: who else is there: `script`, `terminal`, `recogniser`, `recorder`, `rival`.
+        slowness: how much longer than usual its processes take.
     """
 
     seed: int
@@ -46,6 +65,7 @@ class Plan:
     interval: int
     noise: float | None
     people: tuple[bool, ...]
+    others: frozenset[str]
     answer_timeout: float
     turn_period: float
     slowness: float
@@ -69,44 +89,99 @@ class Robot:
         chart: Chart,
         replay_rate: float,
     ) -> None:
-        self._plan, self._scheduler, self._faults, self._chart = plan, scheduler, faults, chart
-        self._namespace = namespace
+        self._plan, self._namespace = plan, namespace
+        self._scheduler, self._network, self._faults, self._chart = scheduler, network, faults, chart
         self._table = Table(plan.seed, plan.things, plan.noise or 0.0)
-        self.clock = RobotClock(namespace, scheduler, faults)
-        self.people = [
-            Person(f'{namespace}/person{i}', namespace, self._table.symbol, plain, scheduler, network, faults, chart)
-            for i, plain in enumerate(plan.people)
-        ]
-        self.promises = Promises(namespace, self._table, self.people, faults, replay_rate)
-        self.learner = self._process('learner', self._make_learner, network)
+        self._seen = SeenTable(self._table, plan.interval)
+        self._clock = RobotClock(namespace, scheduler, faults)
+        shows_turns = plan.noise is None and 'rival' not in plan.others
+        self.promises = Promises(
+            namespace, self._table, self._seen.number if shows_turns else None, faults, replay_rate
+        )
+        self.processes: list[Process] = []
+        self.learner = self._process('learner', self._make_learner)
         self.learner.watch = self.promises.watch
         self.learner.handled = self._handled
         self.learner.on_death = self._release
-        if plan.noise is None:
-            TurnPerception(
-                f'{namespace}/perception', namespace, self._table, plan.interval, scheduler, network, faults, chart
+        self._people = [
+            Person(
+                f'{namespace}/person{i}', namespace, self._table.symbol, plain, self.promises.note_said,
+                scheduler, network, faults, chart,
             )
-        else:
-            Camera(f'{namespace}/camera', namespace, self._table, self.clock, scheduler, network, faults, chart)
+            for i, plain in enumerate(plan.people)
+        ]  # fmt: skip
+        self.bag = Bag()
+        self._rival: Process | None = None
+        self._add_perception()
+        self._add_others()
         self._looks = 0
-        scheduler.after(0.1 * faults.draw('start', namespace), self.learner.start)
-        scheduler.after(SECONDS_BETWEEN_LOOKS, self._look_at_disk)
+        scheduler.after(SECONDS_BETWEEN_LOOKS, self._look_at_disks)
 
     def calm(self) -> None:
         """Put everything right: no fault is to happen any more."""
-        self.clock.set_right()
-        self.promises.disk.fault = ''
-        for person in self.people:
+        self._clock.set_right()
+        self.promises.disk.fault = self.bag.fault = ''
+        for person in self._people:
             person.come_back()
-        if self._needs_a_start():
-            self.learner.kill()
-        self.learner.start()
+        if self._rival is not None:
+            self._rival.end()
+        for process in self.processes:
+            if process.failures and process.is_up:
+                process.kill()
+            process.start()
 
-    def _process(self, name: str, make: object, network: Network) -> Process:
-        return Process(
-            f'{self._namespace}/{name}', self._namespace, make, self.clock, self._scheduler, network, self._faults,
-            self._chart, self._plan.slowness,
+    def check_end(self) -> None:
+        """Hold what is there at the end against what was promised."""
+        self.promises.check_end()
+        for process in self.processes:
+            machine = process.machine
+            if isinstance(machine, RecorderMachine) and machine.failure is None:
+                self.promises.demand(
+                    machine.counts()['turns missed'] == missing(self._heard_turns),
+                    f'the recorder says that it missed {machine.counts()["turns missed"]} of {self._heard_turns}',
+                )
+
+    def _process(self, name: str, make: Callable[[Process], Machine]) -> Process:
+        process = Process(
+            f'{self._namespace}/{name}', self._namespace, make, self._clock, self._scheduler, self._network,
+            self._faults, self._chart, self._plan.slowness,
         )  # fmt: skip
+        self.processes.append(process)
+        self._scheduler.after(0.1 * self._faults.draw('start', process.name), process.start)
+        return process
+
+    def _add_perception(self) -> None:
+        if self._plan.noise is None:
+            self._process('perception', make_perception(self._seen))
+        else:
+            Camera(
+                f'{self._namespace}/camera', self._namespace, self._table, self._clock, self._scheduler, self._network,
+                self._faults, self._chart,
+            )  # fmt: skip
+
+    def _add_others(self) -> None:
+        plan, others = self._plan, self._plan.others
+        if 'script' in others and plan.noise is None:
+            teacher = self._process('teacher', make_scripted_teacher(self._seen, plan.seed, 0.3))
+            teacher.watch = self._note_script
+        if 'terminal' in others:
+            person = PersonAtTerminal(
+                f'{self._namespace}/terminal',
+                self._table.symbol,
+                self._scheduler,
+                self._faults,
+                self.promises.note_answer_said,
+            )
+            self._process('terminal', person.make_machine)
+        if 'recogniser' in others:
+            self._process('recogniser', make_recogniser)
+        if 'recorder' in others:
+            recorder = self._process('recorder', self._make_recorder)
+            recorder.convert = lambda content: Recorded(content.encode(), 0, lambda: content)
+            recorder.keep = self._record
+            recorder.on_death = self.bag.lose
+        if 'rival' in others:
+            self._rival = self._process('rival', make_rival(f'{self._namespace}-rival', plan.seed))
 
     def _make_learner(self, process: Process) -> Machine:
         plan = self._plan
@@ -122,33 +197,69 @@ class Robot:
             raise
         return LearnerMachine(durable, None, LearnerOptions(plan.turn_period, plan.answer_timeout))
 
+    def _make_recorder(self, _: Process) -> Machine:
+        self._heard_turns: list[int] = []
+        return RecorderMachine(Path('bag'), {topic: topic for topic in RECORDED}, False, failure_of)
+
+    def _record(self, effect: Effect) -> None:
+        if isinstance(effect, Record):
+            self.bag.write(effect.topic, effect.data)
+            if effect.topic == 'turn':
+                turn = json.loads(effect.data)
+                if turn['episode_id'] == f'{self._namespace}-e':
+                    self._heard_turns.append(turn['turn'])
+        elif isinstance(effect, SyncBag):
+            self.bag.sync()
+
+    def _note_script(self, effect: Effect) -> None:
+        """Take note of what the script says, which says one thing to each query."""
+        if isinstance(effect, Publish) and effect.topic == 'answer':
+            self.promises.note_said(effect.content)
+            answer: dict[str, Any] = json.loads(effect.content)
+            self.promises.demand(
+                answer['answer_id'] == f'{answer["query_id"]}/scripted',
+                f'the script answers {answer["query_id"]} under another id: {answer["answer_id"]}',
+            )
+
     def _handled(self, event: Event, effects: list[Effect]) -> None:
         machine = self.learner.machine
         is_ready = isinstance(machine, LearnerMachine) and machine.is_ready and not machine.has_failed
-        self.promises.watch_handled(event, effects, is_ready)
+        garbage: set[str] = set().union(*(person.garbage for person in self._people))
+        self.promises.watch_handled(event, effects, is_ready, garbage)
+        if isinstance(machine, LearnerMachine):
+            self.promises.watch_rival(event, machine.warning(self.learner.now), self.promises.is_done)
 
     def _release(self) -> None:
         """Let go of the log, as the lock of a process ends with it."""
         self.promises.disk.is_locked = False
 
-    def _needs_a_start(self) -> bool:
-        machine = self.learner.machine
-        return isinstance(machine, LearnerMachine) and machine.has_failed
-
-    def _look_at_disk(self) -> None:
-        """Have faults happen to the disk, and people see to a learner that could not write."""
+    def _look_at_disks(self) -> None:
+        """Have faults happen to the disks, and people see to processes that could not write."""
         if not self._faults.active:
             return
         self._looks += 1
+        self._scheduler.after(SECONDS_BETWEEN_LOOKS, self._look_at_disks)
         disk, name = self.promises.disk, (self._namespace, self._looks)
-        self._scheduler.after(SECONDS_BETWEEN_LOOKS, self._look_at_disk)
-        if disk.fault:
-            disk.fault = ''
-        elif self._needs_a_start():
-            self.learner.kill()
-        elif self._faults.happens('disk full', *name):
-            disk.fault = 'No space left on device'
+        was_faulty = bool(disk.fault)
+        disk.fault = self.bag.fault = ''
+        if was_faulty:
+            return
+        if self._faults.happens('disk full', *name):
+            disk.fault = self.bag.fault = 'No space left on device'
         elif self._faults.happens('disk read-only', *name):
-            disk.fault = 'Read-only file system'
+            disk.fault = self.bag.fault = 'Read-only file system'
+        else:
+            for process in self.processes:
+                if process.failures and process.is_up:
+                    process.kill()
         if disk.fault:
             self._chart.note(self._namespace, f'DISK: {disk.fault}')
+
+
+def missing(turns: list[int]) -> int:
+    """Return how many turns up to the last one are not among those that were heard, in the order of their numbers."""
+    missed, before = 0, 0
+    for turn in turns:
+        missed += max(0, turn - before - 1)
+        before = max(turn, before)
+    return missed
