@@ -111,7 +111,7 @@ class Person:
         if self._speaks_plainly:
             self._say_plainly(outcome, content)
             return
-        document = self._document(query, f'{query["query_id"]}/{self.name}/{self._number}', outcome, content)
+        document = self._document(query, f'{key.replace(" ", "/")}/{self.name}/{self._number}', outcome, content)
         delay = LATE_S if happens('late', *name) else 0.0
         self._scheduler.after(delay, lambda: self._say(document))
         if happens('answer twice', *name):
@@ -170,8 +170,12 @@ class Person:
 
     def _hear_ack(self, text: str) -> None:
         ack = json.loads(text)
-        document = self._unacknowledged.pop(ack.get('answer_id') or '', None)
-        if document is None or not ack['accepted']:
+        document = self._unacknowledged.get(ack.get('answer_id') or '')
+        # Two learners on the same topics may have queries of the same id.
+        if document is None or document['episode_id'] != ack['episode_id']:
+            return
+        del self._unacknowledged[document['answer_id']]
+        if not ack['accepted']:
             return
         answer_id = document['answer_id']
         if self._faults.happens('correct', self.name, answer_id):

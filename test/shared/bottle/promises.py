@@ -6,7 +6,7 @@ import json
 from collections.abc import Callable
 from typing import Any
 
-from al_questioner.domain import Answer, Costs, Outcome
+from al_questioner.domain import Answer
 from al_questioner.event_log.encoding import decoded
 from al_questioner.event_log.events import EpisodeStarted, SceneObserved
 from al_questioner.event_log.log import LogContents
@@ -21,6 +21,9 @@ from al_questioner.questioning import make_strategy
 from shared.bottle.disk import Disk
 from shared.bottle.faults import Faults
 from shared.bottle.table import Table
+
+SHARES = {'answered': 1.0, 'unknown': 1.0, 'skip': 1.0, 'unanswered': 0.0}
+"""Share of its price that a query is charged, by what came of it."""
 
 
 class BrokenPromiseError(Exception):
@@ -185,7 +188,7 @@ class Promises:
         self.demand(state['spent'] <= state['budget'], f'{state["spent"]} is spent of {state["budget"]}')
         for record in state['queries']:
             query = next(each for each in self._queries.values() if each['turn'] == record['turn'])
-            price = query['cost'] * Costs().charged_fraction(Outcome(record['outcome']))
+            price = query['cost'] * SHARES[record['outcome']]
             self.demand(record['cost'] <= price, f'{query["query_id"]} costs {price}, not {record["cost"]}')
             is_whole = (
                 record['cost'] == price or record['outcome'] != 'answered' or query['query_id'] in self._settled_before

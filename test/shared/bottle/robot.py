@@ -12,7 +12,7 @@ from al_questioner.domain import AUTO, EpisodeSettings
 from al_questioner.event_log.durable_episode import DurableEpisode
 from al_questioner.event_log.events import EpisodeStarted
 from al_questioner.protocol.effects import Effect, Publish, Record, SyncBag
-from al_questioner.protocol.events import Event
+from al_questioner.protocol.events import Event, Heard
 from al_questioner.protocol.learner import LearnerMachine, LearnerOptions
 from al_questioner.protocol.machine import Machine
 from al_questioner.protocol.recorder import RecorderMachine
@@ -137,7 +137,7 @@ class Robot:
             machine = process.machine
             if isinstance(machine, RecorderMachine) and machine.failure is None:
                 self.promises.demand(
-                    machine.counts()['turns missed'] == missing(self._heard_turns),
+                    machine.counts()['turns missed'] == sum(map(missing, self._heard_turns.values())),
                     f'the recorder says that it missed {machine.counts()["turns missed"]} of {self._heard_turns}',
                 )
 
@@ -164,6 +164,7 @@ class Robot:
         if 'script' in others and plan.noise is None:
             teacher = self._process('teacher', make_scripted_teacher(self._seen, plan.seed, 0.3))
             teacher.watch = self._note_script
+            self._watch_sender(teacher)
         if 'terminal' in others:
             person = PersonAtTerminal(
                 f'{self._namespace}/terminal',
@@ -172,7 +173,7 @@ class Robot:
                 self._faults,
                 self.promises.note_answer_said,
             )
-            self._process('terminal', person.make_machine)
+            self._watch_sender(self._process('terminal', person.make_machine))
         if 'recogniser' in others:
             self._process('recogniser', make_recogniser)
         if 'recorder' in others:
@@ -198,7 +199,7 @@ class Robot:
         return LearnerMachine(durable, None, LearnerOptions(plan.turn_period, plan.answer_timeout))
 
     def _make_recorder(self, _: Process) -> Machine:
-        self._heard_turns: list[int] = []
+        self._heard_turns: dict[str, list[int]] = {}
         return RecorderMachine(Path('bag'), {topic: topic for topic in RECORDED}, False, failure_of)
 
     def _record(self, effect: Effect) -> None:
@@ -206,10 +207,29 @@ class Robot:
             self.bag.write(effect.topic, effect.data)
             if effect.topic == 'turn':
                 turn = json.loads(effect.data)
-                if turn['episode_id'] == f'{self._namespace}-e':
-                    self._heard_turns.append(turn['turn'])
+                self._heard_turns.setdefault(turn['episode_id'], []).append(turn['turn'])
         elif isinstance(effect, SyncBag):
             self.bag.sync()
+
+    def _watch_sender(self, teacher: Process) -> None:
+        """Look at whether a teacher goes on sending what was acknowledged to it."""
+        acknowledged: set[str] = set()
+        before = teacher.watch
+
+        def watch(effect: Effect) -> None:
+            before(effect)
+            if isinstance(effect, Publish) and effect.topic == 'answer':
+                answer_id = json.loads(effect.content)['answer_id']
+                is_new = answer_id not in acknowledged
+                self.promises.demand(is_new, f'{teacher.name} sends {answer_id} on, which was acknowledged to it')
+
+        def note(event: Event, _: list[Effect]) -> None:
+            if isinstance(event, Heard) and event.topic == 'answer_ack':
+                ack, machine = json.loads(event.content), teacher.machine
+                if machine is not None and ack['episode_id'] == machine.episode_id and ack['answer_id']:
+                    acknowledged.add(ack['answer_id'])
+
+        teacher.watch, teacher.handled, teacher.on_death = watch, note, acknowledged.clear
 
     def _note_script(self, effect: Effect) -> None:
         """Take note of what the script says, which says one thing to each query."""

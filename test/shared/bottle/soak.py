@@ -1,0 +1,87 @@
+"""Many runs, one seed after the other, on all processors; what was done already is not done again.
+
+    PYTHONPATH=test python -m shared.bottle.soak SEEDS [--first SEED] [--processes N] [--state FILE]
+
+The exit status is 1 if a promise was broken, with the shortest course of events that breaks it for each of the first.
+"""
+
+from __future__ import annotations
+
+import argparse
+import json
+import multiprocessing
+import os
+import sys
+import time
+from collections.abc import Iterator, Sequence
+from pathlib import Path
+
+from shared.bottle.bottle import Outcome, run
+from shared.bottle.failing import explain
+
+MOST_EXPLAINED = 3
+SECONDS_BETWEEN_SAVES = 5.0
+
+
+def play(seeds: Sequence[int], processes: int) -> Iterator[Outcome]:
+    """Play runs side by side; their outcomes, in the order of the seeds."""
+    if processes == 1:
+        yield from map(run, seeds)
+        return
+    with multiprocessing.get_context('spawn').Pool(processes) as pool:
+        yield from pool.imap(run, seeds, chunksize=8)
+
+
+def main(arguments: Sequence[str] | None = None) -> int:
+    parser = argparse.ArgumentParser(prog='soak', description=__doc__, formatter_class=argparse.RawTextHelpFormatter)
+    parser.add_argument('seeds', type=int, help='number of runs')
+    parser.add_argument('--first', type=int, default=0, help='first seed')
+    parser.add_argument('--processes', type=int, default=os.cpu_count() or 1)
+    parser.add_argument('--state', type=Path, help='file that remembers how far it came, to go on later')
+    given = parser.parse_args(arguments)
+    done, failed = _remembered(given.state, given.first)
+    seeds = range(given.first + done, given.first + given.seeds)
+    faults = steps = 0
+    seconds, began, saved = 0.0, time.monotonic(), time.monotonic()
+    failures: list[Outcome] = []
+    for outcome in play(seeds, given.processes):
+        done += 1
+        faults, steps, seconds = faults + len(outcome.faults), steps + outcome.steps, seconds + outcome.seconds
+        if outcome.violation:
+            failed.append(outcome.seed)
+            failures.append(outcome)
+            _tell(f'seed {outcome.seed}: {outcome.violation}')
+        if time.monotonic() > saved + SECONDS_BETWEEN_SAVES or done == given.seeds:
+            saved = time.monotonic()
+            _remember(given.state, given.first, done, failed)
+            _tell(f'{done} of {given.seeds} seeds, {len(failed)} failed, {saved - began:.0f} s')
+    _tell(
+        f'{len(seeds)} seeds in {time.monotonic() - began:.1f} s on {given.processes} processors:'
+        f' {seconds / 3600:.1f} hours, {steps} steps, {faults} faults; {len(failed)} of {done} seeds break a promise'
+    )
+    for outcome in failures[:MOST_EXPLAINED]:
+        _tell(explain(outcome))
+    return 1 if failed else 0
+
+
+def _remembered(state: Path | None, first: int) -> tuple[int, list[int]]:
+    """Return how many seeds were done before, and which of them failed."""
+    if state is None or not state.exists():
+        return 0, []
+    members = json.loads(state.read_text(encoding='utf-8'))
+    return (members['done'], members['failed']) if members['first'] == first else (0, [])
+
+
+def _remember(state: Path | None, first: int, done: int, failed: list[int]) -> None:
+    if state is not None:
+        state.parent.mkdir(parents=True, exist_ok=True)
+        state.write_text(json.dumps({'first': first, 'done': done, 'failed': failed}), encoding='utf-8')
+
+
+def _tell(text: str) -> None:
+    sys.stdout.write(f'{text}\n')
+    sys.stdout.flush()
+
+
+if __name__ == '__main__':
+    sys.exit(main())
