@@ -2,10 +2,14 @@
 
 from __future__ import annotations
 
+from collections import deque
+
 from al_questioner.messages.stamps import SECOND
 
 LATEST = (2**31 - 1) * SECOND
 """Latest stamp, in nanoseconds; a later time is rejected, since it leaves no room for the following stamps."""
+STAMPS_KEPT = 1000
+"""Number of latest stamps that are known again after the clock has gone back: a session must not fill the memory."""
 
 
 class TurnStamps:
@@ -27,13 +31,13 @@ class TurnStamps:
     def __init__(self, last: int = 0) -> None:
         self.last = last
         self._since = last
-        self._given = {last}
+        self._given = deque([last], maxlen=STAMPS_KEPT)
 
     def begin(self, now: int) -> int:
         """Return the stamp of a new turn."""
         self._since = now
         self.last = now if self.last < now <= LATEST else self.last + 1
-        self._given.add(self.last)
+        self._given.append(self.last)
         return self.last
 
     def is_of_turn(self, stamp: int, now: int) -> bool:

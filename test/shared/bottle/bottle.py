@@ -18,10 +18,10 @@ RATES = {
     'clock jumps': 0.3, 'clock drifts': 0.2, 'clock stands': 0.15, 'disk full': 0.1, 'disk read-only': 0.05,
     'person leaves': 0.1, 'garbage': 0.2, 'wrong': 0.15, 'unknown': 0.1, 'skip': 0.1, 'late': 0.1, 'answer twice': 0.2,
     'contradict': 0.15, 'correct': 0.2, 'no picture': 0.1, 'broken cloud': 0.05, 'empty table': 0.03, 'arm': 0.05,
-    'sentinel': 0.05, 'undo': 0.2,
+    'sentinel': 0.05, 'undo': 0.2, 'best effort': 0.3, 'burst': 0.05, 'another id': 0.03,
 }  # fmt: skip
 """Chance of each kind of fault, each time it could happen, where a run has it at all."""
-OTHERS = {'script': 0.4, 'terminal': 0.3, 'recogniser': 0.15, 'recorder': 0.2, 'rival': 0.1}
+OTHERS = {'script': 0.4, 'replay': 0.15, 'terminal': 0.3, 'recogniser': 0.15, 'recorder': 0.2, 'rival': 0.1}
 """Share of the runs that have each of these processes."""
 SECONDS_OF_FAULTS = 60.0
 SECONDS_TO_END = 1500.0

@@ -24,14 +24,14 @@ class Endpoint:
     Attributes:
         name: of the process, with its namespace.
         hear: takes topic and content of each message, by topic.
-        is_volatile: whether late listeners do not get what it latched.
+        is_best_effort: whether it neither repeats what is lost nor keeps anything for late listeners, as cameras do.
     """
 
     name: str
     namespace: str
     hear: dict[str, Callable[[Any], None]] = field(default_factory=dict)
     latched: dict[str, Any] = field(default_factory=dict)
-    is_volatile: bool = False
+    is_best_effort: bool = False
     is_alive: bool = True
 
 
@@ -54,7 +54,7 @@ class Network:
         """Have a process take part; it gets what others have latched."""
         self.endpoints.append(endpoint)
         for other in self.endpoints[:-1]:
-            if other.namespace == endpoint.namespace and not other.is_volatile:
+            if other.namespace == endpoint.namespace and not other.is_best_effort:
                 for topic, content in other.latched.items():
                     if topic in endpoint.hear:
                         self._carry(other, endpoint, topic, content)
@@ -78,7 +78,7 @@ class Network:
         self._sent[link] += 1
         name = (*link, number)
         faults = self._faults
-        if faults.happens('loss', *name):
+        if faults.happens('loss', *name) or (sender.is_best_effort and faults.happens('best effort', *name)):
             self._chart.lost(sender.name, one.name, topic, content)
             return
         self._deliver(sender, one, topic, content, link, number, self._delay(*name))

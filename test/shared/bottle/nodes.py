@@ -16,6 +16,7 @@ from al_questioner.protocol.learner import LearnerMachine, LearnerOptions
 from al_questioner.protocol.machine import Machine
 from al_questioner.protocol.perception import PerceptionMachine
 from al_questioner.protocol.recogniser import RecogniserMachine
+from al_questioner.protocol.recorded_perception import RecordedPerceptionMachine
 from al_questioner.protocol.scripted_teacher import ScriptedTeacherMachine
 from al_questioner.protocol.terminal_teacher import SAID, TerminalTeacherMachine
 from al_questioner.questioning import make_strategy
@@ -53,6 +54,12 @@ class SeenTable:
 def make_perception(seen: SeenTable) -> Callable[[Process], Machine]:
     picture = np.zeros((1, 1, 3), np.uint8)
     return lambda _: PerceptionMachine(seen, NO_WORLD, 'table', lambda _: picture)
+
+
+def make_replay(seen: SeenTable, turns: int) -> Callable[[Process], Machine]:
+    """Return what shows the scenes of a bag in place of a perception."""
+    clouds = {turn: seen.scene(turn) for turn in range(1, turns + 1)}
+    return lambda _: RecordedPerceptionMachine(clouds, None, len, lambda: ())
 
 
 def make_scripted_teacher(seen: SeenTable, seed: int, delay: float) -> Callable[[Process], Machine]:

@@ -68,8 +68,6 @@ class Person:
         self._away_until = 0.0
         self._considered: set[str] = set()
         self._unacknowledged: dict[str, dict[str, Any]] = {}
-        self._accepted: dict[str, dict[str, Any]] = {}
-        self._corrected: set[str] = set()
         self._number = 0
         self._endpoint = Endpoint(name, namespace, {'query': self._hear, 'answer_ack': self._hear_ack})
         network.join(self._endpoint)

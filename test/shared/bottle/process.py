@@ -22,7 +22,7 @@ from al_questioner.protocol.effects import (
 from al_questioner.protocol.events import Entered, Event, Heard, Moment, Rang, Started
 from al_questioner.protocol.machine import Machine
 from al_questioner.protocol.performing import perform_all
-from al_questioner.protocol.topics import TOPICS, Delivery, PictureToDraw, SceneShown
+from al_questioner.protocol.topics import TOPICS, Delivery, PictureToDraw, Replayed, SceneShown
 from shared.bottle.chart import Chart
 from shared.bottle.clocks import RobotClock
 from shared.bottle.faults import Faults
@@ -228,6 +228,8 @@ class Process:
             content = effect.content
             if isinstance(content, SceneShown):
                 content = look_of(content.scene, content.stamp)
+            elif isinstance(content, Replayed):
+                content = look_of(content.data, content.stamp)
             elif isinstance(content, PictureToDraw):
                 content = content.drawn()
             self._network.publish(self._endpoint, effect.topic, content)

@@ -29,6 +29,7 @@ from shared.bottle.nodes import (
     failure_of,
     make_perception,
     make_recogniser,
+    make_replay,
     make_rival,
     make_scripted_teacher,
 )
@@ -43,6 +44,8 @@ STRATEGIES = ('random_fsq', 'farthest_fsq', 'rarest_demo', 'u_sampling_fsq')
 """Strategies that never ask again about a thing that they know, and are quick."""
 SECONDS_BETWEEN_LOOKS = 4.0
 """Seconds from one time at which something may happen to a disk to the next."""
+MOST_WAITING = 100
+"""Messages and timers that may wait for a learner at most."""
 RECORDED = ('episode', 'turn', 'query', 'answer', 'answer_ack', 'learner_state')
 
 
@@ -53,7 +56,8 @@ class Plan:
     Attributes:
         noise: of its camera; None if it has the perception that answers turns.
         people: for each teacher who answers by documents or by plain words, whether it is plain words.
-        others: who else is there: `script`, `terminal`, `recogniser`, `recorder`, `rival`.
+        others: who else is there: `script`, `terminal`, `recogniser`, `recorder`, `rival`; `replay`: a bag shows
+            its scenes in place of perception.
         slowness: how much longer than usual its processes take.
     """
 
@@ -152,7 +156,9 @@ class Robot:
 
     def _add_perception(self) -> None:
         if self._plan.noise is None:
-            self._process('perception', make_perception(self._seen))
+            is_replay = 'replay' in self._plan.others
+            shows = make_replay(self._seen, self._plan.turns) if is_replay else make_perception(self._seen)
+            self._process('perception', shows)
         else:
             Camera(
                 f'{self._namespace}/camera', self._namespace, self._table, self._clock, self._scheduler, self._network,
@@ -228,6 +234,9 @@ class Robot:
                 ack, machine = json.loads(event.content), teacher.machine
                 if machine is not None and ack['episode_id'] == machine.episode_id and ack['answer_id']:
                     acknowledged.add(ack['answer_id'])
+            elif isinstance(event, Heard) and event.topic == 'query':
+                # Who is asked again says it again.
+                acknowledged.clear()
 
         teacher.watch, teacher.handled, teacher.on_death = watch, note, acknowledged.clear
 
@@ -246,6 +255,8 @@ class Robot:
         is_ready = isinstance(machine, LearnerMachine) and machine.is_ready and not machine.has_failed
         garbage: set[str] = set().union(*(person.garbage for person in self._people))
         self.promises.watch_handled(event, effects, is_ready, garbage)
+        waiting = self.learner.waiting
+        self.promises.demand(waiting <= MOST_WAITING, f'{waiting} messages and timers wait')
         if isinstance(machine, LearnerMachine):
             self.promises.watch_rival(event, machine.warning(self.learner.now), self.promises.is_done)
 

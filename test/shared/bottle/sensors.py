@@ -14,7 +14,7 @@ from shared.bottle.faults import Faults
 from shared.bottle.looks import broken_look, look_of
 from shared.bottle.network import Endpoint, Network
 from shared.bottle.scheduler import Scheduler
-from shared.bottle.table import FEATURES, SENTINEL, Table
+from shared.bottle.table import FEATURES, OTHER_IDS, SENTINEL, Table
 
 PERIOD_S = 0.5
 """Seconds from one picture of the camera to the next."""
@@ -38,7 +38,7 @@ class Camera:
         self._name, self._table, self._clock = name, table, clock
         self._scheduler, self._network, self._faults, self._chart = scheduler, network, faults, chart
         self._glances = 0
-        self._endpoint = Endpoint(name, namespace, is_volatile=True)
+        self._endpoint = Endpoint(name, namespace, is_best_effort=True)
         network.join(self._endpoint)
         scheduler.after(PERIOD_S, self._see)
 
@@ -60,15 +60,22 @@ class Camera:
             return
         hides = happens('arm', *name)
         reads_nothing = happens('sentinel', *name)
-        self._table.has_misread |= reads_nothing
+        bursts = happens('burst', *name)
+        flickers = happens('another id', *name)
+        self._table.has_misread |= reads_nothing or bursts
 
         def read(known: Any) -> Scene:
             scene = self._table.seen(number, glance)
             features = scene.features.copy()
             if reads_nothing:
                 features[0, 0] = SENTINEL
+            if bursts:
+                features += np.float32(3.0) * self._table.seen(number, -glance).features
+            ids = list(scene.object_ids)
+            if flickers:
+                ids[-1] += OTHER_IDS
             kept = slice(len(scene) // 2 if hides else 0, None)
-            seen = Scene(scene.object_ids[kept], scene.positions[kept], features[kept], scene.feature_names)
+            seen = Scene(tuple(ids[kept]), scene.positions[kept], features[kept], scene.feature_names)
             return look_of(seen, stamp).read(known)
 
         self._publish(Look(stamp, 'table', read))

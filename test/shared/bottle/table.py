@@ -13,6 +13,8 @@ SYMBOLS = ('snack', 'fruit')
 FEATURES = ('colour_red', 'colour_green', 'size_height', 'size_width')
 SENTINEL = -999.0
 """Reading of a sensor that read nothing."""
+OTHER_IDS = 10_000
+"""Difference of the ids of a thing, where a camera gives it another one for a moment."""
 FEWEST_THINGS = 4
 """Things from which the learner can tell a small change of a look from noise in its first turns."""
 
@@ -46,12 +48,12 @@ class Table:
         return {i: self.symbol(i) for i in self.scene(number).object_ids}
 
     def symbol(self, object_id: int) -> str:
-        kind = int(random_stream(self._seed, f'kind {object_id}').integers(len(SYMBOLS) + 1))
+        kind = int(random_stream(self._seed, f'kind {object_id % OTHER_IDS}').integers(len(SYMBOLS) + 1))
         return (*SYMBOLS, NO_SYMBOL)[kind]
 
     def look(self, object_id: int, features: np.ndarray) -> int:
         """Return which look of a thing a reading shows."""
-        looks = self._looks[object_id]
+        looks = self._looks[object_id % OTHER_IDS]
         return int(np.argmin([np.abs(look - features).sum() for look in looks]))
 
     def seen(self, number: int, glance: int) -> Scene:
