@@ -23,7 +23,7 @@ RATES = {
 """Chance of each kind of fault, each time it could happen, where a run has it at all."""
 OTHERS = {'script': 0.4, 'replay': 0.15, 'terminal': 0.3, 'recogniser': 0.15, 'recorder': 0.2, 'rival': 0.1}
 """Share of the runs that have each of these processes."""
-SECONDS_OF_FAULTS = 60.0
+SECONDS_OF_FAULTS = 45.0
 SECONDS_TO_END = 1500.0
 """Seconds within which every episode ends once faults have stopped."""
 MOST_STEPS = 200_000
@@ -62,7 +62,7 @@ def make_plan(draw: random.Random) -> Plan:
     return Plan(
         seed=draw.randrange(2**31),
         strategy=draw.choice(STRATEGIES),
-        turns=draw.randint(3, 8),
+        turns=draw.randint(3, 7),
         budget=float(draw.randint(2, 10)),
         things=draw.randint(2, 5),
         interval=draw.randint(1, 4),
@@ -76,7 +76,7 @@ def make_plan(draw: random.Random) -> Plan:
 
 
 def run(
-    seed: int, allowed: frozenset[str] | None = None, is_charted: bool = False, replay_rate: float = 0.15
+    seed: int, allowed: frozenset[str] | None = None, is_charted: bool = False, replay_rate: float = 0.05
 ) -> Outcome:
     """Play a run to its end, or to the first promise that is broken.
 
