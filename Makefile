@@ -22,7 +22,7 @@ OPTIONS := -m pytest -n 2 --dist loadfile
 PYTEST := $(VENV)/bin/python $(OPTIONS)
 NOBLE_PYTEST := $(NOBLE)/bin/python $(OPTIONS)
 
-.PHONY: setup demo test test-all test-noble test-noble-quick reproduction questioner generated docs lint clean
+.PHONY: setup demo test test-all test-noble test-noble-quick soak reproduction questioner generated docs lint clean
 
 setup: $(INSTALLED)
 
@@ -66,6 +66,12 @@ $(NOBLE)/pyvenv.cfg:
 	@$(NOBLE_PYTHON) -c 'import sys; sys.exit(sys.version_info[:2] != (3, 12))' || { echo 'make test-noble needs Python' \
 	'3.12, which $(NOBLE_PYTHON) is not: tell where it is with NOBLE_PYTHON=...' >&2; exit 1; }
 	$(NOBLE_PYTHON) -m venv $(NOBLE) || { rm -rf $(NOBLE); exit 1; }
+
+# The whole graph under every fault, see docs/explanation/graph_in_a_bottle.md; it goes on where it was interrupted.
+SEEDS ?= 10000
+
+soak: setup
+	PYTHONPATH=test $(RUN) shared.bottle.soak $(SEEDS) --state out/soak.json
 
 # All of docs/results/reproduction.md: the weights from the demonstrations, then the comparison and what stands beside it. The paper
 # does not say that its teacher shows other things than before, hence --repeat-shown, and has no relevance query. It does not

@@ -93,7 +93,10 @@ def test_a_soak_goes_on_where_it_ended(tmp_path: Path, capsys: pytest.CaptureFix
     """Otherwise a night's work would be lost with the machine."""
     state = tmp_path / 'soak.json'
     assert soak.main(['2', '--processes', '1', '--state', str(state)]) == 0
-    assert json.loads(state.read_text()) == {'first': 0, 'done': 2, 'failed': []}
+    assert json.loads(state.read_text()) == {'code': soak.digest_of_code(), 'first': 0, 'done': 2, 'failed': []}
     assert soak.main(['3', '--processes', '1', '--state', str(state)]) == 0
     assert '1 seeds in' in capsys.readouterr().out.splitlines()[-1]
     assert json.loads(state.read_text())['done'] == 3
+    state.write_text(state.read_text().replace(soak.digest_of_code(), 'another code'))
+    assert soak.main(['1', '--processes', '1', '--state', str(state)]) == 0
+    assert '1 seeds in' in capsys.readouterr().out.splitlines()[-1]

@@ -1,4 +1,4 @@
-"""Many runs, one seed after the other, on all processors; what was done already is not done again.
+"""Many runs, one seed after the other, on all processors; what this code has done already is not done again.
 
     PYTHONPATH=test python -m shared.bottle.soak SEEDS [--first SEED] [--processes N] [--state FILE]
 
@@ -8,6 +8,7 @@ The exit status is 1 if a promise was broken, with the shortest course of events
 from __future__ import annotations
 
 import argparse
+import hashlib
 import json
 import multiprocessing
 import os
@@ -15,7 +16,9 @@ import sys
 import time
 from collections.abc import Iterator, Sequence
 from pathlib import Path
+from typing import Any
 
+import al_questioner
 from shared.bottle.bottle import Outcome, run
 from shared.bottle.failing import explain
 
@@ -39,7 +42,8 @@ def main(arguments: Sequence[str] | None = None) -> int:
     parser.add_argument('--processes', type=int, default=os.cpu_count() or 1)
     parser.add_argument('--state', type=Path, help='file that remembers how far it came, to go on later')
     given = parser.parse_args(arguments)
-    done, failed = _remembered(given.state, given.first)
+    code = digest_of_code()
+    done, failed = _remembered(given.state, given.first, code)
     seeds = range(given.first + done, given.first + given.seeds)
     faults = steps = 0
     seconds, began, saved = 0.0, time.monotonic(), time.monotonic()
@@ -53,7 +57,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
             _tell(f'seed {outcome.seed}: {outcome.violation}')
         if time.monotonic() > saved + SECONDS_BETWEEN_SAVES or done == given.seeds:
             saved = time.monotonic()
-            _remember(given.state, given.first, done, failed)
+            _remember(given.state, {'code': code, 'first': given.first, 'done': done, 'failed': failed})
             _tell(f'{done} of {given.seeds} seeds, {len(failed)} failed, {saved - began:.0f} s')
     _tell(
         f'{len(seeds)} seeds in {time.monotonic() - began:.1f} s on {given.processes} processors:'
@@ -64,18 +68,28 @@ def main(arguments: Sequence[str] | None = None) -> int:
     return 1 if failed else 0
 
 
-def _remembered(state: Path | None, first: int) -> tuple[int, list[int]]:
-    """Return how many seeds were done before, and which of them failed."""
+def digest_of_code() -> str:
+    """Return a digest of all that a run depends on: another code has to be tried again from the first seed."""
+    found = hashlib.sha256()
+    for folder in (Path(al_questioner.__file__).parent, Path(__file__).parent):
+        for path in sorted(folder.rglob('*.py')):
+            found.update(path.read_bytes())
+    return found.hexdigest()[:16]
+
+
+def _remembered(state: Path | None, first: int, code: str) -> tuple[int, list[int]]:
+    """Return how many seeds were done before by this code, and which of them failed."""
     if state is None or not state.exists():
         return 0, []
     members = json.loads(state.read_text(encoding='utf-8'))
-    return (members['done'], members['failed']) if members['first'] == first else (0, [])
+    is_same = (members['first'], members['code']) == (first, code)
+    return (members['done'], members['failed']) if is_same else (0, [])
 
 
-def _remember(state: Path | None, first: int, done: int, failed: list[int]) -> None:
+def _remember(state: Path | None, members: dict[str, Any]) -> None:
     if state is not None:
         state.parent.mkdir(parents=True, exist_ok=True)
-        state.write_text(json.dumps({'first': first, 'done': done, 'failed': failed}), encoding='utf-8')
+        state.write_text(json.dumps(members), encoding='utf-8')
 
 
 def _tell(text: str) -> None:
