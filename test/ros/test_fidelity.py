@@ -1,4 +1,4 @@
-"""What machines do in nodes is what they do without ROS, given the same events at the same times."""
+"""Machines do in nodes what they do without ROS, given the same events at the same times."""
 
 from __future__ import annotations
 
@@ -122,7 +122,27 @@ def test_a_recorded_run_is_repeated_without_ros(
     for learns in learners:
         check_repeated(learns, other_learner(learns.machine, tmp_path / 'again'))
     assert written(tmp_path / 'again') == written(tmp_path / 'session')
+    check_heard(looks, learners)
     check_variety(learners, thinks)
+
+
+def check_heard(looks: Recording, learners: list[Recording]) -> None:
+    """Make sure that learners hear scenes to the last bit as perception shows them."""
+    shown = {
+        effect.content.stamp: effect.content
+        for effect in looks.effects
+        if isinstance(effect, Publish) and effect.topic == 'objects'
+    }
+    heard = [
+        step.event.content
+        for learns in learners
+        for step in learns.steps
+        if isinstance(step.event, Heard) and step.event.topic == 'objects'
+    ]
+    assert heard
+    for look in heard:
+        assert value_of(look.read(())) == value_of(shown[look.stamp].scene)
+        assert look.frame_id == shown[look.stamp].frame_id
 
 
 def check_variety(learners: list[Recording], thinks: Recording) -> None:
