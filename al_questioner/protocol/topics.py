@@ -168,7 +168,7 @@ class Health(Enum):
 
 
 class Status(NamedTuple):
-    """What is heard on `/diagnostics`, several in one message.
+    """Status of a node, as it is heard on `/diagnostics`, several in one message.
 
     Attributes:
         name: full name of the node, without the first slash.
@@ -182,7 +182,7 @@ class Status(NamedTuple):
 
 @dataclass(frozen=True)
 class Recorded:
-    """What a recorder hears on each topic.
+    """Message as a recorder hears it, on any topic.
 
     Attributes:
         data: the message as it came.

@@ -9,7 +9,6 @@ from typing import Any
 
 from rclpy.clock import Clock
 from rclpy.publisher import Publisher
-from rclpy.qos import QoSProfile
 
 from al_questioner.protocol.effects import (
     ClearTimer,
@@ -67,9 +66,7 @@ class MachineNode(QuestionerNode):
         self.machine = machine
         self._time = NodeTime(self.get_clock())
         self._alarms: dict[str, Cancel] = {}
-        self._tellers: dict[str, Callable[[Any], None]] = {}
-        for topic in machine.tells:
-            self._advertise(topic)
+        self._tellers: dict[str, Callable[[Any], None]] = {topic: self._teller(topic) for topic in machine.tells}
         for topic in machine.hears:
             self._subscribe(topic)
         self.tell(Started())
@@ -93,7 +90,7 @@ class MachineNode(QuestionerNode):
             InputError: a file that cannot be written.
         """
         if isinstance(effect, Publish):
-            self._publish(effect)
+            self._tellers[effect.topic](effect.content)
         elif isinstance(effect, SetTimer):
             self._clear(effect.timer)
             self._alarms[effect.timer] = self.after(effect.seconds, partial(self._ring, effect.timer))
@@ -131,28 +128,21 @@ class MachineNode(QuestionerNode):
         if machine is not None:
             machine.close()
 
-    def _advertise(self, topic: str) -> None:
+    def _teller(self, topic: str) -> Callable[[Any], None]:
+        """Return a function that publishes on a topic; it does nothing if the message type is not installed."""
         form = outgoing(topic)
-        if form is not None:
-            publisher: Publisher = self.advertise(form.type, topic, profile_of(topic))
-            self._tellers[topic] = lambda content: publisher.publish(form.convert(content))
+        if form is None:
+            return lambda _: None
+        publisher: Publisher = self.advertise(form.type, topic, profile_of(topic))
+        return lambda content: publisher.publish(form.convert(content))
 
     def _subscribe(self, topic: str) -> None:
-        form, profile = incoming(topic), self.hearing_profile(topic)
+        form = incoming(topic)
 
         def hear(message: Any) -> None:
             self._handle(Heard(topic, form.convert(message)))
 
-        self.on_message(form.type, topic, hear, profile)
-
-    def hearing_profile(self, topic: str) -> QoSProfile:
-        """Return the quality of service with which a topic is heard."""
-        return profile_of(topic)
-
-    def _publish(self, effect: Publish) -> None:
-        teller = self._tellers.get(effect.topic)
-        if teller is not None:
-            teller(effect.content)
+        self.on_message(form.type, topic, hear, profile_of(topic))
 
     def _ring(self, timer: str) -> None:
         self._alarms.pop(timer, None)

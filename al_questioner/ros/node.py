@@ -20,15 +20,12 @@ from rclpy.node import Node
 from rclpy.parameter import Parameter
 from rclpy.publisher import Publisher
 from rclpy.qos import DurabilityPolicy, QoSProfile
-from std_msgs.msg import String
 
 from al_questioner.domain import EpisodeError, InputError
-from al_questioner.messages import documents
-from al_questioner.messages.documents import Document
+from al_questioner.protocol.topics import TOPICS
 from al_questioner.ros import qos
 from al_questioner.ros.flexible_subscription import FlexibleSubscription, full_name, unserved
 from al_questioner.ros.overrides import check_overrides, overriding_options
-from al_questioner.ros.types import text
 from al_questioner.ros.worker import Cancel, Worker
 from al_questioner.support.rate_limiter import RepeatLimiter
 from al_questioner.support.text import number_of
@@ -86,11 +83,10 @@ class QuestionerNode(Node, metaclass=_LeavesOnError):
         InputError: an unusable parameter `qos_overrides`.
     """
 
-    def __init__(self, name: str, topics: Collection[str] = qos.TOPICS, **node_arguments: Any) -> None:
+    def __init__(self, name: str, topics: Collection[str] = TOPICS, **node_arguments: Any) -> None:
         super().__init__(name, **node_arguments)
         self._worker = Worker(name, self._failed)
         check_overrides(self, topics)
-        self.episode_id = ''
         self._advertised: list[str] = []
         self._hearings: list[FlexibleSubscription] = []
         self._rejected: Counter[str] = Counter()
@@ -98,6 +94,7 @@ class QuestionerNode(Node, metaclass=_LeavesOnError):
         self._rejected_at = -math.inf
         self._said = RepeatLimiter(REJECTIONS_PER_SECOND, 1.0)
         self._failure = ''
+        self._has_left = False
         self._activity = 'starting'
         self._awaited = ''
         self._began = time.monotonic()
@@ -138,11 +135,6 @@ class QuestionerNode(Node, metaclass=_LeavesOnError):
         """Have the executor's thread call a function with every message of a topic: see `FlexibleSubscription`."""
         self._hearings.append(FlexibleSubscription(self, message_type, topic, hear, profile, raw))
 
-    def document_publisher(self, kind: str, profile: QoSProfile = qos.LATCHED) -> Callable[[Document], None]:
-        """Make a function that writes documents of this kind, of the current episode, to the topic of the same name."""
-        publisher = self.advertise(String, kind, profile)
-        return lambda members: publisher.publish(text(documents.write(kind, self.episode_id, members)))
-
     def submit(self, job: Callable[[], None]) -> None:
         """Have the worker do a job."""
         self._worker.submit(job)
@@ -162,10 +154,6 @@ class QuestionerNode(Node, metaclass=_LeavesOnError):
 
         is_latched = profile.durability == DurabilityPolicy.TRANSIENT_LOCAL
         self.listen(message_type, topic, self._worker.inbox(handle, 1 if is_latched else MAXIMAL_WAITING), profile)
-
-    def on_document(self, kind: str, job: Callable[[Document], None], profile: QoSProfile = qos.LATCHED) -> None:
-        """Have every document of the topic of its kind read, checked and handled by the worker."""
-        self.on_message(String, kind, lambda message: job(documents.read(kind, message.data)), profile)
 
     def after(self, seconds: float, job: Callable[[], None]) -> Cancel:
         """Have the worker do a job once, after these seconds of the steady clock.
@@ -246,10 +234,12 @@ class QuestionerNode(Node, metaclass=_LeavesOnError):
     def destroy_node(self) -> None:
         """Stop the worker, then leave the graph."""
         self._worker.stop()
+        self._has_left = True
         super().destroy_node()
 
     def _failed(self, error: Exception) -> None:
-        if not self.context.ok():
+        # A job that outlasts the node finds nothing left to publish on.
+        if self._has_left or not self.context.ok():
             return
         is_foreseen = isinstance(error, (InputError, EpisodeError))
         failure = str(error) if is_foreseen else f'{type(error).__name__}: {error}'

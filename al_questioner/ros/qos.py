@@ -18,10 +18,3 @@ DIAGNOSTICS = QoSProfile(depth=10)
 
 SENSED = ('objects', 'scene_image')
 """Topics that drivers publish; a subscriber begins with the lowest request, so that no driver warns about it."""
-
-TOPICS = (
-    *('episode', 'turn', 'objects', 'scene_image', 'scene_markers', 'query', 'answer', 'answer_ack', 'decision'),
-    *('learner_state', 'concepts', 'recognised', 'recognised_markers', 'recognition', 'detections'),
-    *('want', 'target', 'target_info', '/diagnostics'),
-)
-"""Names of all topics of the nodes."""

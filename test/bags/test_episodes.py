@@ -342,7 +342,7 @@ def test_what_could_not_be_used_beside_others_is_told(bags, tmp_path):
     told = sorted(reason for _, reason in left_out)
     beginnings = [
         'no episode was recorded for its turns (/e/episode)',
-        'turn 1 of 8 was not recorded',
+        'turn 1 of 8 was not recorded: did the recording begin too late',
         'turn 3 of 8 was recorded without its objects',
         'turns 4 to 8: what was answered before was not recorded',
     ]

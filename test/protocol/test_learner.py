@@ -10,95 +10,65 @@ from typing import Any
 
 import pytest
 
-from al_questioner.domain import EpisodeError, EpisodeSettings, Scene
+from al_questioner.domain import EpisodeError
 from al_questioner.event_log.events import InputRejected
-from al_questioner.event_log.log import SessionLog
 from al_questioner.messages import documents
-from al_questioner.messages.documents import Document
 from al_questioner.messages.stamps import SECOND, stamp_of
-from al_questioner.protocol.effects import End, Level, Publish, Report, Say, WriteFile
+from al_questioner.protocol.effects import End, Level, Report, Say, WriteFile
 from al_questioner.protocol.events import Moment
-from al_questioner.protocol.learner import LONGEST_BACK_OFF, PATIENCE, LearnerMachine, LearnerOptions
-from al_questioner.protocol.topics import BeliefsShown, DecisionMade, Look
+from al_questioner.protocol.learner import LONGEST_BACK_OFF, PATIENCE, LearnerOptions
+from al_questioner.protocol.topics import BeliefsShown, DecisionMade
+from al_questioner.questioning import STRATEGIES
 from al_questioner.simulation import PerceivedWorld, episode_settings
-from shared.durable_sessions import WORLD, durable_of, episode_started, events
-from shared.lunches import TASK, WORLD_SPEC, teacher
-from shared.machine_driver import Driver
+from shared.durable_sessions import WORLD, events
+from shared.learner_robot import Robot
+from shared.lunches import TASK
 from shared.offline import offline_queries
 
-STRATEGY, BUDGET, TURNS = 'farthest_fsq', 6.0, 8
-SETTINGS = episode_settings(TASK, STRATEGY, BUDGET, TURNS)
+SETTINGS = episode_settings(TASK, 'farthest_fsq', 6.0, 8)
 
 
-@pytest.fixture(scope='module')
-def world() -> PerceivedWorld:
-    return PerceivedWorld(WORLD_SPEC.open())
-
-
-class Robot:
-    """A learner, with what surrounds it as the test has it."""
-
-    def __init__(
-        self, world: PerceivedWorld, folder: Path | None, settings: EpisodeSettings, options: LearnerOptions
-    ) -> None:
-        started = episode_started(settings=settings)
-        durable = durable_of(started, None if folder is None else SessionLog(folder))
-        self.driver = Driver(LearnerMachine(durable, WORLD, options))
-        self.machine = self.driver.machine
-        self.durable = durable
-        self._world = world
-
-    def sees(self, stamp: int | None = None, scene: Scene | None = None) -> None:
-        """Show the scene of the turn that was begun last, under its stamp unless another is given."""
-        turn = self.said('turn')[-1]
-        shown = scene or self._world.scene(turn['turn'])
-        self.driver.hear('objects', Look(stamp_of(turn['stamp']) if stamp is None else stamp, 'table', lambda _: shown))
-
-    def is_taught(self) -> Document:
-        """Answer the question that was asked last, and return the answer."""
-        query = documents.query_of(self.said('query')[-1])
-        answer = documents.answer_members(teacher().answer(query, self._world.truth(query.turn)))
-        self.driver.hear_document('answer', 'e1', answer)
-        return answer
-
-    def said(self, topic: str) -> list[Any]:
-        """Return all that was said on a topic."""
-        return self.driver.published(topic)
-
-    @property
-    def order(self) -> list[str]:
-        """Topics of all that was said, in order."""
-        return [effect.topic for effect in self.driver.effects(Publish)]
-
-
-@pytest.fixture
-def make(world: PerceivedWorld) -> Callable[..., Robot]:
-    """Makes a learner that has begun, with these settings and options."""
-
-    def make_robot(folder: Path | None = None, settings: EpisodeSettings = SETTINGS, **options: Any) -> Robot:
-        robot = Robot(world, folder, settings, LearnerOptions(**options))
-        robot.driver.start()
-        return robot
-
-    return make_robot
-
-
-def test_an_episode_asks_what_an_offline_run_asks(make: Callable[..., Robot]) -> None:
+@pytest.mark.parametrize('strategy', [name for name in STRATEGIES if name != 'human'])
+def test_an_episode_asks_what_an_offline_run_asks(make: Callable[..., Robot], strategy: str) -> None:
     """A result that is found offline holds for the robot."""
-    robot = make()
-    asked = 0
-    while not robot.durable.episode.done:
-        robot.sees()
-        if len(robot.said('query')) > asked:
-            asked += 1
-            robot.is_taught()
+    robot = make(settings=episode_settings(TASK, strategy, 8.0, 14))
+    assert robot.plays() == offline_queries(strategy, 8.0, 14)
     state = robot.said('learner_state')[-1]
     assert state['done']
-    assert state['queries'] == offline_queries(STRATEGY, BUDGET, TURNS)
+    assert state['spent'] <= 8.0
     assert all(ack['accepted'] for ack in robot.said('answer_ack'))
-    assert [turn['turn'] for turn in robot.said('turn')] == list(range(1, TURNS + 1))
+    assert [turn['turn'] for turn in robot.said('turn')] == list(range(1, 15))
     assert robot.driver.status == 'the episode is over'
     assert set(robot.driver.timers) == {'repeat learner_state'}
+
+
+@pytest.mark.parametrize(
+    ('strategy', 'budget', 'changes'),
+    [('farthest_fsq', 30.0, {'carry_labels': True}), ('u_sampling', 8.0, {'amplitude': 4.0, 'kernel_shape': 'rbf'})],
+)
+def test_other_settings_decide_and_are_told(
+    make: Callable[..., Robot], strategy: str, budget: float, changes: dict[str, Any]
+) -> None:
+    """Otherwise a setting would not reach the models, or a bag would not tell of it."""
+    robot = make(settings=episode_settings(TASK, strategy, budget, 14, **changes))
+    asked = robot.plays()
+    assert asked == offline_queries(strategy, budget, 14, **changes)
+    assert asked != offline_queries(strategy, budget, 14)
+    assert robot.said('episode')[-1].items() >= changes.items()
+    assert robot.said('learner_state')[-1]['kernel']['amplitude'] == changes.get('amplitude', 100.0)
+
+
+def test_the_last_markers_show_what_was_believed_in_the_end(make: Callable[..., Robot]) -> None:
+    """Otherwise people would see a question that nobody asks any more, or beliefs from before the last answer."""
+    robot = make()
+    robot.plays()
+    shown: BeliefsShown = robot.said('scene_markers')[-1]
+    believed = robot.said('learner_state')[-1]['beliefs']
+    assert (shown.question, shown.asked) == ('', None)
+    assert [list(q.values()) for q in believed.values()] == [
+        [round(q, 6) for q in row] for row in shown.beliefs.tolist()
+    ]
+    assert list(believed) == [str(i) for i in shown.scene.object_ids]
 
 
 def test_a_turn_tells_its_story_in_order(make: Callable[..., Robot]) -> None:

@@ -80,6 +80,27 @@ def test_a_refusal_is_shown_to_the_person(desk: Desk) -> None:
     assert [topic for topic, _ in desk.driver.refusals] == ['answer_ack']
 
 
+def test_a_correction_names_the_answer_that_it_replaces(desk: Desk) -> None:
+    """Otherwise the learner could not find what to take back."""
+    desk.asks(1)
+    desk.dialogue.say('fruit')
+    (first,) = desk.answers
+    assert (first['teacher_id'], first['outcome'], first['episode_id']) == ('anna', 'answered', 'e')
+    assert 'replaces' not in first
+    desk.acknowledges()
+    desk.asks(2)
+    desk.dialogue.undo()
+    desk.dialogue.say('snack')
+    correction = desk.answers[-1]
+    assert (correction['query_id'], correction['content']) == ('q1', 'snack')
+    assert correction['replaces'] == first['answer_id'] != correction['answer_id']
+    desk.acknowledges()
+    view_state = desk.dialogue.view_state()
+    assert view_state.phase is Phase.ASKED
+    assert view_state.prompt is not None
+    assert (view_state.prompt.query.query_id, view_state.notice) == ('q2', 'Noted: object 7 is snack instead.')
+
+
 def test_an_answer_is_not_carried_into_another_episode(desk: Desk) -> None:
     """The answer to a question of one episode is not learnt of a thing in another."""
     desk.asks(1)
@@ -130,6 +151,17 @@ def test_what_is_on_the_table_is_shown_with_the_question(desk: Desk) -> None:
     assert (prompt.scene, prompt.picture.shape) == (SCENE, (4, 6, 3))
     # An empty cloud need not name its fields.
     assert known == [(), SCENE.feature_names]
+
+
+def test_a_table_that_was_cleared_is_shown_as_such(desk: Desk) -> None:
+    """Otherwise the person would go on to see what is there no more."""
+    desk.asks(1)
+    nothing = Scene((), SCENE.positions[:0], SCENE.features[:0], SCENE.feature_names)
+    for stamp, scene in ((4, SCENE), (5, nothing)):
+        desk.driver.hear('objects', Look(stamp, 'table', lambda _, scene=scene: scene))
+    prompt = desk.dialogue.view_state().prompt
+    assert prompt is not None
+    assert prompt.scene is nothing
 
 
 def test_a_scene_that_cannot_be_read_is_refused(desk: Desk) -> None:

@@ -286,7 +286,9 @@ def graph() -> Iterator[Graph]:
 
 
 @pytest.fixture
-def diagnostics(graph: Graph) -> Diagnostics:
+def diagnostics(graph: Graph, monkeypatch: pytest.MonkeyPatch) -> Diagnostics:
+    """The diagnostics of all nodes that start from now on, told more often than usual."""
+    monkeypatch.setattr('al_questioner.ros.node.DIAGNOSTICS_PERIOD', 0.1)
     return Diagnostics(graph)
 
 

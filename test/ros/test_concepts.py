@@ -15,13 +15,15 @@ from al_questioner.domain import Classifiers, InputError, Knowledge, random_stre
 from al_questioner.event_log.log import read_log
 from al_questioner.event_log.summary import summarise_session
 from al_questioner.messages import documents
-from al_questioner.messages.concepts_file import concepts_of_text, read_concepts
+from al_questioner.messages.concepts_file import concepts_of_text, read_concepts, write_concepts
 from al_questioner.messages.documents import record_members
 from al_questioner.questioning import Episode
 from al_questioner.questioning.review import taught_learner
 from al_questioner.ros.nodes.learner import LearnerNode
 from al_questioner.ros.settings import learner_settings
 from al_questioner.simulation import PerceivedWorld, ScriptedTeacher, WorldSpec, episode_settings, load_task, turns
+from shared.durable_sessions import play_turns, start_durable
+from shared.lunches import TASK, WORLD_SPEC, taught
 
 
 def test_two_days_of_nodes(graph: Any, tmp_path: Path) -> None:
@@ -93,10 +95,7 @@ def test_what_is_known_decides_how_the_learner_learns() -> None:
 def test_what_was_taught_yesterday_is_not_replaced(graph: Any, tmp_path: Path) -> None:
     """The same command once more, on the second day, destroys what the first one has brought."""
     kept = tmp_path / 'kept.json'
-    graph.play(save_concepts=str(kept))
-    graph.wait_for(kept.exists, 'the file')
-    for node in list(graph.nodes):
-        graph.stop(node)
+    write_concepts(kept, taught().knowledge)
     text = kept.read_text()
     with pytest.raises(InputError, match=r'kept.json holds .* does not begin with .*: add concepts:='):
         graph.start(LearnerNode, **graph.episode, save_concepts=str(kept))
@@ -109,9 +108,11 @@ def test_what_was_taught_yesterday_is_not_replaced(graph: Any, tmp_path: Path) -
 
 def test_a_resumed_session_goes_on_with_its_file(graph: Any, tmp_path: Path) -> None:
     """A learner that is started again after a crash is told that its own file is somebody else's."""
-    kept, parameters = tmp_path / 'kept.json', {'session': str(tmp_path / 'session')}
-    graph.play(save_concepts=str(kept), **parameters)
-    graph.wait_for(lambda: kept.exists() and len(read_concepts(kept).examples) > 0, 'the file')
-    for node in list(graph.nodes):
-        graph.stop(node)
-    graph.start(LearnerNode, **graph.episode, save_concepts=str(kept), **parameters)
+    kept, session = tmp_path / 'kept.json', tmp_path / 'session'
+    durable = start_durable(session, settings=episode_settings(TASK, 'random_fsq', 6.0, 8))
+    play_turns(durable, PerceivedWorld(WORLD_SPEC.open()), 3)
+    write_concepts(kept, durable.knowledge())
+    durable.close()
+    assert read_concepts(kept).examples
+    learner = graph.start(LearnerNode, **graph.episode, save_concepts=str(kept), session=str(session))
+    graph.wait_for(lambda: learner.machine.is_ready, 'a learner that goes on')

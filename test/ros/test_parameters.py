@@ -25,7 +25,7 @@ from al_questioner.ros.settings import (
     WORLD_SETTINGS,
     learner_settings,
 )
-from al_questioner.simulation import load_task
+from al_questioner.simulation import ScriptedTeacher, episode_settings, load_task
 from al_questioner.support.configuration import config_dir, read_yaml
 
 TASK = 'prepare_lunch'
@@ -69,6 +69,33 @@ def test_a_node_takes_the_cost_of_a_relevance_query_or_never(graph: Any, value: 
     """A robot could not be told to ask which things matter, or not to."""
     learner = graph.start(LearnerNode, task='kitchen_table', cost_relevance=value)
     assert learner.machine._durable.started.settings.costs.relevance == cost
+
+
+@pytest.mark.parametrize(
+    'changes',
+    [
+        {'strategy': 'farthest_fsq', 'budget': 30.0, 'turns': 14, 'carry_labels': True},
+        {'strategy': 'u_sampling', 'amplitude': 4.0, 'kernel_shape': 'rbf', 'class_balance': 0.25},
+        {'length_scale': 3.0, 'change_interval': 7},
+    ],
+)
+def test_the_episode_is_that_of_the_parameters(graph: Any, changes: dict[str, Any]) -> None:
+    """Otherwise a parameter would do nothing: what a machine does with its settings is tried without a node."""
+    started = graph.start(LearnerNode, **graph.episode | changes).machine._durable.started
+    named = {'strategy': 'random_fsq', 'budget': 6.0, 'turns': 8} | changes
+    assert started.settings == episode_settings(load_task(TASK), **named)
+    assert started.settings != episode_settings(load_task(TASK), 'random_fsq', 6.0, 8)
+    assert (started.seed, started.world['seed']) == (4, 4)
+
+
+def test_the_script_is_that_of_the_parameters(graph: Any) -> None:
+    """Otherwise a teacher would never err, or think at once, whatever it is told."""
+    errors = {'wrong_rate': 0.2, 'unknown_rate': 0.3, 'relevance_omission': 0.4, 'relevance_false_alarm': 0.5}
+    given = {**errors, 'teacher_id': 'anna', 'repeat_shown': True}
+    machine = graph.start(TeacherNode, **graph.world, **given, delay=2.5).machine
+    task = load_task(TASK)
+    assert machine._new_teacher() == ScriptedTeacher(task.symbols, task.relevant_groups, 4, **given)
+    assert machine._delay == 2.5
 
 
 SHARE = Setting('share', 0.1, 'a share', lower=0.0, upper=1.0)

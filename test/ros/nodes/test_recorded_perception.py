@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from typing import Any
 
-from rcl_interfaces.msg import Log
 from sensor_msgs.msg import PointCloud2
 from std_msgs.msg import String
 
@@ -61,23 +60,3 @@ def test_other_turns_than_the_recorded_ones_are_refused_with_their_number(graph:
     assert bytes(clouds[0].data) == last.data.tobytes()
     assert clouds[0].header.frame_id == last.header.frame_id
     assert nanoseconds(clouds[0].header.stamp) == 2_000_000_000 * SECOND + 7
-
-
-def test_a_learner_of_another_world_is_warned_of_and_shown_the_scenes(graph: Any) -> None:
-    """Otherwise the scripted teacher would answer about things that are not there, and nobody would know why."""
-    warnings = graph.listen('/rosout', Log, 100)
-    node = stand_in(graph)
-    clouds = graph.listen('objects', PointCloud2)
-    turns = node.create_publisher(String, 'turn', qos.LATCHED)
-    world = {'task': 'prepare_lunch', 'seed': 9, 'sample': 0, 'dataset': None}
-    for turn in (1, 2):
-        stamp = {'sec': turn, 'nanosec': 0}
-        turns.publish(String(data=documents.write('turn', 'e', {'turn': turn, 'stamp': stamp, 'world': world})))
-        graph.wait_for(lambda n=turn: node.turn == n, f'turn {turn}')
-    graph.wait_for(lambda: clouds and clouds[-1].header.stamp.sec == 2, 'the second scene')
-
-    def about_worlds() -> list[str]:
-        return [w.msg for w in warnings if 'seed 9, recorded 0' in w.msg and graph.namespace in w.name]
-
-    graph.wait_for(about_worlds, 'a warning')
-    assert len(about_worlds()) == 1

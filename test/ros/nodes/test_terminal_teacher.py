@@ -96,46 +96,6 @@ def robot(graph: Any) -> Robot:
     return Robot(graph)
 
 
-def test_an_answer_is_repeated_until_it_is_taken(robot: Robot) -> None:
-    """Otherwise one lost message would lose what a person said."""
-    robot.is_told_fruit(teacher_id='anna')
-    first = robot.hears(3)
-    assert len({answer['answer_id'] for answer in robot.answers}) == 1
-    assert (first['teacher_id'], first['outcome'], first['content']) == ('anna', 'answered', 'fruit')
-    assert first['episode_id'] == 'e'
-    assert 'replaces' not in first
-    robot.takes(first)
-    robot.until(lambda now: now.notice == 'Noted: object 7 is fruit.', 'the acknowledgement')
-    assert robot.node.unacknowledged is None
-
-
-def test_a_refusal_is_shown_and_the_question_asked_again(robot: Robot) -> None:
-    """Otherwise the robot would wait for ever."""
-    robot.is_told_fruit()
-    robot.takes(robot.hears(1), accepted=False, reason='it has gone')
-    # On a busy machine there may be a notice before: that the robot does not reply.
-    view_state = robot.until(lambda now: now.phase is Phase.ASKED, 'the question')
-    assert view_state.notice == 'The robot did not take that: it has gone'
-
-
-def test_a_correction_names_the_answer_that_it_replaces(robot: Robot) -> None:
-    """Otherwise the learner could not find what to take back."""
-    robot.is_told_fruit()
-    first = robot.hears(1)
-    robot.takes(first)
-    robot.until(lambda now: now.can_undo, 'the acknowledgement')
-    robot.asks(2)
-    robot.dialogue.undo()
-    robot.dialogue.say('snack')
-    robot.graph.wait_for(lambda: robot.answers[-1].get('replaces'), 'the correction')
-    correction = robot.answers[-1]
-    assert (correction['query_id'], correction['content']) == ('q1', 'snack')
-    assert correction['replaces'] == first['answer_id'] != correction['answer_id']
-    robot.takes(correction)
-    view_state = robot.until(lambda now: now.phase is Phase.ASKED, 'the open question')
-    assert (view_state.prompt.query.query_id, view_state.notice) == ('q2', 'Noted: object 7 is snack instead.')
-
-
 def test_who_comes_late_or_back_sees_the_question_the_table_and_what_was_answered(robot: Robot) -> None:
     """Otherwise a person who quits could not go on."""
     stamp = header(5, 'table')
@@ -156,31 +116,6 @@ def test_who_comes_late_or_back_sees_the_question_the_table_and_what_was_answere
     assert view_state.prompt.scene.object_ids == (7, 9)
     assert view_state.prompt.picture.shape == (4, 6, 3)
     assert [one.symbol for one in view_state.progress.records] == ['snack']
-
-
-@pytest.mark.parametrize('tells_fields', [True, False])
-def test_a_table_that_was_cleared_is_shown_as_such(robot: Robot, tells_fields: bool) -> None:
-    """Otherwise the person would go on to see what is there no more."""
-    robot.start()
-    robot.asks(1)
-    robot.topics['objects'].publish(cloud_of_scene(SCENE, header(5, 'table'), CLOUD_TYPES))
-    robot.until(lambda now: now.prompt.scene is not None, 'the table')
-    nothing = Scene((), SCENE.positions[:0], SCENE.features[:0], SCENE.feature_names)
-    empty = cloud_of_scene(nothing, header(6, 'table'), CLOUD_TYPES)
-    if not tells_fields:
-        empty.fields, empty.point_step = [], 0
-    robot.topics['objects'].publish(empty)
-    robot.until(lambda view_state: len(view_state.prompt.scene) == 0, 'the empty table')
-
-
-def test_an_answer_is_not_carried_into_another_episode(robot: Robot) -> None:
-    """The answer to a question of one episode is not learnt of a thing in another."""
-    robot.is_told_fruit()
-    robot.hears(1)
-    robot.asks(1, episode_id='another')
-    robot.until(lambda now: now.phase is Phase.ASKED, 'the question of the other episode')
-    assert robot.node.unacknowledged is None
-    assert {answer['episode_id'] for answer in robot.answers} == {'e'}
 
 
 def test_messages_that_cannot_be_used_are_refused_and_counted(robot: Robot, diagnostics: Any) -> None:
