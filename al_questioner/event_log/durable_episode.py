@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import contextlib
+from collections.abc import Collection
 
 from al_questioner.domain import AUTO, CARRY_LABELS, Answer, Decision, InputError, Knowledge
 from al_questioner.event_log.encoding import Encoder, decoded
@@ -87,6 +88,11 @@ class DurableEpisode:
     def decision(self) -> Decision | None:
         """The decision of the present turn; None before the first."""
         return self._running.decision
+
+    @property
+    def stamps(self) -> Collection[int]:
+        """Stamps of the turns so far, in their order, in nanoseconds."""
+        return self._running.stamps.values()
 
     def knowledge(self) -> Knowledge:
         """Return all that is known now, to keep it.

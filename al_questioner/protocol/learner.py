@@ -153,7 +153,7 @@ class LearnerMachine(Machine):
                 'another version of the method began this session: its questions so far are taken as they were asked',
                 Level.WARNING,
             )
-        self._stamps = TurnStamps(observed.stamp)
+        self._stamps = TurnStamps(self._durable.stamps)
         yield self._announcement(observed.scene)
         if not self._durable.episode.awaits_answer:
             yield from self._end_turn()

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections import deque
+from collections.abc import Iterable
 
 from al_questioner.messages.stamps import SECOND
 
@@ -22,16 +23,16 @@ class TurnStamps:
     count. All times are nanoseconds.
 
     Args:
-        last: stamp of the last turn before these.
+        earlier: stamps of the turns before these, in their order.
 
     Attributes:
         last: stamp of the present turn.
     """
 
-    def __init__(self, last: int = 0) -> None:
-        self.last = last
-        self._since = last
-        self._given = deque([last], maxlen=STAMPS_KEPT)
+    def __init__(self, earlier: Iterable[int] = ()) -> None:
+        self._given = deque([0, *earlier], maxlen=STAMPS_KEPT)
+        self.last = self._given[-1]
+        self._since = self.last
 
     def begin(self, now: int) -> int:
         """Return the stamp of a new turn."""

@@ -15,7 +15,7 @@ TIMES = st.integers(0, 2**63 - 1)
 @given(TIMES.filter(lambda time: time <= LATEST), st.lists(TIMES, min_size=1))
 def test_stamps_grow_and_fit_into_a_message_whatever_the_clock_shows(last: int, times: list[int]) -> None:
     """A scene of an earlier turn is not taken for one of this turn, and the next turn has a stamp."""
-    stamps = TurnStamps(last)
+    stamps = TurnStamps([last])
     given = [stamps.begin(now) for now in times]
     assert sorted({last, *given}) == [last, *given]
     assert stamp_members(given[-1])['sec'] < 2**31
@@ -31,6 +31,14 @@ def test_copies_of_a_stamp_are_of_its_turn_alone(times: list[tuple[int, bool]]) 
             stamps.begin(now)
         assert stamps.is_of_turn(stamps.last, now)
         assert not any(stamps.is_of_turn(stamp, now) for stamp in earlier)
+
+
+@given(st.lists(TIMES.filter(lambda time: time <= LATEST), min_size=1, unique=True).map(sorted), TIMES)
+def test_stamps_of_before_are_known_after_a_new_start(earlier: list[int], now: int) -> None:
+    """Otherwise a learner that goes on after the clock went back would learn from a scene that is latched since long."""
+    stamps = TurnStamps(earlier)
+    stamps.begin(now)
+    assert not any(stamps.is_of_turn(stamp, now) for stamp in earlier)
 
 
 def test_on_a_clock_that_goes_forward_scenes_are_not_older_than_the_turn() -> None:

@@ -16,7 +16,9 @@ from collections.abc import Callable, Iterator
 from typing import Any
 from unittest import mock
 
-from al_questioner.domain import Answer, Costs, Outcome, QueryKind
+import numpy as np
+
+from al_questioner.domain import Answer, Costs, Outcome, QueryKind, Scene
 from al_questioner.event_log.durable_episode import DurableEpisode
 from al_questioner.event_log.events import AnswerAccepted, LateAnswerKept, SceneObserved
 from al_questioner.event_log.replay import Replay
@@ -137,9 +139,6 @@ def _no_repetition() -> Any:
 
 @mutation('waits by the clock that may jump')
 def _wall_clock() -> Any:
-    def steady(self: Moment) -> float:
-        return self.clock / 1e9
-
     handle = learner.LearnerMachine.handle
 
     def handle_by_clock(self: Any, event: Any, now: Moment) -> Any:
@@ -150,7 +149,7 @@ def _wall_clock() -> Any:
 
 @mutation('forgets the stamps when it goes on')
 def _no_stamps() -> Any:
-    def forget(last: int = 0) -> Any:
+    def forget(earlier: Any = ()) -> Any:
         return turn_stamps.TurnStamps()
 
     return mock.patch.object(learner, 'TurnStamps', forget)
@@ -265,16 +264,12 @@ def _tell_unwritten() -> Any:
 
 @mutation('asks again about what it knows')
 def _ask_again() -> Any:
-    import numpy as np
-
     nothing = property(lambda self: np.zeros(len(self.scene), dtype=bool))
     return mock.patch.object(TurnContext, 'labelled', nothing)
 
 
 @mutation('takes a scene with the same things for the same scene')
 def _same_things() -> Any:
-    from al_questioner.domain import Scene
-
     def equals(self: Scene, other: Scene) -> bool:
         return self.object_ids == other.object_ids
 
