@@ -19,7 +19,7 @@ from launch.actions import DeclareLaunchArgument, OpaqueFunction, Shutdown
 from launch.events.process import ProcessExited
 from launch_ros.actions import Node
 
-from al_questioner.ros import qos
+from al_questioner.protocol.topics import TOPICS
 from al_questioner.ros.settings import LEARNER_SETTINGS, WORLD_SETTINGS
 from al_questioner.simulation.world_spec import TASK
 
@@ -108,7 +108,7 @@ def viewers(context: LaunchContext, namespace: str) -> list[Node]:
     if name == 'rviz':
         file = Path(get_package_share_directory(PACKAGE), 'config', 'rviz', f'{PACKAGE}.rviz')
         # The file has absolute names; these follow the namespace.
-        names = [(f'/{topic}', topic) for topic in qos.TOPICS if not topic.startswith('/')]
+        names = [(f'/{topic}', topic) for topic in TOPICS if not topic.startswith('/')]
         options = {'namespace': namespace, 'arguments': ['-d', str(file)], 'remappings': names}
     found = [Node(package=package, executable=package, name=package, output='screen', **options)]
     if one_of(context, 'perception', CHOICES['perception'][0]) == 'simulated' and is_installed('tf2_ros'):

@@ -168,7 +168,7 @@ class Person:
 
     def __init__(self, graph: Graph) -> None:
         self.graph = graph
-        self.queries, self.states, self.turns = map(graph.listen, ('query', 'learner_state', 'turn'))
+        self.queries, self.states = map(graph.listen, ('query', 'learner_state'))
         self.acks = graph.listen('answer_ack', profile=qos.EVENTS)
         self.mouth = graph.ears.create_publisher(String, 'answer', qos.EVENTS)
 
@@ -184,19 +184,6 @@ class Person:
         self.mouth.publish(String(data=text))
         self.graph.wait_for(lambda: len(self.acks) > before, f'an acknowledgement of {text[:40]!r}')
         return self.acks[-1]
-
-    def answers(self, query: dict[str, Any], content: Any, **changes: Any) -> dict[str, Any]:
-        """Answer by a document, and hear whether it was taken."""
-        return self.says(self.document(query, content, **changes))
-
-    @staticmethod
-    def document(query: dict[str, Any], content: Any, **changes: Any) -> str:
-        """An answer."""
-        document = {
-            'schema': 'al_questioner/answer/1', 'episode_id': query['episode_id'], 'query_id': query['query_id'],
-            'answer_id': 'a1', 'teacher_id': 'anna', 'outcome': 'answered', 'content': content,
-        }  # fmt: skip
-        return json.dumps(document | changes)
 
 
 class Processes:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import threading
+from functools import partial
 from pathlib import Path
 from typing import Any
 
@@ -11,6 +12,7 @@ from rcl_interfaces.srv import SetParameters
 from rclpy.parameter import Parameter
 
 from al_questioner.domain import InputError, Setting
+from al_questioner.protocol.learner import LearnerOptions
 from al_questioner.ros.node_arguments import help_text
 from al_questioner.ros.nodes.learner import LearnerNode
 from al_questioner.ros.nodes.perception import PerceptionNode
@@ -27,6 +29,7 @@ from al_questioner.ros.settings import (
 )
 from al_questioner.simulation import ScriptedTeacher, episode_settings, load_task
 from al_questioner.support.configuration import config_dir, read_yaml
+from shared.durable_sessions import WORLD
 
 TASK = 'prepare_lunch'
 FILES = sorted((config_dir() / 'params').glob('*.yaml'))
@@ -88,6 +91,23 @@ def test_the_episode_is_that_of_the_parameters(graph: Any, changes: dict[str, An
     assert (started.seed, started.world['seed']) == (4, 4)
 
 
+@pytest.mark.parametrize('yields', [False, True])
+def test_the_learner_behaves_as_its_parameters_say(graph: Any, tmp_path: Path, yields: bool) -> None:
+    """Otherwise it would not wait as long as it is told, or write elsewhere."""
+    session, kept = tmp_path / 'session', tmp_path / 'kept.json'
+    given = {'turn_period': 3.0, 'answer_timeout': 4.0, 'session': str(session), 'save_concepts': str(kept)}
+    machine = graph.start(partial(LearnerNode, yields), **graph.episode, **given).machine
+    files = [kept, session / 'concepts.json']
+    assert machine._options == LearnerOptions(3.0, 4.0, yields, files, ('', ''), str(session))
+    assert machine._world == WORLD
+
+
+def test_perception_shows_the_frame_and_the_world_of_its_parameters(graph: Any) -> None:
+    """Otherwise nobody could say where the objects are, or a learner of another world would see them."""
+    machine = graph.start(PerceptionNode, **graph.world, frame_id='camera').machine
+    assert (machine._frame_id, machine._world) == ('camera', WORLD)
+
+
 def test_the_script_is_that_of_the_parameters(graph: Any) -> None:
     """Otherwise a teacher would never err, or think at once, whatever it is told."""
     errors = {'wrong_rate': 0.2, 'unknown_rate': 0.3, 'relevance_omission': 0.4, 'relevance_false_alarm': 0.5}
@@ -95,7 +115,7 @@ def test_the_script_is_that_of_the_parameters(graph: Any) -> None:
     machine = graph.start(TeacherNode, **graph.world, **given, delay=2.5).machine
     task = load_task(TASK)
     assert machine._new_teacher() == ScriptedTeacher(task.symbols, task.relevant_groups, 4, **given)
-    assert machine._delay == 2.5
+    assert (machine._delay, machine._world) == (2.5, WORLD)
 
 
 SHARE = Setting('share', 0.1, 'a share', lower=0.0, upper=1.0)
