@@ -144,8 +144,13 @@ class DurableEpisode:
             self.episode.commit(prepared)
         return prepared
 
-    def note_rejected(self, text: str, reason: str) -> None:
+    def note_rejected(self, text: str, reason: str, now: float) -> None:
         """Keep a text that was not taken for an answer, once if it is repeated; of a flood of them, keep the number.
+
+        Args:
+            text: what was heard.
+            reason: why it was not taken.
+            now: time of a steady clock, in seconds.
 
         Raises:
             LogWriteError: it cannot be written.
@@ -154,7 +159,7 @@ class DurableEpisode:
         if rejected == self._last_rejected:
             return
         self._last_rejected = rejected
-        if self._limiter.passes():
+        if self._limiter.passes(now):
             self._note_counted()
             self._write(rejected)
         else:

@@ -274,7 +274,7 @@ class LearnerMachine(Machine):
             answer = self._read_answer(text)
             taken = self._durable.take(answer)
         except InputError as error:
-            self._durable.note_rejected(text, str(error))
+            self._durable.note_rejected(text, str(error), self.now.steady)
             yield self._receipt_of(answer, None, str(error))
             raise
         yield self._receipt_of(answer, taken.receipt, taken.reason)

@@ -168,7 +168,7 @@ class QuestionerNode(Node, metaclass=_LeavesOnError):
         self._rejected[topic] += 1
         self._last_rejection = f'{topic}: {reason}'
         self._rejected_at = time.monotonic()
-        if self._said.passes(f'{topic}: {DETAIL.sub("", reason)}'):
+        if self._said.passes(f'{topic}: {DETAIL.sub("", reason)}', self._rejected_at):
             more = self._said.held_back()
             others = f' ({number_of(more, "other refusal was", "other refusals were")} only counted)' if more else ''
             self.get_logger().warning(f'refused on {topic}: {reason}{others}')

@@ -1,29 +1,21 @@
-"""Limits on how often something may happen."""
+"""Limits on how often something may happen; the caller hands in the time, in seconds of a steady clock."""
 
 from __future__ import annotations
 
-import time
-
 
 class RateLimiter:
-    """A limiter that lets at most `most` events pass in any period of `period` seconds, by the steady clock."""
+    """A limiter that lets at most `most` events pass in any period of `period` seconds."""
 
     def __init__(self, most: int, period: float) -> None:
         self._most, self._period = most, period
         self._passed: list[float] = []
 
-    @property
-    def is_used_up(self) -> bool:
-        """True if no more events may pass now."""
-        now = time.monotonic()
-        self._passed = [at for at in self._passed if now - at < self._period]
-        return len(self._passed) >= self._most
-
-    def passes(self) -> bool:
+    def passes(self, now: float) -> bool:
         """Return whether one more event may pass now, and count it if so."""
-        if self.is_used_up:
+        self._passed = [at for at in self._passed if now - at < self._period]
+        if len(self._passed) >= self._most:
             return False
-        self._passed.append(time.monotonic())
+        self._passed.append(now)
         return True
 
 
@@ -38,9 +30,8 @@ class RepeatLimiter:
         self._passed: dict[str, float] = {}
         self._held_back = 0
 
-    def passes(self, kind: str) -> bool:
+    def passes(self, kind: str, now: float) -> bool:
         """Return whether an event of this kind may pass now, and count it."""
-        now = time.monotonic()
         self._passed = {each: at for each, at in self._passed.items() if now - at < self._period}
         if kind in self._passed or len(self._passed) >= self._most:
             self._held_back += 1

@@ -8,7 +8,6 @@ import os
 import subprocess
 import sys
 from pathlib import Path
-from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -199,24 +198,19 @@ def test_refused_texts_are_kept_once(start: Start, tmp_path: Path, world: Percei
     """Otherwise nobody could tell why a person's answer had not been taken; or a stuck sender would fill the disk."""
     durable = start()
     for _ in range(3):
-        durable.note_rejected('x' * 5000, 'nonsense')
+        durable.note_rejected('x' * 5000, 'nonsense', 0.0)
     durable.close()
     assert events(tmp_path)[1:] == [InputRejected('x' * 1000, 'nonsense')]
     start()
 
 
-def test_a_flood_of_refused_texts_is_counted(
-    start: Start, tmp_path: Path, world: PerceivedWorld, monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_a_flood_of_refused_texts_is_counted(start: Start, tmp_path: Path, world: PerceivedWorld) -> None:
     """A sender of garbage cannot fill the disk, so that there is room for the answers."""
-    now = 0.0
-    monkeypatch.setattr('al_questioner.support.rate_limiter.time', SimpleNamespace(monotonic=lambda: now))
     durable = start()
     for number in range(1000):
-        durable.note_rejected(str(number), 'nonsense')
-    now = 61.0
+        durable.note_rejected(str(number), 'nonsense', 0.0)
     for number in range(1012):
-        durable.note_rejected(f'{number} again', 'nonsense')
+        durable.note_rejected(f'{number} again', 'nonsense', 61.0)
     durable.close()
     refused = [event for event in events(tmp_path) if isinstance(event, InputRejected)]
     assert [event.text for event in refused[:10]] == list(map(str, range(10)))

@@ -70,7 +70,7 @@ def write_session(
     if corrected:
         assert durable.take(Answer('q1', 'b1', 'bert', Outcome.SKIP)).receipt is Receipt.LATE
         durable.take(Answer('q1', 'c1', 'scripted', Outcome.UNKNOWN, replaces='q1/scripted'))
-        durable.note_rejected('pudding', 'it does not answer')
+        durable.note_rejected('pudding', 'it does not answer', 0.0)
     durable.close()
 
 

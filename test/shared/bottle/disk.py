@@ -13,7 +13,7 @@ Boundary = Callable[[str], None]
 
 
 class Disk:
-    """What is left of a session's log whatever happens to the processes that write it.
+    """The part of a session's log that outlives the processes that write it.
 
     Attributes:
         events: those that were synced.

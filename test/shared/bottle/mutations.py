@@ -33,7 +33,7 @@ from shared.bottle.bottle import run
 MOST_SEEDS = 1000
 Mutation = Callable[[], 'contextlib.AbstractContextManager[Any]']
 MUTATIONS: dict[str, Mutation] = {}
-"""What each does wrong, and how to have it do so."""
+"""Mutations by what they do wrong."""
 
 
 def mutation(what: str) -> Callable[[Mutation], Mutation]:

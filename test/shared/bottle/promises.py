@@ -1,4 +1,4 @@
-"""What the learner promises, held after each step against a book-keeping of its own that reads only the disk."""
+"""The promises of the learner, held after each step against a book-keeping that reads nothing but the disk."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""One robot: a learner with its disk, its perception, its teachers and whoever else is there, in one namespace."""
+"""One robot: a learner with its disk, its perception, its teachers and others beside it, in one namespace."""
 
 from __future__ import annotations
 
