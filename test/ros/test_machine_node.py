@@ -235,6 +235,6 @@ def test_refusals_that_were_not_logged_are_counted_in_english(
 ) -> None:
     """Otherwise it would say that 1 other refusals were counted."""
     node = graph.start(lambda **arguments: QuestionerNode('node', **arguments))
-    monkeypatch.setattr(node, '_said', SimpleNamespace(passes=lambda _: True, held_back=lambda: count))
+    monkeypatch.setattr(node, '_said', SimpleNamespace(passes=lambda *_: True, held_back=lambda: count))
     node.reject('objects', 'the cloud has no field object_id')
     assert f'({said} only counted)' in capfd.readouterr().err

@@ -154,7 +154,7 @@ class PersonAtTerminal:
 
 
 class Bag:
-    """What a recorder wrote: what was synced outlives the recorder.
+    """A recording: what was synced outlives the recorder.
 
     Attributes:
         kept: topic and text of each message that is on the disk, in order.
