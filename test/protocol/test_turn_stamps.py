@@ -35,7 +35,7 @@ def test_copies_of_a_stamp_are_of_its_turn_alone(times: list[tuple[int, bool]]) 
 
 @given(st.lists(TIMES.filter(lambda time: time <= LATEST), min_size=1, unique=True).map(sorted), TIMES)
 def test_stamps_of_before_are_known_after_a_new_start(earlier: list[int], now: int) -> None:
-    """Otherwise a learner that goes on after the clock went back would learn from an old scene that is still latched."""
+    """Otherwise a learner that goes on after the clock went back would learn from an old scene that is latched."""
     stamps = TurnStamps(earlier)
     stamps.begin(now)
     assert not any(stamps.is_of_turn(stamp, now) for stamp in earlier)

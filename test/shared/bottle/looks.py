@@ -1,4 +1,4 @@
-"""What is heard on `objects`, by the way of real point clouds."""
+"""Looks on `objects`, as they are heard, by the way of real point clouds."""
 
 from __future__ import annotations
 
