@@ -26,6 +26,8 @@ OTHERS = {'script': 0.4, 'replay': 0.15, 'terminal': 0.3, 'recogniser': 0.15, 'r
 SECONDS_OF_FAULTS = 45.0
 SECONDS_TO_END = 1500.0
 """Seconds within which every episode ends once faults have stopped."""
+SECONDS_AFTER_END = 10.0
+"""Seconds after the end of the last episode in which late answers and corrections still come."""
 MOST_STEPS = 200_000
 
 
@@ -114,6 +116,9 @@ def _play(robots: list[Robot], scheduler: Scheduler, faults: Faults) -> None:
         robot.calm()
     end = scheduler.now + SECONDS_TO_END
     while scheduler.now < end and scheduler.steps < MOST_STEPS and not is_over() and scheduler.step():
+        pass
+    end = scheduler.now + SECONDS_AFTER_END
+    while scheduler.now < end and is_over() and scheduler.step():
         pass
     for robot in robots:
         robot.check_end()

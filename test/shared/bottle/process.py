@@ -55,6 +55,7 @@ class Process:
         watch: told of each effect before it is performed.
         handled: told of each event when it has been handled, with the effects.
         on_death: called when it dies.
+        on_failure: told why the machine cannot go on.
         convert: makes of each message what the machine hears.
         keep: writes what is to be kept.
     """
@@ -79,6 +80,7 @@ class Process:
         self.watch: Callable[[Effect], None] = lambda _: None
         self.handled: Callable[[Event, list[Effect]], None] = lambda _, __: None
         self.on_death: Callable[[], None] = lambda: None
+        self.on_failure: Callable[[str], None] = lambda _: None
         self.convert: Callable[[Any], Any] = lambda content: content
         self.keep: Callable[[Effect], None] = lambda _: None
         self._make, self._clock = make, clock
@@ -216,6 +218,7 @@ class Process:
             # As the nodes do: the failure is shown, the process stays.
             self._chart.note(self.name, f'FAILS: {error}')
             self.failures.append(str(error))
+            self.on_failure(str(error))
         self.handled(event, effects)
         if self.is_up:
             share = self._faults.draw('work', self.name, self._works)

@@ -5,6 +5,7 @@ from __future__ import annotations
 import json
 from collections.abc import Callable
 from dataclasses import dataclass
+from functools import partial
 from pathlib import Path
 from typing import Any
 
@@ -115,6 +116,7 @@ class Robot:
             for i, plain in enumerate(plan.people)
         ]  # fmt: skip
         self.bag = Bag()
+        self._had_faulty_disk = False
         self._rival: Process | None = None
         self._add_perception()
         self._add_others()
@@ -150,6 +152,7 @@ class Robot:
             f'{self._namespace}/{name}', self._namespace, make, self._clock, self._scheduler, self._network,
             self._faults, self._chart, self._plan.slowness,
         )  # fmt: skip
+        process.on_failure = partial(self._note_failure, process)
         self.processes.append(process)
         self._scheduler.after(0.1 * self._faults.draw('start', process.name), process.start)
         return process
@@ -264,6 +267,10 @@ class Robot:
         """Let go of the log, as the lock of a process ends with it."""
         self.promises.disk.is_locked = False
 
+    def _note_failure(self, process: Process, reason: str) -> None:
+        """Look at whether a process had a reason to fail."""
+        self.promises.demand(self._had_faulty_disk, f'{process.name} fails although its disk is whole: {reason}')
+
     def _look_at_disks(self) -> None:
         """Have faults happen to the disks, and people see to processes that could not write."""
         if not self._faults.active:
@@ -284,6 +291,7 @@ class Robot:
                 if process.failures and process.is_up:
                     process.kill()
         if disk.fault:
+            self._had_faulty_disk = True
             self._chart.note(self._namespace, f'DISK: {disk.fault}')
 
 
