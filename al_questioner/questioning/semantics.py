@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-SEMANTICS = 2
+SEMANTICS = 3
 """Present version. Raise it with every change after which the same settings give another episode.
 
 `test/experiments/test_semantics.py` compares a few episodes with those of this version. Sessions that another version

@@ -22,6 +22,7 @@ import yaml
 from al_questioner.bags import BagWriter, LeftOut, Topic, read_bag, read_episodes
 from al_questioner.cli import main
 from al_questioner.commands.replay import command
+from al_questioner.questioning.semantics import SEMANTICS
 from shared.bags import SHIPPED as BAG
 
 DEADLINE = 60.0
@@ -42,7 +43,7 @@ def test_checking_names_what_differs_and_what_cannot_be_checked(
     changed = dataclasses.replace(recorded, started=dataclasses.replace(recorded.started, settings=other))
     for episode, status, text in (
         (recorded, 1, 'short: cannot be checked: too short'),
-        (changed, 1, ' was recorded (by version 1 of the method, this is version 2)\n'),
+        (changed, 1, f' was recorded (by version 1 of the method, this is version {SEMANTICS})\n'),
     ):
 
         def read(_: Path, left_out: list[LeftOut], episode: Any = episode) -> list[Any]:
