@@ -25,7 +25,7 @@ class Heard:
 
 
 @dataclass(frozen=True)
-class Rang:
+class TimerFired:
     """A timer that the machine has set."""
 
     timer: str
@@ -44,7 +44,7 @@ class Entered:
     content: Any
 
 
-Event = Started | Heard | Rang | Entered
+Event = Started | Heard | TimerFired | Entered
 
 
 class Now(Protocol):

@@ -81,7 +81,7 @@ class LearnerMachine(Machine):
         options: how it behaves.
     """
 
-    tells = ('episode', 'turn', 'query', 'learner_state', 'answer_ack', 'decision', 'scene_markers', 'concepts')
+    publishes = ('episode', 'turn', 'query', 'learner_state', 'answer_ack', 'decision', 'scene_markers', 'concepts')
 
     def __init__(self, durable: DurableEpisode, world: Document | None, options: LearnerOptions) -> None:
         super().__init__(durable.started.episode_id)

@@ -9,7 +9,7 @@ from al_questioner.domain import InputError
 from al_questioner.messages import documents
 from al_questioner.messages.documents import Document
 from al_questioner.protocol.effects import Effects, Publish, Refuse
-from al_questioner.protocol.events import Entered, Event, Heard, Moment, Now, Rang
+from al_questioner.protocol.events import Entered, Event, Heard, Moment, Now, TimerFired
 
 
 class Machine:
@@ -20,12 +20,12 @@ class Machine:
     that is refused, and the machine goes on. Any other error is the caller's.
 
     Attributes:
-        tells: topics on which it may publish.
+        publishes: topics on which it may publish.
         episode_id: of the documents that it writes.
         now: the time of the event that it handles.
     """
 
-    tells: ClassVar[tuple[str, ...]] = ()
+    publishes: ClassVar[tuple[str, ...]] = ()
 
     def __init__(self, episode_id: str = '') -> None:
         self.episode_id = episode_id
@@ -35,7 +35,7 @@ class Machine:
         self._entries: dict[str, Callable[[Any], Effects]] = {}
 
     @property
-    def hears(self) -> tuple[str, ...]:
+    def subscribes(self) -> tuple[str, ...]:
         """Topics that it listens to."""
         return tuple(self._hearers)
 
@@ -47,7 +47,7 @@ class Machine:
                 yield from self._hearers[event.topic](event.content)
             except InputError as error:
                 yield Refuse(event.topic, str(error))
-        elif isinstance(event, Rang):
+        elif isinstance(event, TimerFired):
             yield from self._alarms[event.timer]()
         elif isinstance(event, Entered):
             yield from self._entries[event.source](event.content)

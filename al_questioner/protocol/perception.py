@@ -40,7 +40,7 @@ class PerceptionMachine(Machine):
         draw: makes an (h, w, 3) picture for people of what is observed.
     """
 
-    tells = ('objects', 'scene_image')
+    publishes = ('objects', 'scene_image')
 
     def __init__(
         self,

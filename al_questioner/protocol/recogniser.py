@@ -53,7 +53,7 @@ class RecogniserMachine(Machine):
         SettingsError: a threshold out of range.
     """
 
-    tells = ('recognised', 'recognised_markers', 'recognition', 'detections', 'target', 'target_info')
+    publishes = ('recognised', 'recognised_markers', 'recognition', 'detections', 'target', 'target_info')
 
     def __init__(self, threshold: float, known: Known | None = None) -> None:
         super().__init__(NO_EPISODE)

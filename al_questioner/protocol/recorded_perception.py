@@ -34,7 +34,7 @@ class RecordedPerceptionMachine(Machine):
         failure: why it must not go on.
     """
 
-    tells = ('objects',)
+    publishes = ('objects',)
 
     def __init__(
         self,

@@ -30,7 +30,7 @@ class ScriptedTeacherMachine(Machine):
         sender: of the answers.
     """
 
-    tells = ('answer',)
+    publishes = ('answer',)
 
     def __init__(
         self,
@@ -58,6 +58,8 @@ class ScriptedTeacherMachine(Machine):
         if document['episode_id'] != self.episode_id:
             self.episode_id = document['episode_id']
             self._teacher = self._new_teacher()
+            # The same answer to the same question of another episode is another message.
+            yield from self.sender.drop()
         answer = self._teacher.answer(query, self._truth(query.turn))
         yield Report(f'{query.query_id}: {query.text}')
         yield from self.sender.send(answer, self._delay)

@@ -26,7 +26,7 @@ class TerminalTeacherMachine(Machine):
         sender: of the answers.
     """
 
-    tells = ('answer',)
+    publishes = ('answer',)
 
     def __init__(self, dialogue: TeacherDialogue) -> None:
         super().__init__()

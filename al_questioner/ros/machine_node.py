@@ -22,7 +22,7 @@ from al_questioner.protocol.effects import (
     SetTimer,
     WriteFile,
 )
-from al_questioner.protocol.events import Entered, Event, Heard, Rang, Started
+from al_questioner.protocol.events import Entered, Event, Heard, Started, TimerFired
 from al_questioner.protocol.machine import Machine
 from al_questioner.protocol.performing import perform_all
 from al_questioner.ros.node import QuestionerNode
@@ -66,8 +66,8 @@ class MachineNode(QuestionerNode):
         self.machine = machine
         self._time = NodeTime(self.get_clock())
         self._alarms: dict[str, Cancel] = {}
-        self._tellers: dict[str, Callable[[Any], None]] = {topic: self._teller(topic) for topic in machine.tells}
-        for topic in machine.hears:
+        self._tellers: dict[str, Callable[[Any], None]] = {topic: self._teller(topic) for topic in machine.publishes}
+        for topic in machine.subscribes:
             self._subscribe(topic)
         self.tell(Started())
 
@@ -146,7 +146,7 @@ class MachineNode(QuestionerNode):
 
     def _ring(self, timer: str) -> None:
         self._alarms.pop(timer, None)
-        self._handle(Rang(timer))
+        self._handle(TimerFired(timer))
 
     def _clear(self, timer: str) -> None:
         cancel = self._alarms.pop(timer, None)

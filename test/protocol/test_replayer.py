@@ -10,7 +10,7 @@ from al_questioner.bags import BagMessage, read_bag
 from al_questioner.bags.playback import Playback
 from al_questioner.messages.stamps import SECOND
 from al_questioner.protocol.effects import AwaitArrival, Effect, Publish
-from al_questioner.protocol.events import Rang
+from al_questioner.protocol.events import TimerFired
 from al_questioner.protocol.replayer import (
     CLOCK,
     FASTER,
@@ -234,7 +234,7 @@ def test_a_late_tick_does_not_put_the_next_ones_off() -> None:
     replay = Replay(clock_period=0.1)
     for rings, next_ring in ((0.13, 0.2), (0.2, 0.3), (0.57, 0.6)):
         replay.seconds = rings
-        replay.tell(Rang(TICK))
+        replay.tell(TimerFired(TICK))
         assert replay.timers[TICK] == pytest.approx(next_ring)
     assert len(replay.published(CLOCK)) == 3
 

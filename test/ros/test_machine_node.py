@@ -29,7 +29,7 @@ from al_questioner.ros.worker import Worker
 class Toy(Machine):
     """Does what it is told, and notes what happens to it."""
 
-    tells = ('target_info', 'detections')
+    publishes = ('target_info', 'detections')
 
     def __init__(self) -> None:
         super().__init__('e')

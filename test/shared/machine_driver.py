@@ -9,7 +9,7 @@ from typing import Any, TypeVar
 from al_questioner.messages import documents
 from al_questioner.messages.stamps import SECOND
 from al_questioner.protocol.effects import ClearTimer, Effect, Effects, Publish, Refuse, Report, Say, SetTimer
-from al_questioner.protocol.events import Entered, Event, Heard, Moment, Rang, Started
+from al_questioner.protocol.events import Entered, Event, Heard, Moment, Started, TimerFired
 from al_questioner.protocol.machine import Machine
 from al_questioner.protocol.performing import perform_all
 
@@ -75,7 +75,7 @@ class Driver:
             if self.timers[timer] > end:
                 break
             self.seconds = self.timers.pop(timer)
-            self.tell(Rang(timer))
+            self.tell(TimerFired(timer))
         self.seconds = end
 
     def effects(self, kind: type[Kind]) -> list[Kind]:

@@ -19,7 +19,7 @@ from al_questioner.domain import InputError
 from al_questioner.event_log.events import ActionChosen, AnswerAccepted
 from al_questioner.event_log.replay import first_divergence
 from al_questioner.messages.documents import write as write_document
-from al_questioner.protocol.events import Heard, Rang
+from al_questioner.protocol.events import Heard, TimerFired
 from al_questioner.protocol.recorder import SYNC
 from al_questioner.protocol.topics import Recorded
 from al_questioner.ros import qos
@@ -162,7 +162,7 @@ def test_a_full_disk_ends_the_recording_and_is_on_the_diagnostics(
     graph.wait_for(lambda: recorder.counts()[topic] == 1, 'a message')
     # By the worker, which syncs by itself now and then.
     synced = threading.Event()
-    recorder.tell(Rang(SYNC))
+    recorder.tell(TimerFired(SYNC))
     recorder.submit(synced.set)
     graph.wait_for(synced.is_set, 'the message on the disk')
 

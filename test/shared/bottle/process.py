@@ -19,7 +19,7 @@ from al_questioner.protocol.effects import (
     SyncBag,
     WriteFile,
 )
-from al_questioner.protocol.events import Entered, Event, Heard, Moment, Rang, Started
+from al_questioner.protocol.events import Entered, Event, Heard, Moment, Started, TimerFired
 from al_questioner.protocol.machine import Machine
 from al_questioner.protocol.performing import perform_all
 from al_questioner.protocol.topics import TOPICS, Delivery, PictureToDraw, Replayed, SceneShown
@@ -126,7 +126,7 @@ class Process:
             self._chart.note(self.name, f'CANNOT START: {error}')
             self._die()
             return
-        for topic in self.machine.hears:
+        for topic in self.machine.subscribes:
             endpoint.hear[topic] = self._inbox(topic)
         self._put(Started)
         self._network.join(endpoint)
@@ -261,7 +261,7 @@ class Process:
 
     def _ringing(self, timer: str, token: object) -> Event | None:
         # It may have been cleared, or set again, while its ring waited for the worker.
-        return Rang(timer) if self._timers.get(timer) is token and self._timers.pop(timer) else None
+        return TimerFired(timer) if self._timers.get(timer) is token and self._timers.pop(timer) else None
 
     def _leave(self) -> None:
         endpoint, self._endpoint, self.machine = self._endpoint, None, None
