@@ -76,7 +76,7 @@ class Robot:
         ids = {'query_id': answer['query_id'], 'answer_id': answer['answer_id']}
         self.says('answer_ack', **ids, accepted=accepted, reason=reason)
 
-    def subscribes(self, count: int) -> dict[str, Any]:
+    def hears(self, count: int) -> dict[str, Any]:
         """Wait for at least `count` messages, and return the last."""
         self.graph.wait_for(lambda: len(self.answers) >= count, f'{count} answers')
         return self.answers[-1]

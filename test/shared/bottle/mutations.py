@@ -22,12 +22,13 @@ from al_questioner.domain import Answer, Costs, Outcome, QueryKind, Scene
 from al_questioner.event_log.durable_episode import DurableEpisode
 from al_questioner.event_log.events import AnswerAccepted, LateAnswerKept, SceneObserved
 from al_questioner.event_log.replay import Replay
-from al_questioner.protocol import answer_sender, learner, machine, retransmitter, turn_stamps
+from al_questioner.messages import documents
+from al_questioner.protocol import answer_sender, learner, machine, retransmitter, scripted_teacher, turn_stamps
 from al_questioner.protocol.effects import Publish, Refuse
-from al_questioner.protocol.events import Moment
+from al_questioner.protocol.events import Moment, TimerFired
 from al_questioner.questioning import Receipt, answers, episode
 from al_questioner.questioning.turn_context import TurnContext
-from shared.bottle import disk
+from shared.bottle import disk, process
 from shared.bottle.bottle import run
 
 MOST_SEEDS = 1000
@@ -111,13 +112,13 @@ def _late_counts() -> Any:
 def _new_ids() -> Any:
     transmit = retransmitter.Retransmitter._transmit
 
-    def transmit_anew(self: Any) -> Any:
+    def transmit_renamed(self: Any) -> Any:
         if self.message is not None and self.message.topic == 'answer':
             members = json.loads(self.message.content)
             self.message = Publish('answer', json.dumps({**members, 'answer_id': members['answer_id'] + "'"}))
         yield from transmit(self)
 
-    return mock.patch.object(retransmitter.Retransmitter, '_transmit', transmit_anew)
+    return mock.patch.object(retransmitter.Retransmitter, '_transmit', transmit_renamed)
 
 
 @mutation('does not stop the repetition of a question')
@@ -317,6 +318,24 @@ def _never_acknowledged() -> Any:
         yield from ()
 
     return mock.patch.object(answer_sender.AnswerSender, '_acknowledged', acknowledged)
+
+
+@mutation('answers the next episode with the answer of the last one')
+def _old_episode() -> Any:
+    def consider(self: Any, document: Any) -> Any:
+        query = documents.query_of(document)
+        self.episode_id = document['episode_id']
+        yield from self.sender.send(self._teacher.answer(query, self._truth(query.turn)), self._delay)
+
+    return mock.patch.object(scripted_teacher.ScriptedTeacherMachine, '_consider', consider)
+
+
+@mutation('has a timer go off although it was cleared')
+def _uncleared_timers() -> Any:
+    def set_timer(self: Any, timer: str, seconds: float) -> None:
+        self._scheduler.after(seconds, self._guard(lambda: self._put(lambda: TimerFired(timer))))
+
+    return mock.patch.object(process.Process, '_set', set_timer)
 
 
 def seeds_to_find(make: Mutation, most: int) -> tuple[int, str]:

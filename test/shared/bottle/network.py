@@ -36,19 +36,19 @@ class Endpoint:
 
 
 class Network:
-    """Carries messages between endpoints of one namespace."""
+    """Carries messages between endpoints of one namespace.
+
+    Attributes:
+        endpoints: the processes that take part.
+        published: topic and text of everything that was said.
+    """
 
     def __init__(self, scheduler: Scheduler, faults: Faults, chart: Chart) -> None:
         self._scheduler, self._faults, self._chart = scheduler, faults, chart
         self.endpoints: list[Endpoint] = []
+        self.published: set[tuple[str, str]] = set()
         self._sent: Counter[tuple[str, str, str]] = Counter()
         self._last_arrival: dict[tuple[str, str, str], float] = {}
-        self._newest: Counter[tuple[str, str, str]] = Counter()
-
-    @property
-    def remembered(self) -> int:
-        """Number of latched messages that are kept."""
-        return sum(len(one.latched) for one in self.endpoints)
 
     def join(self, endpoint: Endpoint) -> None:
         """Have a process take part; it gets what others have latched."""
@@ -67,6 +67,8 @@ class Network:
     def publish(self, sender: Endpoint, topic: str, content: Any) -> None:
         if TOPICS[topic] is Delivery.LATCHED:
             sender.latched[topic] = content
+        if isinstance(content, str):
+            self.published.add((topic, content))
         # A node hears itself, too.
         for one in self.endpoints:
             if one.namespace == sender.namespace and topic in one.hear:

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import json
 from collections.abc import Callable, Sequence
 from functools import partial
 from typing import Any
@@ -180,9 +179,6 @@ class Bag:
     def lose(self) -> None:
         """Lose what was not synced."""
         self._unsynced = []
-
-    def turns(self) -> list[int]:
-        return [json.loads(text)['turn'] for topic, text in self.kept if topic == 'turn']
 
 
 def failure_of(error: OSError) -> EpisodeError:

@@ -76,6 +76,10 @@ class Person:
         """Be there from now on."""
         self._away_until = self._scheduler.now
 
+    def unacknowledged(self, episode_id: str) -> list[str]:
+        """Return the ids of the answers in an episode of which they were not told what came."""
+        return [each['answer_id'] for each in self._unacknowledged.values() if each['episode_id'] == episode_id]
+
     def _hear(self, text: str) -> None:
         query = json.loads(text)
         key = f'{query["episode_id"]} {query["query_id"]}'

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections import Counter, deque
+from collections import deque
 from collections.abc import Callable
 from typing import Any
 
@@ -50,8 +50,9 @@ class Process:
 
     Attributes:
         machine: the present one; None while there is none.
-        refusals: refused messages by topic, of all lives.
         lives: how often it was started.
+        takes_all: whether it handles every message of a latched topic, and not the newest alone.
+        failures: why the present machine cannot go on.
         watch: told of each effect before it is performed.
         handled: told of each event when it has been handled, with the effects.
         on_death: called when it dies.
@@ -74,8 +75,8 @@ class Process:
     ) -> None:
         self.name, self.namespace = name, namespace
         self.machine: Machine | None = None
-        self.refusals: Counter[str] = Counter()
         self.lives = 0
+        self.takes_all = False
         self.failures: list[str] = []
         self.watch: Callable[[Effect], None] = lambda _: None
         self.handled: Callable[[Event, list[Effect]], None] = lambda _, __: None
@@ -111,7 +112,6 @@ class Process:
         self.lives += 1
         self.failures = []
         self._jobs: deque[Callable[[], Event | None]] = deque()
-        self._latest: dict[str, Any] = {}
         self._timers: dict[str, object] = {}
         self._is_busy = False
         self._chart.note(self.name, 'STARTS' if self.lives == 1 else 'STARTS AGAIN')
@@ -156,22 +156,21 @@ class Process:
             raise Died
 
     def _inbox(self, topic: str) -> Callable[[Any], None]:
-        is_latched = TOPICS.get(topic, Delivery.EVENTS) is Delivery.LATCHED
+        is_latched = TOPICS[topic] is Delivery.LATCHED
+        most = MOST_WAITING if self.takes_all or not is_latched else 1
+        waiting: deque[Any] = deque(maxlen=most)
 
-        def take_latest() -> Event:
-            return Heard(topic, self._latest.pop(topic))
-
-        def put_latest(content: Any) -> None:
-            is_waiting = topic in self._latest
-            self._latest[topic] = self.convert(content)
-            if not is_waiting:
-                self._put(take_latest)
+        def take() -> Event:
+            return Heard(topic, waiting.popleft())
 
         def put(content: Any) -> None:
-            if len(self._jobs) < MOST_WAITING:
-                self._put(lambda: Heard(topic, self.convert(content)))
+            # The job of a message that is dropped takes the next one.
+            is_full = len(waiting) == most
+            waiting.append(self.convert(content))
+            if not is_full:
+                self._put(take)
 
-        return put_latest if is_latched else put
+        return put
 
     def _put(self, job: Callable[[], Event | None]) -> None:
         self._jobs.append(job)
@@ -241,7 +240,6 @@ class Process:
         elif isinstance(effect, ClearTimer):
             self._timers.pop(effect.timer, None)
         elif isinstance(effect, Refuse):
-            self.refusals[effect.topic] += 1
             self._chart.note(self.name, f'refuses on {effect.topic}: {effect.reason[:100]}')
         elif isinstance(effect, Say):
             self._chart.note(self.name, f'says: {effect.text[:100]}')

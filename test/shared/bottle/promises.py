@@ -10,7 +10,7 @@ from al_questioner.domain import Answer
 from al_questioner.event_log.encoding import decoded
 from al_questioner.event_log.events import EpisodeStarted, SceneObserved
 from al_questioner.event_log.log import LogContents
-from al_questioner.event_log.replay import Replay
+from al_questioner.event_log.replay import Replay, ReplayError
 from al_questioner.event_log.state_documents import state_members
 from al_questioner.event_log.storage import Event as LoggedEvent
 from al_questioner.messages import documents
@@ -26,8 +26,8 @@ SHARES = {'answered': 1.0, 'unknown': 1.0, 'skip': 1.0, 'unanswered': 0.0}
 """Share of its price that a query is charged, by what came of it."""
 
 
-class BrokenPromiseError(Exception):
-    """A promise that was broken."""
+class BrokenPromiseError(BaseException):
+    """A promise that was broken; no machine may take it for an error of its own."""
 
 
 class Promises:
@@ -45,21 +45,31 @@ class Promises:
         self, name: str, table: Table, scene_number: Callable[[int], int] | None, faults: Faults, replay_rate: float
     ) -> None:
         self.name = name
-        self.disk = Disk(self.note_commit)
-        self.is_done = False
         self.started: EpisodeStarted | None = None
         self._table, self._scene_number, self._faults, self._replay_rate = table, scene_number, faults, replay_rate
         self._said: set[tuple[Any, ...]] = set()
+        self._states = 0
+        self.forget()
+
+    @property
+    def episode_id(self) -> str:
+        """Id of the present episode; empty before the first."""
+        return '' if self.started is None else self.started.episode_id
+
+    def forget(self) -> None:
+        """Begin with another episode, on an empty disk."""
+        self.disk = Disk(self.note_commit)
+        self.is_done = False
         self._stamps: dict[int, int] = {}
         self._answers: dict[str, dict[str, Any]] = {}
         self._ids: set[tuple[str, str]] = set()
         self._settled_before: set[str] = set()
+        self._late: set[tuple[str, str]] = set()
         self._queries: dict[str, dict[str, Any]] = {}
         self._looks: dict[str, dict[int, int]] = {}
         self._scene: SceneObserved | None = None
         self._texts: dict[str, str] = {}
         self._furthest = (-1, False)
-        self._states = 0
         self._last_state, self._events_told = '', 0
 
     def note_commit(self, events: list[LoggedEvent]) -> None:
@@ -74,6 +84,8 @@ class Promises:
                 self._note_query(members['query'])
             elif event.kind in ('answer', 'correction'):
                 self._note_answer(members)
+            elif event.kind == 'late':
+                self._late.add((members['query_id'], members['answer_id']))
 
     def _with_scene(self) -> list[LoggedEvent]:
         """Return the first event and the last scene that was written out, with those that refer to it."""
@@ -148,14 +160,18 @@ class Promises:
         """Take note of what somebody said at a terminal."""
         self.note_said(documents.write('answer', episode_id, documents.answer_members(answer)))
 
-    def watch(self, effect: Effect) -> None:
+    def watch(self, effect: Effect, has_failed: bool) -> None:
         """Look at what the learner is about to do."""
         if not isinstance(effect, Publish):
             return
+        speaks = effect.topic in ('turn', 'query', 'decision')
+        self.demand(not (has_failed and speaks), f'it could not write, and publishes {effect.topic} all the same')
         if effect.topic == 'answer_ack':
             ack = json.loads(effect.content)
             key = (ack.get('query_id'), ack.get('answer_id'))
             self.demand(not ack['accepted'] or key in self._ids, f'{key} is acknowledged and not on the disk')
+            is_late = 'was answered already' in ack['reason']
+            self.demand(not is_late or key in self._late, f'{key} is said to be late and not on the disk')
         elif effect.topic == 'query':
             query = json.loads(effect.content)
             query_id = query['query_id']
@@ -219,8 +235,11 @@ class Promises:
         first = found[0]
         assert isinstance(first, EpisodeStarted)
         replay = Replay(first, make_strategy(first.settings.strategy, first.settings.weights), is_strict=True)
-        for event in found[1:]:
-            replay.play(event)
+        try:
+            for event in found[1:]:
+                replay.play(event)
+        except ReplayError as error:
+            raise BrokenPromiseError(f'{self.name}: the log cannot be played again: {error}') from error
         beliefs = replay.episode.concepts.predict_proba(replay.episode.scene.features)
         expected = json.loads(
             documents.write('learner_state', first.episode_id, state_members(replay.episode, beliefs))
@@ -249,9 +268,9 @@ class Promises:
     def check_end(self) -> None:
         """Hold the last state against the log."""
         self.demand(self.is_done, 'the episode does not end although all faults have stopped')
-        # What was written since, by a process that died before it could tell of it, the next process tells.
-        if self._events_told == self._events_that_count:
-            self.compare_with_log(json.loads(self._last_state))
+        is_told = self._events_told == self._events_that_count
+        self.demand(is_told, 'the last state does not tell of all that is on the disk')
+        self.compare_with_log(json.loads(self._last_state))
 
     @property
     def _events_that_count(self) -> int:

@@ -9,10 +9,10 @@ from functools import partial
 from pathlib import Path
 from typing import Any
 
-from al_questioner.domain import AUTO, EpisodeSettings
+from al_questioner.domain import AUTO, EpisodeSettings, InputError
 from al_questioner.event_log.durable_episode import DurableEpisode
 from al_questioner.event_log.events import EpisodeStarted
-from al_questioner.protocol.effects import Effect, Publish, Record, SyncBag
+from al_questioner.protocol.effects import Effect, Publish, Record, SyncBag, WriteFile
 from al_questioner.protocol.events import Event, Heard
 from al_questioner.protocol.learner import LearnerMachine, LearnerOptions
 from al_questioner.protocol.machine import Machine
@@ -59,6 +59,7 @@ class Plan:
         people: for each teacher who answers by documents or by plain words, whether it is plain words.
         others: who else is there: `script`, `terminal`, `recogniser`, `recorder`, `rival`; `replay`: a bag shows
             its scenes in place of perception.
+        keeps_log: whether its learner has a session; one without begins another episode when it comes back.
         slowness: how much longer than usual its processes take.
     """
 
@@ -71,6 +72,7 @@ class Plan:
     noise: float | None
     people: tuple[bool, ...]
     others: frozenset[str]
+    keeps_log: bool
     answer_timeout: float
     turn_period: float
     slowness: float
@@ -99,15 +101,17 @@ class Robot:
         self._table = Table(plan.seed, plan.things, plan.noise or 0.0)
         self._seen = SeenTable(self._table, plan.interval)
         self._clock = RobotClock(namespace, scheduler, faults)
+        self._camera_clock = RobotClock(f'{namespace}/camera', scheduler, faults)
         shows_turns = plan.noise is None and 'rival' not in plan.others
         self.promises = Promises(
             namespace, self._table, self._seen.number if shows_turns else None, faults, replay_rate
         )
         self.processes: list[Process] = []
         self.learner = self._process('learner', self._make_learner)
-        self.learner.watch = self.promises.watch
+        self.learner.watch = self._watch_learner
         self.learner.handled = self._handled
         self.learner.on_death = self._release
+        self.learner.keep = self._write_concepts
         self._people = [
             Person(
                 f'{namespace}/person{i}', namespace, self._table.symbol, plain, self.promises.note_said,
@@ -126,6 +130,7 @@ class Robot:
     def calm(self) -> None:
         """Put everything right: no fault is to happen any more."""
         self._clock.set_right()
+        self._camera_clock.set_right()
         self.promises.disk.fault = self.bag.fault = ''
         for person in self._people:
             person.come_back()
@@ -139,6 +144,11 @@ class Robot:
     def check_end(self) -> None:
         """Hold what is there at the end against what was promised."""
         self.promises.check_end()
+        for person in self._people:
+            left = person.unacknowledged(self.promises.episode_id)
+            self.promises.demand(not left, f'{person.name} was never told what became of {left}')
+        unheard = [each for each in self.bag.kept if each not in self._network.published]
+        self.promises.demand(not unheard, f'the recorder has what nobody said: {unheard[:1]}')
         for process in self.processes:
             machine = process.machine
             if isinstance(machine, RecorderMachine) and machine.failure is None:
@@ -164,8 +174,8 @@ class Robot:
             self._process('perception', shows)
         else:
             Camera(
-                f'{self._namespace}/camera', self._namespace, self._table, self._clock, self._scheduler, self._network,
-                self._faults, self._chart,
+                f'{self._namespace}/camera', self._namespace, self._table, self._camera_clock, self._scheduler,
+                self._network, self._faults, self._chart,
             )  # fmt: skip
 
     def _add_others(self) -> None:
@@ -188,6 +198,7 @@ class Robot:
         if 'recorder' in others:
             recorder = self._process('recorder', self._make_recorder)
             recorder.convert = lambda content: Recorded(content.encode(), 0, lambda: content)
+            recorder.takes_all = True
             recorder.keep = self._record
             recorder.on_death = self.bag.lose
         if 'rival' in others:
@@ -196,16 +207,31 @@ class Robot:
     def _make_learner(self, process: Process) -> Machine:
         plan = self._plan
         settings = EpisodeSettings(SYMBOLS, plan.budget, plan.turns, plan.strategy, change_interval=plan.interval)
-        started = EpisodeStarted(f'{self._namespace}-e', settings, plan.seed, AUTO, None, 'x')
+        if not plan.keeps_log:
+            self.promises.forget()
+        episode_id = f'{self._namespace}-e' if plan.keeps_log else f'{self._namespace}-e{process.lives}'
+        started = EpisodeStarted(episode_id, settings, plan.seed, AUTO, None, 'x')
         self.promises.started = started
         strategy = make_strategy(settings.strategy, settings.weights)
+        # One without a session has a log all the same, by which it is watched, and which is gone with it.
         log = self.promises.disk.open(process.boundary)
         try:
             durable = DurableEpisode(started, strategy, log)
         except BaseException:
             log.close()
             raise
-        return LearnerMachine(durable, None, LearnerOptions(plan.turn_period, plan.answer_timeout))
+        files = (Path('concepts.json'),)
+        return LearnerMachine(
+            durable, None, LearnerOptions(plan.turn_period, plan.answer_timeout, concepts_files=files)
+        )
+
+    def _write_concepts(self, effect: Effect) -> None:
+        if isinstance(effect, WriteFile) and self.promises.disk.fault:
+            raise InputError(f'{effect.path} cannot be written ({self.promises.disk.fault})')
+
+    def _watch_learner(self, effect: Effect) -> None:
+        machine = self.learner.machine
+        self.promises.watch(effect, isinstance(machine, LearnerMachine) and machine.has_failed)
 
     def _make_recorder(self, _: Process) -> Machine:
         self._heard_turns: dict[str, list[int]] = {}

@@ -16,7 +16,7 @@ from shared.bottle.network import Endpoint, Network
 from shared.bottle.scheduler import Scheduler
 from shared.bottle.table import FEATURES, OTHER_IDS, SENTINEL, Table
 
-PERIOD_S = 0.5
+PERIOD_S = 1.0
 """Seconds from one picture of the camera to the next."""
 SECONDS_OF_A_SCENE = 12.0
 
