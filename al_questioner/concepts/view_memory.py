@@ -68,7 +68,7 @@ class _Track:
     def __init__(self, features: NDArray[np.float32]) -> None:
         self.views = [_KnownView(features, features)]
         self.current = self.views[0]
-        self.last_look = features
+        self.last_look = self.look_before = features
         self.doubtful: NDArray[np.float32] | None = None
         self._sizes: deque[float] = deque(maxlen=OWN_LOOKS)
 
@@ -101,8 +101,8 @@ class ViewMemory:
 
     Attributes:
         corrections: what the latest scene showed to be wrong in those before. A view with a single look can be: if
-            later looks agree on something near, or if it was like no other object. So can the last scene be, if the
-            change that it showed was not certain, and the latest scene confirms it.
+            later looks agree on something near, or if it was like no other object. So can the last scene be, if it
+            showed already what the latest scene shows to be another view.
     """
 
     def __init__(self) -> None:
@@ -152,7 +152,7 @@ class ViewMemory:
         self._noise.learn(differences[~self._have_moved(differences)], self._spread)
         sizes = np.mean(self._noise.scale(differences) ** 2, axis=1)
         for track, look, size in zip(tracks, looks, sizes.tolist(), strict=True):
-            track.last_look = look
+            track.look_before, track.last_look = track.last_look, look
             track.add_size(size)
 
     def _settle(self, object_id: int, look: NDArray[np.float32]) -> NDArray[np.float32]:
@@ -177,7 +177,7 @@ class ViewMemory:
             track.current, track.doubtful = view, None
             view.kept = view.look = look
         else:
-            if is_confirmed:
+            if self._agrees(track, look, track.look_before, excess):
                 # What was said of the thing when it looked so for the first time is said of this view.
                 self.corrections.append(Correction(object_id, track.current.kept, look, is_of_last_look=True))
             track.begin_view(look)
@@ -221,9 +221,11 @@ class ViewMemory:
 
     def _is_confirmed(self, track: _Track, look: NDArray[np.float32], excess: float) -> bool:
         """Return whether the last look agrees with this one, far more than the nearest known view does."""
-        if track.doubtful is None:
-            return False
-        between = self._noise.excess(_differences(look, [track.doubtful]))[0]
+        return track.doubtful is not None and self._agrees(track, look, track.doubtful, excess)
+
+    def _agrees(self, track: _Track, look: NDArray[np.float32], other: NDArray[np.float32], excess: float) -> bool:
+        """Return whether two looks agree, far more than the first does with the nearest known view."""
+        between = self._noise.excess(_differences(look, [other]))[0]
         return bool(between <= min(track.own_noise, AGREEMENT * excess))
 
     def _have_moved(self, differences: Array) -> NDArray[np.bool_]:

@@ -68,6 +68,7 @@ class Person:
         self._away_until = 0.0
         self._considered: set[str] = set()
         self._unacknowledged: dict[str, dict[str, Any]] = {}
+        self._said_at: dict[str, float] = {}
         self._number = 0
         self._endpoint = Endpoint(name, namespace, {'query': self._hear, 'answer_ack': self._hear_ack})
         network.join(self._endpoint)
@@ -76,9 +77,13 @@ class Person:
         """Be there from now on."""
         self._away_until = self._scheduler.now
 
-    def unacknowledged(self, episode_id: str) -> list[str]:
-        """Return the ids of the answers in an episode of which they were not told what came."""
-        return [each['answer_id'] for each in self._unacknowledged.values() if each['episode_id'] == episode_id]
+    def unacknowledged(self, episode_id: str, seconds: float) -> list[str]:
+        """Return the ids of the answers in an episode, said longer ago than that, of which they were told nothing."""
+        return [
+            answer_id
+            for answer_id, document in self._unacknowledged.items()
+            if document['episode_id'] == episode_id and self._scheduler.now - self._said_at[answer_id] > seconds
+        ]
 
     def _hear(self, text: str) -> None:
         query = json.loads(text)
@@ -146,6 +151,7 @@ class Person:
     def _say(self, document: dict[str, Any]) -> None:
         """Say it until it is acknowledged."""
         self._unacknowledged[document['answer_id']] = document
+        self._said_at[document['answer_id']] = self._scheduler.now
         self._repeat(document['answer_id'], 0)
 
     def _repeat(self, answer_id: str, times: int) -> None:

@@ -45,7 +45,9 @@ STRATEGIES = ('random_fsq', 'farthest_fsq', 'rarest_demo', 'u_sampling_fsq')
 """Strategies that never ask again about a thing that they know, and are quick."""
 SECONDS_BETWEEN_LOOKS = 4.0
 """Seconds from one time at which something may happen to a disk to the next."""
-MOST_WAITING = 100
+SECONDS_TO_ACKNOWLEDGE = 20.0
+"""Seconds without faults within which somebody is told what came of their answer."""
+MOST_WAITING = 30
 """Messages and timers that may wait for a learner at most."""
 RECORDED = ('episode', 'turn', 'query', 'answer', 'answer_ack', 'learner_state')
 
@@ -102,7 +104,8 @@ class Robot:
         self._seen = SeenTable(self._table, plan.interval)
         self._clock = RobotClock(namespace, scheduler, faults)
         self._camera_clock = RobotClock(f'{namespace}/camera', scheduler, faults)
-        shows_turns = plan.noise is None and 'rival' not in plan.others
+        # A learner that knows of no turns before may take what is latched since before a clock went back.
+        shows_turns = plan.noise is None and 'rival' not in plan.others and plan.keeps_log
         self.promises = Promises(
             namespace, self._table, self._seen.number if shows_turns else None, faults, replay_rate
         )
@@ -145,7 +148,7 @@ class Robot:
         """Hold what is there at the end against what was promised."""
         self.promises.check_end()
         for person in self._people:
-            left = person.unacknowledged(self.promises.episode_id)
+            left = person.unacknowledged(self.promises.episode_id, SECONDS_TO_ACKNOWLEDGE)
             self.promises.demand(not left, f'{person.name} was never told what became of {left}')
         unheard = [each for each in self.bag.kept if each not in self._network.published]
         self.promises.demand(not unheard, f'the recorder has what nobody said: {unheard[:1]}')
