@@ -16,6 +16,8 @@ from shared.bottle.mutations import MUTATIONS, seeds_to_find
 from shared.bottle.shrinking import shrink
 
 SEEDS, SEEDS_A_TEST = 200, 25
+FOUND_SEEDS = (174, 220, 410, 483, 488, 630, 777, 798, 820, 1006, 1099, 40315, 40765, 41546)
+"""Seeds that have failed once, for whatever reason: what is found is added here."""
 QUICK = 30
 """Seeds within which a fault is found that is tried with every change."""
 QUICKLY_FOUND = (
@@ -33,6 +35,11 @@ def test_every_promise_is_kept_under_every_fault(first: int) -> None:
     A seed that fails prints the course of events, with the fewest faults that it takes.
     """
     failed = next((outcome for outcome in map(run, range(first, first + SEEDS_A_TEST)) if outcome.violation), None)
+    assert failed is None, explain(failed)
+
+
+def test_what_was_found_once_does_not_come_back() -> None:
+    failed = next((outcome for outcome in map(run, FOUND_SEEDS) if outcome.violation), None)
     assert failed is None, explain(failed)
 
 
@@ -74,8 +81,8 @@ def test_a_failing_seed_is_told_as_a_chart_of_few_faults() -> None:
     with MUTATIONS[what]():
         failed = run(seeds - 1)
         text = explain(failed)
-    assert f'seed {seeds - 1}: BrokenPromiseError: ' in text
-    assert 'counts twice' in text.splitlines()[-1]
+    assert f'seed {seeds - 1}: a: ' in text
+    assert 'counts twice' in text
     assert text.count('DIES') <= 2
     assert ' -> a/learner' in text
 
@@ -95,7 +102,7 @@ def test_a_soak_goes_on_where_it_ended(tmp_path: Path, capsys: pytest.CaptureFix
     assert soak.main(['2', '--processes', '1', '--state', str(state)]) == 0
     assert json.loads(state.read_text()) == {'code': soak.digest_of_code(), 'first': 0, 'done': 2, 'failed': []}
     assert soak.main(['3', '--processes', '1', '--state', str(state)]) == 0
-    assert '1 seeds in' in capsys.readouterr().out.splitlines()[-1]
+    assert '2 were played before by this code' in capsys.readouterr().out.splitlines()[-1]
     assert json.loads(state.read_text())['done'] == 3
     state.write_text(state.read_text().replace(soak.digest_of_code(), 'another code'))
     assert soak.main(['1', '--processes', '1', '--state', str(state)]) == 0

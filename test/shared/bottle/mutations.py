@@ -1,8 +1,8 @@
 """Faults put into the code on purpose, to see how soon the bottle finds each.
 
-    PYTHONPATH=test python -m shared.bottle.mutations [--most SEEDS]
+    PYTHONPATH=test python -m shared.bottle.mutations [--most SEEDS] [--chart FAULT]
 
-prints a table of the seeds that it took.
+prints a table of the seeds that it took, or the course of events that one fault leads to.
 """
 
 from __future__ import annotations
@@ -30,6 +30,7 @@ from al_questioner.questioning import Receipt, answers, episode
 from al_questioner.questioning.turn_context import TurnContext
 from shared.bottle import disk, process
 from shared.bottle.bottle import run
+from shared.bottle.failing import explain
 
 MOST_SEEDS = 1000
 Mutation = Callable[[], 'contextlib.AbstractContextManager[Any]']
@@ -361,7 +362,14 @@ def table(most: int) -> Iterator[str]:
 def main() -> None:
     parser = argparse.ArgumentParser(prog='mutations', description=__doc__)
     parser.add_argument('--most', type=int, default=MOST_SEEDS, help='seeds after which a fault counts as not found')
-    for line in table(parser.parse_args().most):
+    parser.add_argument('--chart', choices=MUTATIONS, help='show the course of events that one of them leads to')
+    given = parser.parse_args()
+    if given.chart:
+        with MUTATIONS[given.chart]():
+            found = next((found for found in map(run, range(given.most)) if found.violation), None)
+            sys.stdout.write(f'{explain(found) if found else "not found"}\n')
+        return
+    for line in table(given.most):
         sys.stdout.write(f'{line}\n')
         sys.stdout.flush()
 

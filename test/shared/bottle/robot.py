@@ -47,7 +47,7 @@ SECONDS_BETWEEN_LOOKS = 4.0
 """Seconds from one time at which something may happen to a disk to the next."""
 SECONDS_TO_ACKNOWLEDGE = 20.0
 """Seconds without faults within which somebody is told what came of their answer."""
-MOST_WAITING = 30
+MOST_WAITING = 100
 """Messages and timers that may wait for a learner at most."""
 RECORDED = ('episode', 'turn', 'query', 'answer', 'answer_ack', 'learner_state')
 

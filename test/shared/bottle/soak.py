@@ -47,24 +47,25 @@ def main(arguments: Sequence[str] | None = None) -> int:
     seeds = range(given.first + done, given.first + given.seeds)
     faults = steps = 0
     seconds, began, saved = 0.0, time.monotonic(), time.monotonic()
-    failures: list[Outcome] = []
     for outcome in play(seeds, given.processes):
         done += 1
         faults, steps, seconds = faults + len(outcome.faults), steps + outcome.steps, seconds + outcome.seconds
         if outcome.violation:
             failed.append(outcome.seed)
-            failures.append(outcome)
             _tell(f'seed {outcome.seed}: {outcome.violation}')
         if time.monotonic() > saved + SECONDS_BETWEEN_SAVES or done == given.seeds:
             saved = time.monotonic()
             _remember(given.state, {'code': code, 'first': given.first, 'done': done, 'failed': failed})
             _tell(f'{done} of {given.seeds} seeds, {len(failed)} failed, {saved - began:.0f} s')
+    before = given.seeds - len(seeds)
+    earlier = f', {before} were played before by this code' if before else ''
     _tell(
-        f'{len(seeds)} seeds in {time.monotonic() - began:.1f} s on {given.processes} processors:'
-        f' {seconds / 3600:.1f} hours, {steps} steps, {faults} faults; {len(failed)} of {done} seeds break a promise'
+        f'{len(seeds)} seeds in {time.monotonic() - began:.0f} s on {given.processes} processors{earlier}:'
+        f' {seconds / 3600:.1f} hours of virtual time, {steps} steps, {faults} faults;'
+        f' {len(failed)} of {done} seeds break a promise'
     )
-    for outcome in failures[:MOST_EXPLAINED]:
-        _tell(explain(outcome))
+    for seed in failed[:MOST_EXPLAINED]:
+        _tell(explain(run(seed)))
     return 1 if failed else 0
 
 

@@ -15,8 +15,6 @@ SENTINEL = -999.0
 """Reading of a sensor that read nothing."""
 OTHER_IDS = 10_000
 """Difference of the ids of a thing, where a camera gives it another one for a moment."""
-FEWEST_THINGS = 4
-"""Things from which the learner can tell a small change of a look from noise in its first turns."""
 
 
 class Table:
@@ -41,7 +39,7 @@ class Table:
     @property
     def repeats_exactly(self) -> bool:
         """True if each thing has looked exactly the same each time, unless it has really changed."""
-        return self.noise == 0 and not self.has_misread and self.things >= FEWEST_THINGS
+        return self.noise == 0 and not self.has_misread
 
     def truth(self, number: int) -> Mapping[int, str]:
         """Return symbol, or none, by object id."""
