@@ -93,6 +93,17 @@ def test_another_episode_has_a_teacher_who_has_named_nothing() -> None:
     assert ids == ['q1/1', 'q2/2', 'q1/1']
 
 
+def test_the_next_episode_is_answered_although_its_question_and_answer_are_those_of_the_last() -> None:
+    """Otherwise the answer would be said for ever to a learner that has died, and the next one would wait for ever."""
+    driver = Driver(ScriptedTeacherMachine(Steady, lambda _: {}, WORLD))
+    for at, episode_id in ((0.0, 'e'), (0.5, 'f')):
+        driver.pass_until(at)
+        ask(driver, 1, episode_id)
+    driver.pass_until(2.0)
+    answers = driver.published('answer')
+    assert [(answer['episode_id'], answer['answer_id']) for answer in answers] == [('e', 'q1'), ('f', 'q1'), ('f', 'q1')]
+
+
 @pytest.mark.parametrize('name', ['task', 'seed', 'sample'])
 def test_who_lives_in_another_world_does_not_answer(name: str) -> None:
     """Otherwise wrong labels would be taught."""
