@@ -75,13 +75,36 @@ def test_a_learner_tells_that_another_version_began_its_session(
     assert Say(said, Level.WARNING) in again.driver.effects(Say)
 
 
+def fill_disk(robot: Robot) -> None:
+    """Let nothing more be written to the log of a learner."""
+    robot.durable._log._storage._database.execute('PRAGMA query_only=1')
+
+
+@pytest.mark.parametrize('first', ['snack', 'pudding'])
+def test_an_answer_that_cannot_be_written_is_refused_with_the_reason(
+    make: Callable[..., Robot], tmp_path: Path, first: str
+) -> None:
+    """Otherwise its teacher would ask whether the learner is running, and not hear that the disk is full."""
+    robot = make(tmp_path, settings=LABELS)
+    robot.sees()
+    (query,) = robot.said('query')
+    fill_disk(robot)
+    for content in (first, 'snack', 'fruit'):
+        before = len(robot.said('answer_ack'))
+        with pytest.raises(EpisodeError, match='cannot be written') as failure:
+            robot.answers(query, content)
+        (ack,) = robot.said('answer_ack')[before:]
+        assert (ack['accepted'], ack['query_id'], ack['answer_id']) == (False, 'q1', 'a1')
+        assert ack['reason'] == str(failure.value)
+
+
 def test_after_a_full_disk_a_new_learner_asks_the_same(make: Callable[..., Robot], tmp_path: Path) -> None:
     """Otherwise an answer that was not acknowledged would be lost, or count twice once it is said again."""
     robot = make(tmp_path, settings=LABELS)
     robot.sees()
     robot.is_taught()
     robot.sees()
-    robot.durable._log._storage._database.execute('PRAGMA query_only=1')
+    fill_disk(robot)
     with pytest.raises(EpisodeError, match='cannot be written'):
         robot.driver.hear('answer', 'snack')
     robot.machine.close()

@@ -101,7 +101,11 @@ def test_the_next_episode_is_answered_although_its_question_and_answer_are_those
         ask(driver, 1, episode_id)
     driver.pass_until(2.0)
     answers = driver.published('answer')
-    assert [(answer['episode_id'], answer['answer_id']) for answer in answers] == [('e', 'q1'), ('f', 'q1'), ('f', 'q1')]
+    assert [(answer['episode_id'], answer['answer_id']) for answer in answers] == [
+        ('e', 'q1'),
+        ('f', 'q1'),
+        ('f', 'q1'),
+    ]
 
 
 @pytest.mark.parametrize('name', ['task', 'seed', 'sample'])
