@@ -365,11 +365,18 @@ class LearnerMachine(Machine):
         return Publish('scene_markers', shown)
 
     def warning(self, now: Now) -> str:
-        """Warn that nobody answers, or that another learner uses the same topics, which confuses everybody."""
+        """Warn of another learner on the same topics, of nobody who answers, and of files that lag behind."""
+        warnings = []
         if now.steady <= self._rival_at + SECONDS_OF_A_RIVAL:
-            return 'another learner publishes turn, too: end one of the two, or give it a namespace of its own'
+            warnings.append(
+                'another learner publishes turn, too: end one of the two, or give it a namespace of its own'
+            )
         missed = self._durable.episode.unanswered_turns if self._durable.is_ready else 0
-        return f'nobody has answered for {missed} turn{"" if missed == 1 else "s"}' if missed else ''
+        if missed:
+            warnings.append(f'nobody has answered for {missed} turn{"" if missed == 1 else "s"}')
+        if self._keeper.warning:
+            warnings.append(self._keeper.warning)
+        return '; '.join(warnings)
 
     def _hear_turn(self, document: Document) -> Effects:
         """Notice another learner on the same topics; make room for it if this episode is over."""
