@@ -47,7 +47,7 @@ SECONDS_FOR_OBJECTS = 10.0
 """Seconds without a scene after which the node warns."""
 LONGEST_BACK_OFF = 8
 """Times the answer timeout: for so long the learner waits at most before the turn goes on without an answer."""
-NEXT_TURN, PATIENCE = 'next turn', 'patience'
+NEXT_TURN, ANSWER_TIMEOUT = 'next turn', 'answer timeout'
 """Timers: when the next turn begins, and when a turn goes on without its answer."""
 
 
@@ -106,7 +106,7 @@ class LearnerMachine(Machine):
         self.on('answer', self._hear)
         self.on_document('turn', self._hear_turn)
         self.on_timer(NEXT_TURN, self._begin_turn)
-        self.on_timer(PATIENCE, self._go_on_without)
+        self.on_timer(ANSWER_TIMEOUT, self._go_on_without)
 
     @property
     def is_ready(self) -> bool:
@@ -130,7 +130,7 @@ class LearnerMachine(Machine):
             self._has_failed = True
             yield from self._request.stop()
             yield from self._question.stop()
-            yield ClearTimer(PATIENCE)
+            yield ClearTimer(ANSWER_TIMEOUT)
             raise
 
     def start(self) -> Effects:
@@ -249,7 +249,7 @@ class LearnerMachine(Machine):
         patience = math.inf if missed else SECONDS_FOR_ANSWER
         yield Report(f'turn {turn}: waiting for the answer to {query.query_id}', expected_within=patience)
         if timeout:
-            yield SetTimer(PATIENCE, timeout * min(2**missed, LONGEST_BACK_OFF))
+            yield SetTimer(ANSWER_TIMEOUT, timeout * min(2**missed, LONGEST_BACK_OFF))
 
     def _go_on_without(self) -> Effects:
         """Let the turn pass without its answer."""
@@ -313,7 +313,7 @@ class LearnerMachine(Machine):
     def _end_turn(self) -> Effects:
         """Tell what is known now, and begin the next turn unless this was the last."""
         yield from self._question.stop()
-        yield ClearTimer(PATIENCE)
+        yield ClearTimer(ANSWER_TIMEOUT)
         episode = self._durable.episode
         if episode.done:
             yield from self._tell_state()

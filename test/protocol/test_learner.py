@@ -16,7 +16,7 @@ from al_questioner.messages import documents
 from al_questioner.messages.stamps import SECOND, stamp_of
 from al_questioner.protocol.effects import Effect, End, Level, Report, Say, WriteFile
 from al_questioner.protocol.events import Moment
-from al_questioner.protocol.learner import LONGEST_BACK_OFF, PATIENCE, LearnerOptions
+from al_questioner.protocol.learner import ANSWER_TIMEOUT, LONGEST_BACK_OFF, LearnerOptions
 from al_questioner.protocol.topics import BeliefsShown, DecisionMade
 from al_questioner.questioning import STRATEGIES
 from al_questioner.simulation import PerceivedWorld, episode_settings
@@ -136,8 +136,8 @@ def test_a_turn_does_not_wait_for_ever_for_its_answer(make: Callable[..., Robot]
         robot.sees()
         warning = f'nobody has answered for {missed} turn{"" if missed == 1 else "s"}'
         assert robot.machine.warning(robot.driver.now) == (warning if missed else '')
-        waits.append(robot.driver.timers[PATIENCE] - robot.driver.seconds)
-        robot.driver.pass_until(robot.driver.timers[PATIENCE])
+        waits.append(robot.driver.timers[ANSWER_TIMEOUT] - robot.driver.seconds)
+        robot.driver.pass_until(robot.driver.timers[ANSWER_TIMEOUT])
     assert waits == [3.0 * min(2**missed, LONGEST_BACK_OFF) for missed in range(6)]
     assert len({json.dumps(query) for query in robot.said('query')}) == 1
     assert robot.driver.lines[1] == 'turn 1: going on without the answer to q1'
