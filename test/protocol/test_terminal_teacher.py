@@ -126,10 +126,10 @@ def test_what_was_said_as_another_episode_began_is_not_said_in_it() -> None:
 
 def test_the_end_of_an_episode_that_was_left_is_not_shown(desk: Desk) -> None:
     """Otherwise a learner that is over, and still runs, would take the open question of the next off the screen."""
-    desk.publishes('old', done=True)
+    desk.tells('old', done=True)
     assert desk.dialogue.view_state().phase is Phase.OVER
     desk.asks(1, episode_id='new')
-    desk.publishes('old', done=True)
+    desk.tells('old', done=True)
     assert desk.dialogue.view_state().phase is Phase.ASKED
 
 
