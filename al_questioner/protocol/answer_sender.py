@@ -7,9 +7,12 @@ from collections.abc import Callable
 from al_questioner.domain import Answer
 from al_questioner.messages import documents
 from al_questioner.messages.documents import Document
-from al_questioner.protocol.effects import Effects, Refuse
+from al_questioner.protocol.effects import Effects, Refuse, Report
 from al_questioner.protocol.machine import Machine
 from al_questioner.protocol.retransmitter import PERSISTENT, Retransmitter
+
+AWAITING = Report('waiting for a query', awaited='query')
+"""Activity of a teacher that has nothing to answer."""
 
 
 class AnswerSender:

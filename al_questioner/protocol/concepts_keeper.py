@@ -15,11 +15,15 @@ class ConceptsKeeper:
 
     Args:
         paths: files to write. If one cannot be written, that is said, and the topic and what the file held before stay.
+
+    Attributes:
+        warning: why files lag behind what is known; empty if none does. Another thread may read it.
     """
 
     def __init__(self, paths: Sequence[Path]) -> None:
         self._paths = paths
         self._last: tuple[object, ...] = ()
+        self.warning = ''
 
     def keep(self, version: tuple[object, ...], knowledge: Callable[[], Knowledge]) -> Effects:
         """Publish and write what is known, unless it is of the same version as the last time."""
@@ -27,10 +31,13 @@ class ConceptsKeeper:
             return
         self._last = version
         text = concepts_text(knowledge())
+        failures = []
         for path in self._paths:
             try:
                 yield WriteFile(path, text)
             except InputError as error:
                 # The log, if there is one, has it all: no reason to stop asking.
+                failures.append(str(error))
                 yield Say(str(error), Level.ERROR)
+        self.warning = '; '.join(failures)
         yield Publish('concepts', text)

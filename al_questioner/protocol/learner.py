@@ -47,7 +47,7 @@ SECONDS_FOR_OBJECTS = 10.0
 """Seconds without a scene after which the node warns."""
 LONGEST_BACK_OFF = 8
 """Times the answer timeout: for so long the learner waits at most before the turn goes on without an answer."""
-NEXT_TURN, PATIENCE = 'next turn', 'patience'
+NEXT_TURN, ANSWER_TIMEOUT = 'next turn', 'answer timeout'
 """Timers: when the next turn begins, and when a turn goes on without its answer."""
 
 
@@ -106,7 +106,7 @@ class LearnerMachine(Machine):
         self.on('answer', self._hear)
         self.on_document('turn', self._hear_turn)
         self.on_timer(NEXT_TURN, self._begin_turn)
-        self.on_timer(PATIENCE, self._go_on_without)
+        self.on_timer(ANSWER_TIMEOUT, self._go_on_without)
 
     @property
     def is_ready(self) -> bool:
@@ -130,7 +130,7 @@ class LearnerMachine(Machine):
             self._has_failed = True
             yield from self._request.stop()
             yield from self._question.stop()
-            yield ClearTimer(PATIENCE)
+            yield ClearTimer(ANSWER_TIMEOUT)
             raise
 
     def start(self) -> Effects:
@@ -249,7 +249,7 @@ class LearnerMachine(Machine):
         patience = math.inf if missed else SECONDS_FOR_ANSWER
         yield Report(f'turn {turn}: waiting for the answer to {query.query_id}', expected_within=patience)
         if timeout:
-            yield SetTimer(PATIENCE, timeout * min(2**missed, LONGEST_BACK_OFF))
+            yield SetTimer(ANSWER_TIMEOUT, timeout * min(2**missed, LONGEST_BACK_OFF))
 
     def _go_on_without(self) -> Effects:
         """Let the turn pass without its answer."""
@@ -271,10 +271,14 @@ class LearnerMachine(Machine):
         answer, episode = None, self._durable.episode
         waited = episode.awaits_answer
         try:
-            answer = self._read_answer(text)
-            taken = self._durable.take(answer)
-        except InputError as error:
-            self._durable.note_rejected(text, str(error), self.now.steady)
+            try:
+                answer = self._read_answer(text)
+                taken = self._durable.take(answer)
+            except InputError as error:
+                self._durable.note_rejected(text, str(error), self.now.steady)
+                raise
+        except (InputError, EpisodeError) as error:
+            # If the log cannot be written, too: who hears nothing believes that no learner is running.
             yield self._receipt_of(answer, None, str(error))
             raise
         yield self._receipt_of(answer, taken.receipt, taken.reason)
@@ -309,7 +313,7 @@ class LearnerMachine(Machine):
     def _end_turn(self) -> Effects:
         """Tell what is known now, and begin the next turn unless this was the last."""
         yield from self._question.stop()
-        yield ClearTimer(PATIENCE)
+        yield ClearTimer(ANSWER_TIMEOUT)
         episode = self._durable.episode
         if episode.done:
             yield from self._tell_state()
@@ -361,11 +365,18 @@ class LearnerMachine(Machine):
         return Publish('scene_markers', shown)
 
     def warning(self, now: Now) -> str:
-        """Warn that nobody answers, or that another learner uses the same topics, which confuses everybody."""
+        """Warn of another learner on the same topics, of nobody who answers, and of files that lag behind."""
+        warnings = []
         if now.steady <= self._rival_at + SECONDS_OF_A_RIVAL:
-            return 'another learner publishes turn, too: end one of the two, or give it a namespace of its own'
+            warnings.append(
+                'another learner publishes turn, too: end one of the two, or give it a namespace of its own'
+            )
         missed = self._durable.episode.unanswered_turns if self._durable.is_ready else 0
-        return f'nobody has answered for {missed} turn{"" if missed == 1 else "s"}' if missed else ''
+        if missed:
+            warnings.append(f'nobody has answered for {missed} turn{"" if missed == 1 else "s"}')
+        if self._keeper.warning:
+            warnings.append(self._keeper.warning)
+        return '; '.join(warnings)
 
     def _hear_turn(self, document: Document) -> Effects:
         """Notice another learner on the same topics; make room for it if this episode is over."""

@@ -13,7 +13,7 @@ from al_questioner.protocol.events import Entered, Event, Heard, Moment, Now, Ti
 
 
 class Machine:
-    """The behaviour of a node. It knows no thread, no topic's middleware and no clock; the caller performs its effects.
+    """The behaviour of a node. It knows no thread, no middleware and no clock; the caller performs its effects.
 
     A handler is a generator of effects. The caller performs each effect before asking for the next, so that what
     follows an effect happens only if the effect did. If a handler cannot use what was heard it raises an InputError:
@@ -22,7 +22,7 @@ class Machine:
     Attributes:
         publishes: topics on which it may publish.
         episode_id: of the documents that it writes.
-        now: the time of the event that it handles.
+        now: the time, each time it is read, as the event's handler was given it: see `Now`.
     """
 
     publishes: ClassVar[tuple[str, ...]] = ()

@@ -19,7 +19,7 @@ StateWatcher = Callable[[int, tuple[QueryRecord, ...]], None]
 class ObserverMachine(Machine):
     """Hands every `learner_state` of one episode on, and notices when nothing goes on any more.
 
-    A state that is missed matters not, since the next holds all that came before.
+    It does no harm to miss a state, since the next one holds all that came before.
 
     Args:
         episode_id: the episode to follow.

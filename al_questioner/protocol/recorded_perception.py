@@ -10,11 +10,10 @@ from al_questioner.messages.stamps import stamp_of
 from al_questioner.protocol.effects import Effects, Level, Publish, Report, Say
 from al_questioner.protocol.machine import Machine
 from al_questioner.protocol.topics import Replayed
+from al_questioner.protocol.worlds import WORLD_MEMBERS
 
 PRESSED = 'pressed'
 """Source of the keys that the person presses; the content is the key."""
-WORLD = ('task', 'seed', 'sample')
-"""Members of a document that describe a simulated world."""
 
 
 class RecordedPerceptionMachine(Machine):
@@ -86,7 +85,7 @@ class RecordedPerceptionMachine(Machine):
         if ours is None or theirs is None or document['episode_id'] in self._strange_worlds:
             return
         differing = [
-            f'{name} {theirs[name]!r}, recorded {ours[name]!r}' for name in WORLD if theirs[name] != ours[name]
+            f'{name} {theirs[name]!r}, recorded {ours[name]!r}' for name in WORLD_MEMBERS if theirs[name] != ours[name]
         ]
         if differing:
             self._strange_worlds.add(document['episode_id'])

@@ -18,7 +18,7 @@ SYNC_PERIOD = 0.5
 """Seconds from one time at which all is brought to the disk to the next: what a crash can cost."""
 DRAIN = 1.0
 """Seconds after the end of an episode in which messages are still taken."""
-SYNC, END = 'sync', 'end'
+SYNC, DRAINED = 'sync', 'drained'
 """Timers: when all is brought to the disk, and when no more messages are awaited."""
 
 
@@ -60,7 +60,7 @@ class RecorderMachine(Machine):
         for topic in names:
             self.on(topic, partial(self._record, topic))
         self.on_timer(SYNC, self._sync_again)
-        self.on_timer(END, self._end)
+        self.on_timer(DRAINED, self._end)
 
     @property
     def written(self) -> int:
@@ -123,7 +123,7 @@ class RecorderMachine(Machine):
         if is_end and self.until_done and not self._is_ending:
             # Once: a state that is repeated must not put the end off.
             self._is_ending = True
-            yield SetTimer(END, DRAIN)
+            yield SetTimer(DRAINED, DRAIN)
 
     def _end(self) -> Effects:
         yield from self._sync()

@@ -7,13 +7,11 @@ from collections.abc import Callable, Mapping
 from al_questioner.domain import Answer
 from al_questioner.messages import documents
 from al_questioner.messages.documents import Document
-from al_questioner.protocol.answer_sender import AnswerSender
+from al_questioner.protocol.answer_sender import AWAITING, AnswerSender
 from al_questioner.protocol.effects import Effects, Report
 from al_questioner.protocol.machine import Machine
 from al_questioner.protocol.worlds import check_world
 from al_questioner.questioning import Teacher
-
-AWAITING = Report('waiting for a query', awaited='query')
 
 
 class ScriptedTeacherMachine(Machine):

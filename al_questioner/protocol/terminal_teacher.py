@@ -5,7 +5,7 @@ from __future__ import annotations
 from al_questioner.domain import Answer
 from al_questioner.messages import documents
 from al_questioner.messages.documents import Document
-from al_questioner.protocol.answer_sender import AnswerSender
+from al_questioner.protocol.answer_sender import AWAITING, AnswerSender
 from al_questioner.protocol.effects import Effects, Report
 from al_questioner.protocol.machine import Machine
 from al_questioner.protocol.topics import Look, PictureShown
@@ -13,7 +13,6 @@ from al_questioner.questioning.dialogue import EpisodeProgress, TeacherDialogue
 
 SAID = 'said'
 """Source of the answers of the person; the content is the id of the episode, and the answer."""
-AWAITING = Report('waiting for a query', awaited='query')
 
 
 class TerminalTeacherMachine(Machine):

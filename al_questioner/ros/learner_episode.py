@@ -63,11 +63,16 @@ def notes_on_known(settings: EpisodeSettings) -> tuple[str, str]:
         return '', ''
     new, of_none = [symbol for symbol in settings.symbols if symbol not in known.symbols], known.counts[NO_SYMBOL]
     doubtful = (
-        f'{", ".join(new)}: new, while {number_of(of_none, "thing")} of {NO_SYMBOL} are known from before; if one is'
-        ' of that symbol, have its example removed from the concepts file: `concepts FILE --examples` shows them,'
-        ' `concepts FILE --remove VIEW --out FILE` removes one'
+        f'{", ".join(new)}: new, while {number_of(of_none, "thing")} of {NO_SYMBOL} {_verb(of_none)} known from before;'
+        ' if one is of that symbol, have its example removed from the concepts file: `concepts FILE --examples` shows'
+        ' them, `concepts FILE --remove VIEW --out FILE` removes one'
     )
-    return f'{number_of(len(known.examples), "example")} are known', doubtful if new and of_none else ''
+    count = len(known.examples)
+    return f'{number_of(count, "example")} {_verb(count)} known', doubtful if new and of_none else ''
+
+
+def _verb(count: int) -> str:
+    return 'is' if count == 1 else 'are'
 
 
 def session_folder(given: Mapping[str, Any]) -> Path | None:

@@ -53,7 +53,10 @@ class NodeTime:
 
 
 class MachineNode(QuestionerNode):
-    """A node that does what a machine says. The machine is handled by the node's worker alone, event by event.
+    """A node that does what a machine says.
+
+    The machine handles each event on the thread of the node's worker, where its effects are performed, too. Once the
+    worker is stopped, the thread that destroys the node may have the machine do what comes last.
 
     Attributes:
         machine: what it does.
@@ -122,7 +125,10 @@ class MachineNode(QuestionerNode):
         return self.machine.measurements()
 
     def destroy_node(self) -> None:
-        """Stop the worker and leave the graph; then the machine lets go of what it holds."""
+        """Stop the worker and leave the graph; then the machine lets go of what it holds, on the calling thread.
+
+        A job that takes longer than `Worker.stop` waits may still run on the worker's thread by then.
+        """
         super().destroy_node()
         machine = getattr(self, 'machine', None)
         if machine is not None:

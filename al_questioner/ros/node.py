@@ -271,22 +271,19 @@ class QuestionerNode(Node, metaclass=_LeavesOnError):
         return f'{late}: {f"{topic} is published by {by}" if by else f"nobody publishes {topic}"}'
 
     def _publish_diagnostics(self) -> None:
-        level, message = DiagnosticStatus.OK, self._activity
         overdue = self._late()
-        if overdue:
-            level, message = DiagnosticStatus.WARN, overdue
-            if not self._said_overdue:
-                self._said_overdue = True
-                self.get_logger().warning(f'{message}: is everything running that should be?')
+        if overdue and not self._said_overdue:
+            self._said_overdue = True
+            self.get_logger().warning(f'{overdue}: is everything running that should be?')
         warnings = [*filter(None, [self.health_warning()]), *self._mismatches()]
-        if warnings:
-            level, message = DiagnosticStatus.WARN, '; '.join([self._activity, *warnings])
-            for warning in warnings:
-                if warning not in self._last_warnings:
-                    self.get_logger().warning(warning)
+        for warning in warnings:
+            if warning not in self._last_warnings:
+                self.get_logger().warning(warning)
         self._last_warnings = warnings
-        if time.monotonic() - self._rejected_at < REJECTION_SHOWN:
-            level, message = DiagnosticStatus.WARN, f'{self._activity}; refused {self._last_rejection}'
+        is_refusal_shown = time.monotonic() - self._rejected_at < REJECTION_SHOWN
+        refused = [f'refused {self._last_rejection}'] if is_refusal_shown else []
+        level = DiagnosticStatus.WARN if overdue or warnings or refused else DiagnosticStatus.OK
+        message = '; '.join([overdue or self._activity, *refused, *warnings])
         if self._failure:
             level, message = DiagnosticStatus.ERROR, self._failure
         status = DiagnosticStatus(

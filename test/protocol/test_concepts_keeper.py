@@ -41,10 +41,28 @@ def test_a_file_that_cannot_be_written_is_no_reason_to_be_silent(tmp_path: Path)
     """A full disk would stop the recogniser, too, and the other file."""
     (tmp_path / 'file').write_text('', encoding='utf-8')
     paths = [tmp_path / 'file' / 'concepts.json', tmp_path / 'other.json']
-    driver = Driver(Machine(), write)
-    driver.perform(ConceptsKeeper(paths).keep((1,), lambda: KNOWLEDGE))
+    keeper, driver = ConceptsKeeper(paths), Driver(Machine(), write)
+    driver.perform(keeper.keep((1,), lambda: KNOWLEDGE))
     assert driver.effects(Publish) == [Publish('concepts', concepts_text(KNOWLEDGE))]
     assert read_concepts(paths[1]) == KNOWLEDGE
     (complaint,) = driver.effects(Say)
     assert complaint.level is Level.ERROR
     assert str(paths[0].parent) in complaint.text
+    assert keeper.warning == complaint.text
+
+
+def test_what_could_not_be_written_is_warned_of_until_it_is(tmp_path: Path) -> None:
+    """Otherwise a file that lags behind would be named once in the log, and never again."""
+    folder = tmp_path / 'file'
+    folder.write_text('', encoding='utf-8')
+    keeper, driver = ConceptsKeeper([folder / 'one.json', folder / 'two.json']), Driver(Machine(), write)
+    assert keeper.warning == ''
+    for version in (1, 1, 2):
+        driver.perform(keeper.keep((version,), lambda: KNOWLEDGE))
+        assert keeper.warning == '; '.join(said.text for said in driver.effects(Say)[-2:])
+    folder.unlink()
+    folder.mkdir()
+    driver.perform(keeper.keep((2,), lambda: KNOWLEDGE))
+    assert keeper.warning != ''
+    driver.perform(keeper.keep((3,), lambda: KNOWLEDGE))
+    assert keeper.warning == ''

@@ -14,12 +14,13 @@ from al_questioner.domain import EpisodeError
 from al_questioner.event_log.events import InputRejected
 from al_questioner.messages import documents
 from al_questioner.messages.stamps import SECOND, stamp_of
-from al_questioner.protocol.effects import End, Level, Report, Say, WriteFile
+from al_questioner.protocol.effects import Effect, End, Level, Report, Say, WriteFile
 from al_questioner.protocol.events import Moment
-from al_questioner.protocol.learner import LONGEST_BACK_OFF, PATIENCE, LearnerOptions
+from al_questioner.protocol.learner import ANSWER_TIMEOUT, LONGEST_BACK_OFF, LearnerOptions
 from al_questioner.protocol.topics import BeliefsShown, DecisionMade
 from al_questioner.questioning import STRATEGIES
 from al_questioner.simulation import PerceivedWorld, episode_settings
+from al_questioner.support.files import write_text
 from shared.durable_sessions import WORLD, events
 from shared.learner_robot import Robot
 from shared.lunches import TASK
@@ -135,8 +136,8 @@ def test_a_turn_does_not_wait_for_ever_for_its_answer(make: Callable[..., Robot]
         robot.sees()
         warning = f'nobody has answered for {missed} turn{"" if missed == 1 else "s"}'
         assert robot.machine.warning(robot.driver.now) == (warning if missed else '')
-        waits.append(robot.driver.timers[PATIENCE] - robot.driver.seconds)
-        robot.driver.pass_until(robot.driver.timers[PATIENCE])
+        waits.append(robot.driver.timers[ANSWER_TIMEOUT] - robot.driver.seconds)
+        robot.driver.pass_until(robot.driver.timers[ANSWER_TIMEOUT])
     assert waits == [3.0 * min(2**missed, LONGEST_BACK_OFF) for missed in range(6)]
     assert len({json.dumps(query) for query in robot.said('query')}) == 1
     assert robot.driver.lines[1] == 'turn 1: going on without the answer to q1'
@@ -290,7 +291,7 @@ def test_a_session_that_cannot_be_written_ends_the_questions(
     robot.durable._log._storage._database.execute('PRAGMA query_only=1')
     with pytest.raises(EpisodeError, match='cannot be written'):
         robot.sees() if event == 'a scene' else robot.is_taught()
-    assert robot.said('answer_ack') == []
+    assert not any(ack['accepted'] for ack in robot.said('answer_ack'))
     assert robot.driver.timers == {}
     before = list(robot.order)
     robot.sees()
@@ -334,3 +335,25 @@ def test_a_file_of_concepts_is_written_after_each_answer(make: Callable[..., Rob
         written = robot.driver.effects(WriteFile)
         assert len(written) == answers
         assert json.loads(written[-1].text) == robot.said('concepts')[-1]
+
+
+def test_all_that_is_wrong_around_a_learner_is_warned_of(make: Callable[..., Robot], tmp_path: Path) -> None:
+    """Otherwise a file that lags behind would be hidden by another warning, or hide it."""
+    (tmp_path / 'file').write_text('', encoding='utf-8')
+
+    def write(effect: Effect) -> None:
+        if isinstance(effect, WriteFile):
+            write_text(effect.path, effect.text)
+
+    robot = make(do=write, answer_timeout=3.0, concepts_files=[tmp_path / 'file' / 'concepts.json'])
+    robot.sees()
+    robot.driver.pass_until(3.0)
+    other_turn(robot)
+    rival, absence, file = robot.machine.warning(robot.driver.now).split('; ')
+    assert 'another learner' in rival
+    assert absence == 'nobody has answered for 1 turn'
+    assert str(tmp_path / 'file') in file
+    (tmp_path / 'file').unlink()
+    (tmp_path / 'file').mkdir()
+    robot.is_taught()
+    assert robot.machine.warning(Moment(steady=100.0)) == ''

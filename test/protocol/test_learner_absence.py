@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable
 from pathlib import Path
 
-from al_questioner.protocol.learner import PATIENCE
+from al_questioner.protocol.learner import ANSWER_TIMEOUT
 from al_questioner.simulation import episode_settings
 from shared.learner_robot import Robot
 from shared.lunches import TASK
@@ -18,7 +18,7 @@ AWAY = episode_settings(TASK, 'u_sampling', 4.0, 1000, change_interval=1000)
 def passes(robot: Robot) -> None:
     """Let a turn pass in which nobody answers."""
     robot.sees()
-    robot.driver.pass_until(robot.driver.timers[PATIENCE])
+    robot.driver.pass_until(robot.driver.timers[ANSWER_TIMEOUT])
 
 
 def test_an_episode_without_a_teacher_comes_to_its_end(make: Callable[..., Robot]) -> None:

@@ -9,7 +9,7 @@ from pathlib import Path
 import pytest
 
 from al_questioner.event_log.events import AnswerAccepted, InputRejected, LateAnswerKept
-from al_questioner.protocol.effects import Effect, Publish
+from al_questioner.protocol.effects import Effect, Publish, WriteFile
 from al_questioner.simulation import episode_settings
 from shared.durable_sessions import WITH_RELEVANCE, ask_what_matters, events
 from shared.learner_robot import Robot, answer_text
@@ -169,3 +169,17 @@ def test_corrections_of_corrections_cost_nothing_and_ask_nothing(
     assert (ack['accepted'], ack['reason']) == (False, "no answer 'a9' to query 'q1' was taken")
     assert [one['query_id'] for one in robot.said('query')] == ['q1', 'q2']
     assert robot.answers(robot.said('query')[-1], 'snack')['accepted']
+
+
+def test_a_late_answer_changes_what_is_told_of_its_teacher(make: Callable[..., Robot], tmp_path: Path) -> None:
+    """Otherwise a concepts file would hold how reliable a teacher was before, until the next answer is taken."""
+    robot = make(settings=LABELS, concepts_files=[tmp_path / 'concepts.json'])
+    robot.sees()
+    (query,) = robot.said('query')
+    robot.answers(query, 'snack')
+    robot.sees()
+    before = len(robot.said('concepts'))
+    for _ in range(2):
+        robot.answers(query, 'fruit', answer_id='b1', teacher_id='bert')
+        assert len(robot.said('concepts')) == len(robot.driver.effects(WriteFile)) == before + 1
+    assert robot.said('concepts')[-1] != robot.said('concepts')[-2]

@@ -75,13 +75,74 @@ def test_a_learner_tells_that_another_version_began_its_session(
     assert Say(said, Level.WARNING) in again.driver.effects(Say)
 
 
+def fill_disk(robot: Robot) -> None:
+    """Let nothing more be written to the log of a learner."""
+    robot.durable._log._storage._database.execute('PRAGMA query_only=1')
+
+
+@pytest.mark.parametrize('first', ['snack', 'pudding'])
+def test_an_answer_that_cannot_be_written_is_refused_with_the_reason(
+    make: Callable[..., Robot], tmp_path: Path, first: str
+) -> None:
+    """Otherwise its teacher would ask whether the learner is running, and not hear that the disk is full."""
+    robot = make(tmp_path, settings=LABELS)
+    robot.sees()
+    (query,) = robot.said('query')
+    fill_disk(robot)
+    for content in (first, 'snack', 'fruit'):
+        before = len(robot.said('answer_ack'))
+        with pytest.raises(EpisodeError, match='cannot be written') as failure:
+            robot.answers(query, content)
+        (ack,) = robot.said('answer_ack')[before:]
+        assert (ack['accepted'], ack['query_id'], ack['answer_id']) == (False, 'q1', 'a1')
+        assert ack['reason'] == str(failure.value)
+
+
+def test_a_learner_that_failed_between_two_turns_begins_none(make: Callable[..., Robot], tmp_path: Path) -> None:
+    """Otherwise it would look at a scene and ask a question that the learner after it does not know of."""
+    robot = make(tmp_path, settings=LABELS, turn_period=3000.0)
+    robot.sees()
+    (query,) = robot.said('query')
+    robot.answers(query, 'snack')
+    (state,) = robot.said('learner_state')
+    fill_disk(robot)
+    with pytest.raises(EpisodeError, match='cannot be written'):
+        robot.answers(query, 'fruit', answer_id='a2', replaces='a1')
+    before = list(robot.order)
+    robot.driver.pass_until(7000.0)
+    # The last state is still true, and is said again for those who have missed it.
+    assert set(robot.order[len(before) :]) <= {'learner_state'}
+    assert all(said == state for said in robot.said('learner_state'))
+    assert [turn['turn'] for turn in robot.said('turn')] == [1]
+
+
+def test_a_learner_that_failed_tells_of_no_state(make: Callable[..., Robot], tmp_path: Path) -> None:
+    """Otherwise it would tell of a scene that is not in its log, which the learner after it has never seen."""
+    robot = make(tmp_path, settings=LABELS)
+    robot.sees()
+    (query,) = robot.said('query')
+    robot.answers(query, 'snack')
+    robot.sees()
+    for _ in range(2):
+        robot.answers(query, 'fruit', answer_id='b1', teacher_id='bert')
+    robot.is_taught()
+    fill_disk(robot)
+    with pytest.raises(EpisodeError, match='cannot be written'):
+        robot.sees()
+    before = list(robot.order)
+    # It is in the log already, so that nothing has to be written for it.
+    assert not robot.answers(query, 'fruit', answer_id='b1', teacher_id='bert')['accepted']
+    robot.driver.pass_until(1000.0)
+    assert robot.order[len(before) :] == ['answer_ack']
+
+
 def test_after_a_full_disk_a_new_learner_asks_the_same(make: Callable[..., Robot], tmp_path: Path) -> None:
     """Otherwise an answer that was not acknowledged would be lost, or count twice once it is said again."""
     robot = make(tmp_path, settings=LABELS)
     robot.sees()
     robot.is_taught()
     robot.sees()
-    robot.durable._log._storage._database.execute('PRAGMA query_only=1')
+    fill_disk(robot)
     with pytest.raises(EpisodeError, match='cannot be written'):
         robot.driver.hear('answer', 'snack')
     robot.machine.close()

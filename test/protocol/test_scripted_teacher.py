@@ -93,6 +93,17 @@ def test_another_episode_has_a_teacher_who_has_named_nothing() -> None:
     assert ids == ['q1/1', 'q2/2', 'q1/1']
 
 
+def test_the_next_episode_is_answered_although_its_question_and_answer_are_those_of_the_last() -> None:
+    """Otherwise the answer would be said for ever to a learner that has died, and the next one would wait for ever."""
+    driver = Driver(ScriptedTeacherMachine(Steady, lambda _: {}, WORLD))
+    for at, episode_id in ((0.0, 'e'), (0.5, 'f')):
+        driver.pass_until(at)
+        ask(driver, 1, episode_id)
+    driver.pass_until(2.0)
+    said = [(answer['episode_id'], answer['answer_id']) for answer in driver.published('answer')]
+    assert said == [('e', 'q1'), ('f', 'q1'), ('f', 'q1')]
+
+
 @pytest.mark.parametrize('name', ['task', 'seed', 'sample'])
 def test_who_lives_in_another_world_does_not_answer(name: str) -> None:
     """Otherwise wrong labels would be taught."""
@@ -114,6 +125,16 @@ def test_an_answer_that_is_not_taken_is_said_no_more_and_told() -> None:
     driver.pass_until(10.0)
     assert len(driver.published('answer')) == 1
     assert driver.refusals == [('answer_ack', 'the learner did not accept the answer to q1: it has gone')]
+
+
+def test_a_question_that_is_asked_again_after_a_refusal_is_answered_again() -> None:
+    """Otherwise a learner that comes back after its disk was full would wait for ever for the answer."""
+    driver = Driver(ScriptedTeacherMachine(Steady, lambda _: {}, WORLD))
+    ask(driver, 1)
+    acknowledge(driver, driver.published('answer')[0], 'the disk is full')
+    ask(driver, 1)
+    first, again = driver.published('answer')
+    assert first == again
 
 
 def test_only_the_acknowledgement_of_this_answer_ends_it() -> None:

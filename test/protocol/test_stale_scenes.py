@@ -53,3 +53,15 @@ def test_how_far_a_clock_is_behind_stays_the_same_as_the_turn_goes_on(stale: Sta
     for later in (3, 5, 9):
         with pytest.raises(SceneError, match=r'is 60\.0 s ago: is the clock of their sender behind\?'):
             stale.pass_over(TURN + (later - 60) * SECOND, TURN, Moment(later, TURN + later * SECOND))
+
+
+def test_each_turn_counts_its_own_old_scenes(stale: StaleScenes) -> None:
+    """Otherwise the few old scenes of each turn would add up, and a right clock be called wrong."""
+    for _ in range(FEWEST - 1):
+        stale.pass_over(TURN - 1, TURN, Moment(0.0, TURN))
+    stale.begin_turn(1.0)
+    late = Moment(1.0 + PATIENCE, TURN)
+    for _ in range(FEWEST - 1):
+        stale.pass_over(TURN - 1, TURN, late)
+    with pytest.raises(SceneError, match='all clouds are older than the turn'):
+        stale.pass_over(TURN - 1, TURN, late)

@@ -15,7 +15,7 @@ from al_questioner.event_log.durable_episode import DurableEpisode
 from al_questioner.event_log.log import SessionLog, read_log
 from al_questioner.protocol.effects import Publish, Refuse
 from al_questioner.protocol.events import Heard, Started, TimerFired
-from al_questioner.protocol.learner import PATIENCE, LearnerMachine
+from al_questioner.protocol.learner import ANSWER_TIMEOUT, LearnerMachine
 from al_questioner.protocol.machine import Machine
 from al_questioner.protocol.perception import PerceptionMachine
 from al_questioner.protocol.recogniser import RecogniserMachine
@@ -151,7 +151,7 @@ def check_variety(learners: list[Recording], thinks: Recording) -> None:
     events = [step.event for step in steps]
     assert sum(isinstance(event, Started) for event in events) == 2
     assert {event.topic for event in events if isinstance(event, Heard)} == {'objects', 'answer', 'turn'}
-    assert PATIENCE in {event.timer for event in events if isinstance(event, TimerFired)}
+    assert ANSWER_TIMEOUT in {event.timer for event in events if isinstance(event, TimerFired)}
     assert any(isinstance(effect, Refuse) for step in steps for effect in step.effects)
     topics = {effect.topic for learns in learners for effect in learns.effects if isinstance(effect, Publish)}
     assert topics == set(LearnerMachine.publishes)

@@ -151,7 +151,8 @@ def test_a_timer_rings_once_and_the_last_that_was_set_counts(child: Child) -> No
 def test_refusals_warnings_and_failures_are_on_the_diagnostics(child: Child, diagnostics: Any) -> None:
     """Otherwise nobody would see what is wrong with a node, whatever its machine says."""
     child.wants('refuse')
-    diagnostics.wait_for('playing; refused want: not that', DiagnosticStatus.WARN)
+    # Neither hides the other.
+    diagnostics.wait_for('playing; refused want: not that; a toy is no robot', DiagnosticStatus.WARN)
     values = diagnostics.values
     assert (values['refused on want'], values['weight'], values['wishes']) == ('1', '3 kg', '2')
     child.wants('fail')
@@ -161,6 +162,15 @@ def test_refusals_warnings_and_failures_are_on_the_diagnostics(child: Child, dia
 def test_a_warning_of_the_machine_is_on_the_diagnostics(child: Child, diagnostics: Any) -> None:
     """Otherwise nobody would see that the robot waits for somebody, or that two learners disturb each other."""
     diagnostics.wait_for('playing; a toy is no robot', DiagnosticStatus.WARN)
+
+
+def test_a_refusal_does_not_hide_that_something_takes_too_long(child: Child, diagnostics: Any) -> None:
+    """Otherwise nobody would see for a minute after each refusal that the robot waits for something."""
+    # By then it has begun, which sets its status, too.
+    child.wants('peace')
+    child.node.set_status('playing', expected_within=0.0)
+    child.node.reject('want', 'not that')
+    diagnostics.wait_for('playing for too long; refused want: not that; a toy is no robot', DiagnosticStatus.WARN)
 
 
 def test_the_error_of_an_effect_goes_back_to_the_machine(child: Child, tmp_path: Path) -> None:

@@ -5,6 +5,7 @@ from __future__ import annotations
 import threading
 from functools import partial
 from pathlib import Path
+from types import SimpleNamespace
 from typing import Any
 
 import pytest
@@ -13,6 +14,7 @@ from rclpy.parameter import Parameter
 
 from al_questioner.domain import InputError, Setting
 from al_questioner.protocol.learner import LearnerOptions
+from al_questioner.ros.learner_episode import notes_on_known
 from al_questioner.ros.node_arguments import help_text
 from al_questioner.ros.nodes.learner import LearnerNode
 from al_questioner.ros.nodes.perception import PerceptionNode
@@ -271,3 +273,23 @@ def test_whatever_is_set_while_a_node_runs_is_refused_with_a_reason(graph: Any, 
     assert not node.set_parameters_atomically(together).successful
     assert node.get_parameter('use_sim_time').value is False
     assert {setting.name: node.get_parameter(setting.name).value for setting in settings} == before
+
+
+@pytest.mark.parametrize(
+    ('count', 'known', 'doubtful'),
+    [
+        (1, '1 example is known', 'mine: new, while 1 thing of none is known from before; if one is'),
+        (
+            2,
+            '2 examples are known',
+            'mine: new, while 2 things of none are known from before; if one is of that symbol',
+        ),
+    ],
+)
+def test_what_a_learner_begins_with_is_told_in_english(count: int, known: str, doubtful: str) -> None:
+    """Otherwise it would say that 1 example are known."""
+    concepts = SimpleNamespace(symbols=('snack',), counts={'none': count}, examples=[None] * count)
+    settings: Any = SimpleNamespace(symbols=('snack', 'mine'), concepts=concepts)
+    told, doubts = notes_on_known(settings)
+    assert told == known
+    assert doubts.startswith(doubtful)

@@ -61,7 +61,10 @@ class RecorderNode(MachineNode):
             super().perform(effect)
 
     def destroy_node(self) -> None:
-        """Write what is left and finish the bag, or say on /diagnostics what made that impossible."""
+        """Write what is left and finish the bag, or say on /diagnostics what made that impossible.
+
+        The worker writes what is left, on its thread; then the calling thread finishes the bag.
+        """
         self._worker.finish()
         try:
             perform_all(self.machine.finish(), self.perform)
