@@ -127,16 +127,6 @@ def test_an_answer_that_is_not_taken_is_said_no_more_and_told() -> None:
     assert driver.refusals == [('answer_ack', 'the learner did not accept the answer to q1: it has gone')]
 
 
-def test_a_question_that_is_asked_again_after_a_refusal_is_answered_again() -> None:
-    """Otherwise a learner that comes back after its disk was full would wait for ever for the answer."""
-    driver = Driver(ScriptedTeacherMachine(Steady, lambda _: {}, WORLD))
-    ask(driver, 1)
-    acknowledge(driver, driver.published('answer')[0], 'the disk is full')
-    ask(driver, 1)
-    first, again = driver.published('answer')
-    assert first == again
-
-
 def test_only_the_acknowledgement_of_this_answer_ends_it() -> None:
     """Otherwise what a learner says to another teacher, or said in another episode, would lose an answer."""
     driver = driver_of()
