@@ -271,14 +271,10 @@ class LearnerMachine(Machine):
         answer, episode = None, self._durable.episode
         waited = episode.awaits_answer
         try:
-            try:
-                answer = self._read_answer(text)
-                taken = self._durable.take(answer)
-            except InputError as error:
-                self._durable.note_rejected(text, str(error), self.now.steady)
-                raise
-        except (InputError, EpisodeError) as error:
-            # If the log cannot be written, too: who hears nothing believes that no learner is running.
+            answer = self._read_answer(text)
+            taken = self._durable.take(answer)
+        except InputError as error:
+            self._durable.note_rejected(text, str(error), self.now.steady)
             yield self._receipt_of(answer, None, str(error))
             raise
         yield self._receipt_of(answer, taken.receipt, taken.reason)

@@ -229,7 +229,7 @@ class TeacherDialogue:
 
     def _no_reply(self) -> str:
         late = self._on_its_way is not None and self._clock() - self._sent_at > PATIENCE_S
-        return 'No reply so far; is the learner running?' if late else ''
+        return 'No reply so far; is the learner running, and can it write to its disk?' if late else ''
 
     def _phase(self) -> Phase:
         if self._on_its_way is not None:

@@ -208,7 +208,7 @@ def test_an_answer_that_nobody_replies_to_is_said_to_be_so(made: Any) -> None:
     now[0] += 4.0
     assert dialogue.view_state().notice == ''
     now[0] += 2.0
-    assert dialogue.view_state().notice == 'No reply so far; is the learner running?'
+    assert dialogue.view_state().notice == 'No reply so far; is the learner running, and can it write to its disk?'
     dialogue.enter('another')
     assert dialogue.view_state().notice == ''
 
