@@ -26,6 +26,7 @@ RATES = {
 OTHERS = {'script': 0.4, 'replay': 0.15, 'terminal': 0.3, 'recogniser': 0.15, 'recorder': 0.2, 'rival': 0.1}
 """Share of the runs that have each of these processes."""
 SECONDS_OF_FAULTS = 35.0
+"""Seconds in which faults happen."""
 SECONDS_OF_FAULTS_AFTER_END = 10.0
 """Seconds after the end of the last episode in which faults go on: late answers and corrections still come."""
 SECONDS_TO_END = 200.0
@@ -69,10 +70,8 @@ def make_plan(draw: random.Random) -> Plan:
     people = tuple(draw.random() < 0.25 for _ in range(draw.randint(0, 2)))
     others = {name for name, share in OTHERS.items() if draw.random() < share}
     noise = draw.choice((None, None, None, 0.0, 0.05))
-    if not people and not others & {'script', 'terminal'}:
-        others.add('terminal' if noise is not None else draw.choice(('script', 'terminal')))
-    if not people and noise is not None:
-        # The script answers by turns, which a camera does not know.
+    if not people and (noise is not None or 'script' not in others):
+        # A camera knows no turns, by which the script answers.
         others.add('terminal')
     return Plan(
         seed=draw.randrange(2**31),
@@ -114,10 +113,10 @@ def run(
         _play(robots, scheduler, faults)
     except BrokenPromiseError as error:
         violation = str(error)
-        chart.note('', violation)
     except Exception as error:  # noqa: BLE001 - an error that nobody foresaw is what is looked for
         last = traceback.extract_tb(error.__traceback__)[-1]
         violation = f'{type(error).__name__}: {error} ({Path(last.filename).name}, line {last.lineno})'
+    if violation:
         chart.note('', violation)
     lives = sum(robot.learner.lives for robot in robots)
     return Outcome(seed, violation, tuple(faults.happened), chart.text, scheduler.steps, scheduler.now, lives)
