@@ -25,6 +25,8 @@ EPISODE = {'task': 'prepare_lunch', 'seed': 4, 'budget': 7.0, 'turns': 6, 'strat
 WRITE_POINTS = 4 * (1 + 6 + 6)
 """Four for each of: the episode, a scene with its decision, an answer; asking in every turn."""
 
+KILLS = 40
+"""Learners that are killed at random moments; the bottle tries many more."""
 LONGEST_LIFE = 0.4
 """Seconds that a learner lives at most after it is up, where it is killed at random."""
 
@@ -117,14 +119,20 @@ def test_a_killed_learner_is_gone_on_with(learners: Learners, tmp_path: Path, po
 
 @pytest.mark.slow
 @pytest.mark.timeout(1800)
-def test_a_learner_killed_at_every_write_point_is_gone_on_with(learners: Learners, tmp_path: Path) -> None:
-    """Otherwise there would be a moment at which a crash costs an answer."""
+def test_a_learner_killed_at_write_points_of_every_kind_is_gone_on_with(learners: Learners, tmp_path: Path) -> None:
+    """Otherwise there would be a moment at which a crash costs an answer.
+
+    Real processes at one write point in five, which meets each of the four kinds; every point is tried in one process,
+    see `test_log.py`, and in virtual time, see `test_bottle.py`.
+    """
     learners.finish(tmp_path / 'whole')
-    points = 0
-    while kill_and_go_on(learners, tmp_path / f'killed-{points}', points + 1):
-        assert decisions(tmp_path / f'killed-{points}') == decisions(tmp_path / 'whole')
-        points += 1
-    assert 0 < points <= WRITE_POINTS
+    point, kinds = 1, set()
+    while kill_and_go_on(learners, tmp_path / f'killed-{point}', point):
+        assert decisions(tmp_path / f'killed-{point}') == decisions(tmp_path / 'whole')
+        kinds.add(point % 4)
+        point += 5
+    assert kinds == {0, 1, 2, 3}
+    assert point <= WRITE_POINTS + 5
 
 
 @pytest.mark.slow
@@ -133,7 +141,7 @@ def test_learners_killed_at_random_moments_are_gone_on_with(learners: Learners, 
     """No answer is lost at a moment that no list of write points foresees."""
     learners.finish(tmp_path / 'whole')
     draw, kills, episodes, longest = random.Random(1), 0, 0, LONGEST_LIFE
-    while kills < 200:
+    while kills < KILLS:
         session = tmp_path / f'random-{episodes}'
         over, written = False, 0
         while not over:

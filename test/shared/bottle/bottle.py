@@ -67,7 +67,7 @@ def make_rates(draw: random.Random) -> dict[str, float]:
 
 def make_plan(draw: random.Random) -> Plan:
     """Return a layout in which somebody answers."""
-    people = tuple(draw.random() < 0.25 for _ in range(draw.randint(0, 2)))
+    people = tuple(draw.random() < 0.25 for _ in range(draw.choice((0, 0, 1, 1, 2))))
     others = {name for name, share in OTHERS.items() if draw.random() < share}
     noise = draw.choice((None, None, None, 0.0, 0.05))
     if not people and (noise is not None or 'script' not in others):
@@ -83,7 +83,7 @@ def make_plan(draw: random.Random) -> Plan:
         noise=noise,
         people=people,
         others=frozenset(others),
-        keeps_log=draw.random() > 0.1,
+        keeps_log=draw.random() > (0.1 if people else 0.5),
         answer_timeout=draw.choice((0.0, 5.0, 30.0)),
         turn_period=draw.choice((0.0, 0.0, 1.0)),
         slowness=draw.choice((1.0, 1.0, 50.0)),

@@ -39,6 +39,9 @@ class Promises:
         scene_number: number of the scene that is there in a turn, where that is known.
         faults: for what is looked at now and then only.
         replay_rate: share of the states that are compared with a replay of the log.
+
+    Attributes:
+        is_suspicious: whether every state is.
     """
 
     def __init__(
@@ -49,6 +52,7 @@ class Promises:
         self._table, self._scene_number, self._faults, self._replay_rate = table, scene_number, faults, replay_rate
         self._said: set[tuple[Any, ...]] = set()
         self._states = 0
+        self.is_suspicious = False
         self.forget()
 
     @property
@@ -225,7 +229,7 @@ class Promises:
         if text != self._last_state:
             self._last_state, self._events_told = text, self._events_that_count
             self._states += 1
-            if self._faults.draw('replay', self.name, self._states) < self._replay_rate:
+            if self.is_suspicious or self._faults.draw('replay', self.name, self._states) < self._replay_rate:
                 self.compare_with_log(state)
 
     def compare_with_log(self, state: dict[str, Any]) -> None:

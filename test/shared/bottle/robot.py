@@ -45,6 +45,8 @@ STRATEGIES = ('random_fsq', 'farthest_fsq', 'rarest_demo', 'u_sampling_fsq')
 """Strategies that never ask again about a thing that they know, and are quick."""
 SECONDS_BETWEEN_LOOKS = 4.0
 """Seconds from one time at which something may happen to a disk to the next."""
+SHARE_OF_LOOKS = 0.3
+"""Chance, each of these times, that somebody notices what could not write, and starts it again."""
 SECONDS_TO_ACKNOWLEDGE = 20.0
 """Seconds without faults within which somebody is told what came of their answer."""
 MOST_WAITING = 100
@@ -309,18 +311,20 @@ class Robot:
         disk, name = self.promises.disk, (self._namespace, self._looks)
         was_faulty = bool(disk.fault)
         disk.fault = self.bag.fault = ''
+        # What could not be written shows in what is said soon after.
+        self.promises.is_suspicious = was_faulty or bool(self.learner.failures)
         if was_faulty:
             return
         if self._faults.happens('disk full', *name):
             disk.fault = self.bag.fault = 'No space left on device'
         elif self._faults.happens('disk read-only', *name):
             disk.fault = self.bag.fault = 'Read-only file system'
-        else:
+        elif self._faults.draw('somebody looks', *name) < SHARE_OF_LOOKS:
             for process in self.processes:
                 if process.failures and process.is_up:
                     process.kill()
         if disk.fault:
-            self._had_faulty_disk = True
+            self._had_faulty_disk = self.promises.is_suspicious = True
             self._chart.note(self._namespace, f'DISK: {disk.fault}')
 
 
