@@ -123,7 +123,7 @@ def test_a_learner_killed_at_write_points_of_every_kind_is_gone_on_with(learners
     """Otherwise there would be a moment at which a crash costs an answer.
 
     Real processes at one write point in five, which meets each of the four kinds; every point is tried in one process,
-    see `test_log.py`, and in virtual time, see `test_bottle.py`.
+    see `test_durable_episode.py`, and in virtual time, see `test_bottle.py`.
     """
     learners.finish(tmp_path / 'whole')
     point, kinds = 1, set()
