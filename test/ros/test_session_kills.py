@@ -25,6 +25,7 @@ EPISODE = {'task': 'prepare_lunch', 'seed': 4, 'budget': 7.0, 'turns': 6, 'strat
 WRITE_POINTS = 4 * (1 + 6 + 6)
 """Four for each of: the episode, a scene with its decision, an answer; asking in every turn."""
 
+POINTS_OF_A_REFUSAL = 4
 KILLS = 40
 """Learners that are killed at random moments; the bottle tries many more."""
 LONGEST_LIFE = 0.4
@@ -132,7 +133,8 @@ def test_a_learner_killed_at_write_points_of_every_kind_is_gone_on_with(learners
         kinds.add(point % 4)
         point += 5
     assert kinds == {0, 1, 2, 3}
-    assert point <= WRITE_POINTS + 5
+    # The teacher may still send the last answer of the session before: refused, and written down once.
+    assert point <= WRITE_POINTS + POINTS_OF_A_REFUSAL + 5
 
 
 @pytest.mark.slow
