@@ -16,7 +16,7 @@ from shared.bottle.mutations import MUTATIONS, seeds_to_find
 from shared.bottle.shrinking import shrink
 
 SEEDS, SEEDS_A_TEST = 200, 25
-FOUND_SEEDS = (174, 220, 410, 483, 488, 630, 777, 798, 820, 1006, 1099, 40315, 40765, 41546)
+FOUND_SEEDS = (174, 220, 410, 483, 488, 630, 777, 798, 820, 1006, 1099, 1559, 40315, 40765, 41546)
 """Seeds that have failed once, for whatever reason: what is found is added here."""
 QUICK = 30
 """Seeds within which a fault is found that is tried with every change."""

@@ -88,6 +88,10 @@ class Promises:
                 self._note_query(members['query'])
             elif event.kind in ('answer', 'correction'):
                 self._note_answer(members)
+            elif event.kind == 'passed' and self.started is not None:
+                if members['turn'] == self.started.settings.turns:
+                    # It is withdrawn then, and an answer that comes later costs no more than what is left.
+                    self._settled_before.add(members['query_id'])
             elif event.kind == 'late':
                 self._late.add((members['query_id'], members['answer_id']))
 
